@@ -1,0 +1,64 @@
+"""What a controller is given and what it answers, at every tick, whatever the engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from pushpressslide.core.pose import Pose2
+
+Vector3 = tuple[float, float, float]
+Phase = Literal["approach", "touch", "move", "release", "done"]
+PHASES: tuple[Phase, ...] = ("approach", "touch", "move", "release", "done")
+
+
+@dataclass(frozen=True, slots=True)
+class TipState:
+    """One arm's tip: position [m] and velocity [m/s] of its centre in the world; force [N] of the tip ON the object."""
+
+    position: Vector3
+    velocity: Vector3
+    force: Vector3
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """All that a robot would see."""
+
+    time: float  # [s]
+    object_pose: Pose2  # X_WG
+    tips: tuple[TipState, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TipCommand:
+    """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
+
+    Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last two per
+    axis of the contact frame (n: horizontal at ``normal_yaw``; t: left of n; z: up).
+    """
+
+    force: Vector3  # [N] world, feed-forward, ON the object
+    position: Vector3  # [m] world, reference of the tip's centre
+    velocity: Vector3  # [m/s] world
+    stiffness: Vector3  # [N/m] along n, t, z
+    damping: Vector3  # [N s/m] along n, t, z
+    normal_yaw: float  # [rad] in the world
+    tool_yaw: float  # [rad] wanted yaw of the tool in the world, less the joint path's offset
+    tool_yaw_rate: float  # [rad/s]
+    servo_cap: float  # [N] bound on the horizontal impedance force
+    progress: float  # [m] arc length on the planned path, for the joint reference
+
+
+@dataclass(frozen=True, slots=True)
+class ControlLog:
+    """What a controller thought at one tick, for the record."""
+
+    phase: Phase
+    progress: float  # [m]
+    reference: Pose2  # X_WG at the same TIME
+    tracking_error: tuple[float, float, float]  # along [m], left [m], heading [rad]; reference minus actual
+    wanted_wrench: tuple[float, float, float]  # fx, fy [N], tau [N m] in B, about the CoM
+    allocated_wrench: tuple[float, float, float]
+    steering: float  # [rad] force angle from the heading axis
+    status: str

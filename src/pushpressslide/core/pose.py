@@ -1,0 +1,68 @@
+"""Poses in the plane, SE(2), in plain floats."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+Point = tuple[float, float]
+"""A point or a vector in the plane: (x, y) [m]; its frame is said where it is used."""
+
+
+def wrap_angle(angle: float) -> float:
+    """Return ``angle`` [rad] wrapped into (-pi, pi]."""
+    wrapped = math.remainder(angle, 2.0 * math.pi)
+    return math.pi if wrapped == -math.pi else wrapped
+
+
+def cross(a: Point, b: Point) -> float:
+    """Return the z component of a x b."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def turned_left(a: Point) -> Point:
+    """Return J a: the vector turned by +90 degrees."""
+    return (-a[1], a[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad] counter-clockwise."""
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+    @property
+    def position(self) -> Point:
+        """Origin of B in A [m]."""
+        return (self.x, self.y)
+
+    def rotate(self, v_B: Point) -> Point:
+        """Return the components in A of a vector given in B."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return (c * v_B[0] - s * v_B[1], s * v_B[0] + c * v_B[1])
+
+    def unrotate(self, v_A: Point) -> Point:
+        """Return the components in B of a vector given in A."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return (c * v_A[0] + s * v_A[1], -s * v_A[0] + c * v_A[1])
+
+    def apply(self, p_B: Point) -> Point:
+        """Return the position in A of a point given in B."""
+        x, y = self.rotate(p_B)
+        return (self.x + x, self.y + y)
+
+    def unapply(self, p_A: Point) -> Point:
+        """Return the position in B of a point given in A."""
+        return self.unrotate((p_A[0] - self.x, p_A[1] - self.y))
+
+    def compose(self, other: Pose2) -> Pose2:
+        """Return X_AC = X_AB X_BC, with self = X_AB; the yaw is not wrapped."""
+        x, y = self.apply((other.x, other.y))
+        return Pose2(x, y, self.yaw + other.yaw)
+
+    def inverse(self) -> Pose2:
+        """Return X_BA."""
+        x, y = self.unrotate((-self.x, -self.y))
+        return Pose2(x, y, -self.yaw)

@@ -1,0 +1,188 @@
+"""A task as typed, frozen data: what is to be moved, on what, from where to where, and by which robots.
+
+Built in one place, ``pipeline/task_file.py``, which checks every field; the file format is documented in docs/task-file.md.
+SI units and radians throughout (the file has degrees where its key ends in ``_deg``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from pushpressslide.core.pose import Point, Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A cuboid; its frame G is at its centre."""
+
+    size: tuple[float, float, float]  # [m] full lengths along x, y, z
+
+    @property
+    def height(self) -> float:
+        """Height [m]."""
+        return self.size[2]
+
+    @property
+    def footprint(self) -> tuple[Point, ...]:
+        """Corners of the base in G, counter-clockwise [m]."""
+        a, b = 0.5 * self.size[0], 0.5 * self.size[1]
+        return ((-a, -b), (a, -b), (a, b), (-a, b))
+
+
+@dataclass(frozen=True, slots=True)
+class Prism:
+    """An upright prism on a convex polygon; its frame G is the polygon's own origin."""
+
+    polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise, convex
+    height: float  # [m]
+
+    @property
+    def footprint(self) -> tuple[Point, ...]:
+        """Corners of the base in G, counter-clockwise [m]."""
+        return self.polygon
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """An upright cylinder; its frame G is at its centre."""
+
+    radius: float  # [m]
+    height: float  # [m]
+
+
+Shape = Box | Prism | Cylinder
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """What the object slides on."""
+
+    kind: Literal["table", "wall"] = "table"
+    friction: float = 0.3  # coefficient of the pair object/support, in (0, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectModel:
+    """The object to be moved."""
+
+    shape: Shape
+    mass: float  # [kg] > 0
+    center_of_mass: Point  # [m] in G, projected on the support (resolved: the centroid if the file does not say)
+
+    @property
+    def X_GB(self) -> Pose2:
+        """Pose of the body frame B (origin at the projected centre of mass) in the shape's frame G."""
+        return Pose2(self.center_of_mass[0], self.center_of_mass[1], 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """When the goal counts as reached."""
+
+    position: float = 0.01  # [m]
+    yaw: float = 0.03490658503988659  # [rad]; 2 degrees
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One arm (or a free tip, ``hand``) and where its base stands."""
+
+    model: str  # "panda" | "iiwa7" | "hand" | path of a URDF or SDF file
+    base: tuple[float, float, float]  # [m] position of the base in the world
+    base_yaw: float = 0.0  # [rad]
+    tip_frame: str | None = None  # name of the frame at the tip's centre; needed for a model given by path
+    tip_radius: float = 0.02  # [m] radius of the spherical tip
+    tip_length: float = 0.15  # [m] from the flange to the tip's centre (generated models)
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A box in the scene, fixed or free to move."""
+
+    name: str
+    size: tuple[float, float, float]  # [m]
+    pose: Pose2  # of its centre, in the world (on a wall: in the wall's plane)
+    movable: bool = False
+    mass: float = 1.0  # [kg]; used if movable
+    friction: float = 0.3  # against the support; used if movable
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Bounds of the run."""
+
+    time: float = 60.0  # [s] simulated
+    normal_force: float = 40.0  # [N] per contact
+    workspace: tuple[float, float, float, float] | None = None  # [m] x_min, x_max, y_min, y_max of the object's frame G
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """What planner and controller are told; resolved: equals the truth where the file does not differ."""
+
+    support_friction: float
+    contact_friction: float
+    mass: float
+    rho: float | None = None  # [m] None: computed from the shape
+
+
+@dataclass(frozen=True, slots=True)
+class Sensing:
+    """Imperfections of what the controller is given: standard deviations, and one delay for all."""
+
+    position_noise: float = 0.0  # [m]
+    yaw_noise: float = 0.0  # [rad]
+    force_noise: float = 0.0  # [N]
+    delay: float = 0.0  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How the motion is to be done; defaults suit the shipped robots."""
+
+    speed: float = 0.05  # [m/s] along the path of the tracking point, in (0, 0.2]
+    contact_height: float | None = None  # [m] above the support; None: chosen by the mode
+    approach_distance: float = 0.05  # [m] free way before the touch
+    joint_tracking: bool = True  # add the joint impedance about the planned joint path
+    velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
+    curvature_margin: float = 0.7  # share of the friction-limited curvature that the path may use, in (0, 1]
+    run_in: float = 0.10  # [m] straight end of the path
+    time_step: float = 0.004  # [s] of the physics engine, which is also the control period
+    face: int | None = None  # index of the pushed edge of the footprint; None: chosen
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One manipulation task, complete and checked."""
+
+    name: str
+    object: ObjectModel
+    start: Pose2  # X_WG that the plan is made for (on a wall: in the wall's plane)
+    goal: Pose2  # X_WG
+    robots: tuple[Robot, ...]
+    support: Support = field(default_factory=Support)
+    contact_friction: float = 0.6  # pair end effector/object, in (0, 2)
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    obstacles: tuple[Obstacle, ...] = ()
+    modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
+    limits: Limits = field(default_factory=Limits)
+    belief: Belief | None = None  # never None once loaded
+    start_error: Pose2 = field(default_factory=Pose2)  # the true start is start + this, in world axes
+    sensing: Sensing = field(default_factory=Sensing)
+    motion: Motion = field(default_factory=Motion)
+    description: str = ""
+    source: str = ""  # the file it came from, for messages
+
+    @property
+    def believed(self) -> Belief:
+        """What planner and controller are told."""
+        if self.belief is not None:
+            return self.belief
+        return Belief(self.support.friction, self.contact_friction, self.object.mass)
+
+    @property
+    def true_start(self) -> Pose2:
+        """X_WG at which the object really starts."""
+        e = self.start_error
+        return Pose2(self.start.x + e.x, self.start.y + e.y, self.start.yaw + e.yaw)

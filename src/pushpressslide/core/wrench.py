@@ -1,0 +1,40 @@
+"""Planar wrenches and twists, each with the point that it refers to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pushpressslide.core.pose import Point, cross
+
+
+@dataclass(frozen=True, slots=True)
+class Wrench:
+    """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m] about the point ``about``.
+
+    All in one planar frame, the body frame B unless said otherwise (MECHANICS, section 0).
+    """
+
+    fx: float
+    fy: float
+    tau: float
+    about: Point = (0.0, 0.0)
+
+    def moved_to(self, point: Point) -> Wrench:
+        """Return the same wrench with its moment about ``point``: tau_p = tau_o - (p - o) x F."""
+        arm = (point[0] - self.about[0], point[1] - self.about[1])
+        return Wrench(self.fx, self.fy, self.tau - cross(arm, (self.fx, self.fy)), point)
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s], in one planar frame."""
+
+    vx: float
+    vy: float
+    w: float
+    of: Point = (0.0, 0.0)
+
+    def moved_to(self, point: Point) -> Twist:
+        """Return the same motion as the velocity of another body point: v_p = v_o + w J (p - o)."""
+        rx, ry = point[0] - self.of[0], point[1] - self.of[1]
+        return Twist(self.vx - self.w * ry, self.vy + self.w * rx, self.w, point)
