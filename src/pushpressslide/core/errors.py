@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
+import reprlib
+
 
 class PushPressSlideError(Exception):
     """Root of every error that this package raises on purpose."""
 
 
 class TaskError(PushPressSlideError):
-    """A task file that cannot be used: names the file, the field, the value and what is allowed."""
+    """A task file that cannot be used: names the file, the field, the value and what is allowed.
+
+    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is wrong`` if no field is to blame.
+    """
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:
-        shown = repr(value)
-        shown = shown if len(shown) <= 80 else shown[:77] + "..."
+        shown = value if isinstance(value, Shown) else _bounded(value)
         where = f"{source}: {field}: " if field else f"{source}: "
         super().__init__(f"{where}{shown} is not allowed; {allowed}" if field else f"{where}{allowed}")
         self.source, self.field, self.value, self.allowed = source, field, value, allowed
+
+
+class Shown(str):
+    """A value that is put in a message as it is, without quotes: numbers with their units."""
+
+    __slots__ = ()
+
+
+def _bounded(value: object) -> str:
+    """Return a repr of at most about 80 characters, in bounded time whatever the value refers to."""
+    short = reprlib.Repr()
+    short.maxstring = short.maxother = short.maxlong = 60
+    text = " ".join(short.repr(value).split())
+    return text if len(text) <= 80 else text[:77] + "..."
 
 
 class InfeasibleTaskError(PushPressSlideError):

@@ -142,11 +142,16 @@ class Motion:
     """How the motion is to be done; defaults suit the shipped robots."""
 
     speed: float = 0.05  # [m/s] along the path of the tracking point, in (0, 0.2]
+    acceleration: float = 0.1  # [m/s^2] of the ramps; far below mu_s g keeps the motion quasi-static
+    tracking_gain: float = 2.0  # of the steering law, in units of the largest without overshoot
+    servo_damping: float = 500.0  # [N s/m] of the contact velocity servo
+    joint_stiffness: float = 10.0  # [N m/rad] of the joint-tracking term
+    force_gain: float | None = None  # on the feed-forward force; None: 1 with the servo, 1.05 without
     contact_height: float | None = None  # [m] above the support; None: chosen by the mode
     approach_distance: float = 0.05  # [m] free way before the touch
     joint_tracking: bool = True  # add the joint impedance about the planned joint path
     velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
-    curvature_margin: float = 0.7  # share of the friction-limited curvature that the path may use, in (0, 1]
+    curvature_margin: float = 0.55  # share of the friction-limited curvature that the path may use, in (0, 1]
     run_in: float = 0.10  # [m] straight end of the path
     time_step: float = 0.004  # [s] of the physics engine, which is also the control period
     face: int | None = None  # index of the pushed edge of the footprint; None: chosen
@@ -172,7 +177,7 @@ class Task:
     sensing: Sensing = field(default_factory=Sensing)
     motion: Motion = field(default_factory=Motion)
     description: str = ""
-    source: str = ""  # the file it came from, for messages
+    source: str = field(default="", compare=False)  # the file it came from, for messages
 
     @property
     def believed(self) -> Belief:

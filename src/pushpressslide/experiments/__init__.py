@@ -1,1 +1,1 @@
-"""TBD."""
+"""Runs of tasks: one task from file to report, and many under random variations."""

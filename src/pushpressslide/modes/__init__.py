@@ -1,1 +1,22 @@
-"""TBD."""
+"""The library of contact modes: one file per contact topology. A mode is added by adding its file here."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+
+from pushpressslide.modes.base import Mode
+
+
+def _found() -> dict[str, Mode]:
+    modes: dict[str, Mode] = {}
+    for info in pkgutil.iter_modules(__path__):
+        if info.name == "base":
+            continue
+        mode: Mode = importlib.import_module(f"{__name__}.{info.name}").MODE
+        modes[mode.name] = mode
+    return modes
+
+
+MODES: dict[str, Mode] = _found()
+"""Every mode by its name."""

@@ -1,1 +1,1 @@
-"""TBD."""
+"""From a task file to commands: loading, selection, planning, and the controller (the paper's Algorithm 1)."""

@@ -1,1 +1,1 @@
-"""TBD."""
+"""The fast engine: quasi-static sliding on a limit surface, without Drake; runs the same controller."""

@@ -1,1 +1,1 @@
-"""TBD."""
+"""What became of a run: figures, files, plots and pages, from task, plan and record alone."""

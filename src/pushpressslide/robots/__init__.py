@@ -1,1 +1,1 @@
-"""TBD."""
+"""Robots as arrays: published facts, kinematics both ways, reach, joint paths; no physics engine."""

@@ -1,1 +1,1 @@
-"""TBD."""
+"""The physics engine: the only package that imports pydrake."""

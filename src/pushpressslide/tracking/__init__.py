@@ -1,1 +1,1 @@
-"""TBD."""
+"""Tracking laws: closed form, state in and state out, in plain floats."""

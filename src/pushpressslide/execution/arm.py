@@ -1,0 +1,66 @@
+"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27, for any arm given as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.control import TipCommand, Vector3
+from pushpressslide.execution.impedance import tip_force, tip_moment
+from pushpressslide.execution.torque import joint_torque, limited, task_torque
+
+Array = NDArray[np.float64]
+
+ROTATION_STIFFNESS, ROTATION_DAMPING = 60.0, 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
+POSTURE_STIFFNESS, POSTURE_DAMPING = 20.0, 8.0  # [N m/rad], [N m s/rad] of the joints, felt in the null space only
+JOINT_DAMPING = 0.5  # [N m s/rad] with the joint-tracking term
+FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
+
+
+@dataclass(frozen=True, slots=True)
+class ArmState:
+    """What is known of one arm at a tick; world axes, tip = centre of the tip's sphere."""
+
+    q: Array  # (n,) [rad]
+    v: Array  # (n,) [rad/s]
+    position: Vector3  # [m]
+    rotation: Array  # (3, 3) R_WT
+    velocity: Vector3  # [m/s]
+    angular_velocity: Array  # (3,) [rad/s]
+    J: Array  # (6, n) rows [angular; linear]
+    M: Array  # (n, n) mass matrix
+    bias: Array  # (n,) [N m] gravity and Coriolis compensation
+
+
+@dataclass(frozen=True, slots=True)
+class ArmExecutor:
+    """Impedance, joint tracking and limits of one arm."""
+
+    effort: Array  # (n,) [N m]
+    rate: Array  # (n,) [N m/s]
+    rotation: Callable[[float], Array]  # R_WT (3, 3) of the tool at a tool yaw [rad]
+    yaw_offset: float  # [rad] tool yaw minus object yaw
+    joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
+    dt: float  # [s]
+
+    def free(self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None) -> tuple[Array, float]:
+        """Return torque (n,) and the share of the effort limit asked for, tracking joints in free space."""
+        rate = min(FREE_RATE, 0.25 / self.dt)
+        tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
+        return limited(tau, previous, self.effort, self.rate, self.dt)
+
+    def contact(self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None) -> tuple[Array, float]:
+        """Return torque (n,) and the share of the effort limit asked for, executing a tip command."""
+        force = np.array(tip_force(command, arm.position, arm.velocity))
+        R_wanted = self.rotation(command.tool_yaw + self.yaw_offset)
+        w_wanted = np.array([0.0, 0.0, command.tool_yaw_rate])
+        moment = tip_moment(R_wanted, arm.rotation, w_wanted, arm.angular_velocity, ROTATION_STIFFNESS, ROTATION_DAMPING)
+        error = q_ref - arm.q
+        posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
+        tau = task_torque(arm.J, moment, force, posture, arm.bias)
+        if self.joint_stiffness > 0.0:
+            tau += self.joint_stiffness * error - JOINT_DAMPING * arm.v
+        return limited(tau, previous, self.effort, self.rate, self.dt)

@@ -1,0 +1,49 @@
+"""Cartesian impedance of the tip and joint impedance of the posture."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.control import TipCommand, Vector3
+
+Array = NDArray[np.float64]
+
+
+def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
+    """Return the force [N], world axes, that the tip is to exert on what it touches.
+
+    Feed-forward plus stiffness and damping about the moving reference along n, t, z of the contact frame. The
+    feed-forward is inside the friction cone already; the horizontal impedance part may leave it, since it also
+    accelerates the arm's own inertia, but is held below ``command.servo_cap``.
+    """
+    c, s = math.cos(command.normal_yaw), math.sin(command.normal_yaw)
+    dx, dy = command.position[0] - position[0], command.position[1] - position[1]
+    ux, uy = command.velocity[0] - velocity[0], command.velocity[1] - velocity[1]
+    kn, kt, kz = command.stiffness
+    bn, bt, bz = command.damping
+    fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
+    ft = kt * (-s * dx + c * dy) + bt * (-s * ux + c * uy)
+    size = math.hypot(fn, ft)
+    if size > command.servo_cap:
+        fn, ft = fn * command.servo_cap / size, ft * command.servo_cap / size
+    fz = kz * (command.position[2] - position[2]) + bz * (command.velocity[2] - velocity[2])
+    return (
+        command.force[0] + c * fn - s * ft,
+        command.force[1] + s * fn + c * ft,
+        command.force[2] + fz,
+    )
+
+
+def rotation_error(R_wanted: Array, R: Array) -> Array:
+    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into ``R_wanted`` (3, 3); exact to 90 degrees."""
+    return 0.5 * (
+        np.cross(R[:, 0], R_wanted[:, 0]) + np.cross(R[:, 1], R_wanted[:, 1]) + np.cross(R[:, 2], R_wanted[:, 2])
+    )
+
+
+def tip_moment(R_wanted: Array, R: Array, w_wanted: Array, w: Array, stiffness: float, damping: float) -> Array:
+    """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and damper [N m s/rad]."""
+    return stiffness * rotation_error(R_wanted, R) + damping * (w_wanted - w)

@@ -1,0 +1,48 @@
+"""Proportional-integral regulation of a normal force (paper eq. 26; MECHANICS, section 10)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class NormalForceState:
+    """What the regulator remembers."""
+
+    integral: float = 0.0  # [N] of K_i times the error's integral
+    ramped: float = 0.0  # [N] the command as ramped so far
+
+
+@dataclass(frozen=True, slots=True)
+class NormalForceRegulator:
+    """PI with a ramped command, a clamp, conditional integration, and a reset when contact is lost.
+
+    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated before
+    the output.
+    """
+
+    k_p: float = 0.3
+    k_i: float = 10.0  # [1/s]
+    f_max: float = 40.0  # [N]
+    ramp: float = 60.0  # [N/s]
+    contact_threshold: float = 0.2  # [N] below it there is no contact
+
+    def init(self) -> NormalForceState:
+        """Return the state at rest."""
+        return NormalForceState()
+
+    def step(
+        self, state: NormalForceState, command: float, measured: float, dt: float
+    ) -> tuple[float, NormalForceState]:
+        """Return the normal force to apply [N] in [0, f_max], and the next state."""
+        step = self.ramp * dt
+        ramped = min(max(command, state.ramped - step), state.ramped + step)
+        if measured < self.contact_threshold:
+            return min(max(ramped, 0.0), self.f_max), NormalForceState(0.0, ramped)
+        error = ramped - measured
+        integral = state.integral + self.k_i * error * dt
+        raw = ramped + self.k_p * error + integral
+        output = min(max(raw, 0.0), self.f_max)
+        if raw != output and (raw - output) * error > 0.0:
+            integral = state.integral  # the clamp is active and the error would push further into it
+        return output, NormalForceState(integral, ramped)

@@ -1,0 +1,139 @@
+"""One task through the whole pipeline: select, plan, run on an engine, measure, write everything that a user looks at."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.pipeline.planner import plan as make_plan
+from pushpressslide.pipeline.planner import refusal
+from pushpressslide.pipeline.selection import select
+
+Engine = Literal["drake", "planar"]
+Progress = Callable[[float, float], None]
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    out = {"python": platform.python_version()}
+    for name in ("pushpressslide", "drake", "numpy"):
+        try:
+            out[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            out[name] = "unknown"
+    return out
+
+
+def simulate(
+    task: Task,
+    *,
+    engine: Engine = "drake",
+    seed: int = 0,
+    force: bool = False,
+    progress: Progress | None = None,
+    models: str = "generated",
+    choices: list[Choice] | None = None,
+) -> tuple[Plan, Record, list[Choice]]:
+    """Select, plan and run; the choices come back with the reasons why better-ranked ones were passed over.
+
+    On Drake a choice must also have a joint path: the first that has one is run. ``force`` runs the best choice that has a
+    path even where it was judged infeasible. Raises InfeasibleTaskError where nothing can do the task.
+    """
+    choices = select(task) if choices is None else choices
+    usable = [c for c in choices if c.path is not None and (c.feasible or force)]
+    if not usable:
+        raise InfeasibleTaskError(refusal(task, choices))
+    if engine == "planar":
+        from pushpressslide.planar.engine import run as run_planar
+
+        made = make_plan(task, usable[0], force=force)
+        return made, run_planar(made, seed=seed, progress=progress), choices
+    from pushpressslide.sim.engine import run as run_drake
+    from pushpressslide.sim.joint_path import joint_path
+
+    judged = list(choices)
+    problem: InfeasibleTaskError | None = None
+    for choice in usable:
+        made = make_plan(task, choice, force=force)
+        try:
+            paths = tuple(joint_path(made, arm, force=force) for arm in range(len(task.robots)))
+        except InfeasibleTaskError as error:
+            problem = error
+            reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"
+            judged[judged.index(choice)] = replace(choice, feasible=False, reason=reason)
+            continue
+        record = run_drake(made, seed=seed, progress=progress, models=models, paths=paths)
+        return made, record, judged
+    if len(usable) == 1 and problem is not None:
+        raise problem
+    raise InfeasibleTaskError(refusal(task, judged))
+
+
+def run_task(
+    task: Task,
+    *,
+    engine: Engine = "drake",
+    seed: int = 0,
+    out: Path | None = None,
+    mode: str | None = None,
+    force: bool = False,
+    live: bool = False,
+    video: bool = False,
+    progress: Progress | None = None,
+    models: str = "generated",
+) -> dict[str, Any]:
+    """Run ``task`` and return its result; with ``out`` also leave all files of a run there.
+
+    ``mode`` restricts the choice to one mode. Raises InfeasibleTaskError before anything moves where nothing can do the task.
+    """
+    from pushpressslide.report.metrics import result as measure
+
+    if mode is not None:
+        task = replace(task, modes=(mode,))
+    plan, record, choices = simulate(task, engine=engine, seed=seed, force=force, progress=progress, models=models)
+    result = measure(task, plan, record, versions())
+    if out is not None:
+        write_run(out, task, plan, record, result, choices, models=models, video=video)
+    return result
+
+
+def write_run(
+    out: Path,
+    task: Task,
+    plan: Plan,
+    record: Record,
+    result: dict[str, Any],
+    choices: list[Choice],
+    *,
+    models: str = "generated",
+    video: bool = False,
+) -> None:
+    """Write plan, record, result, replay and report of a finished run into ``out``."""
+    from pushpressslide.report.files import save_run
+    from pushpressslide.report.page import write_report
+    from pushpressslide.report.plan_files import write_plan
+
+    out.mkdir(parents=True, exist_ok=True)
+    write_plan(plan, out, choices)
+    if record.engine == "drake":
+        from pushpressslide.sim.replay import write_replay
+
+        write_replay(task, plan, record, out, models=models)
+        if video:
+            from pushpressslide.sim.frames import write_video
+
+            write_video(task, plan, record, out)
+    else:
+        from pushpressslide.planar.replay import write_replay as write_planar_replay
+
+        write_planar_replay(task, plan, record, out)
+    save_run(out, task, plan, record, result)
+    write_report([out], out)

@@ -1,0 +1,72 @@
+"""Contact forces and the wrench they add up to, and the mobility of a contact point. Plain floats.
+
+Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the body frame B unless
+said otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pushpressslide.core.pose import Point, cross
+from pushpressslide.core.wrench import Wrench
+
+Matrix2 = tuple[tuple[float, float], tuple[float, float]]
+
+
+def wrench_of_forces(points: Sequence[Point], forces: Sequence[Point], about: Point = (0.0, 0.0)) -> Wrench:
+    """Return the wrench, moment about ``about``, of ``forces`` [N] on the object at ``points`` [m].
+
+    Raises ValueError for unequal lengths.
+    """
+    if len(points) != len(forces):
+        raise ValueError(f"{len(points)} points and {len(forces)} forces; need one force per point")
+    fx = fy = tau = 0.0
+    for p, f in zip(points, forces, strict=True):
+        fx += f[0]
+        fy += f[1]
+        tau += cross((p[0] - about[0], p[1] - about[1]), f)
+    return Wrench(fx, fy, tau, about)
+
+
+def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, ...]:
+    """Return the forces [N] at ``points`` [m] that add up to ``wrench``, with the least sum of squares.
+
+    An equal share of the force each, plus a turn about the mean point: f_i = F/k + g J (p_i - p_mean).
+    Friction cones are not looked at. Raises ValueError for fewer than two distinct points, which cannot give
+    every moment.
+    """
+    k = len(points)
+    if k == 0:
+        raise ValueError("no contact point; need at least two")
+    mean = (sum(p[0] for p in points) / k, sum(p[1] for p in points) / k)
+    arms = [(p[0] - mean[0], p[1] - mean[1]) for p in points]
+    spread = sum(a[0] * a[0] + a[1] * a[1] for a in arms)
+    if spread == 0.0:
+        raise ValueError("contact points coincide; need at least two distinct ones")
+    g = wrench.moved_to(mean).tau / spread
+    return tuple((wrench.fx / k - g * a[1], wrench.fy / k + g * a[0]) for a in arms)
+
+
+def contact_mobility(lever: Point, rho: float) -> Matrix2:
+    """Return G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c ~ G f on the ellipsoid.
+
+    ``lever`` r [m] is the contact relative to the centre of pressure (docs/mechanics.md, section 2).
+    """
+    a, b = -lever[1] / rho, lever[0] / rho
+    return ((1.0 + a * a, a * b), (a * b, 1.0 + b * b))
+
+
+def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
+    """Return G f: the velocity of the contact point per unit of the CoP's velocity per force [N]."""
+    k = cross(lever, force) / (rho * rho)
+    return (force[0] - k * lever[1], force[1] + k * lever[0])
+
+
+def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
+    """Return G^-1 v_c, along the force that a sticking contact moving with ``velocity`` exerts.
+
+    Its length is not a force: scale it onto the limit surface.
+    """
+    k = cross(lever, velocity) / (rho * rho + lever[0] * lever[0] + lever[1] * lever[1])
+    return (velocity[0] + k * lever[1], velocity[1] - k * lever[0])

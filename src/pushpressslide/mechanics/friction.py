@@ -1,0 +1,95 @@
+"""Friction at one contact: the cone, the motion cone, and what a contact with a prescribed velocity does.
+Plain floats.
+
+Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n turned by +90 degrees;
+mu is the friction of the pair end effector/object.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from pushpressslide.core.pose import Point, cross, turned_left
+from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.contacts import force_of_velocity, velocity_of_force
+from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+
+PushKind = Literal["stick", "slip_left", "slip_right", "separate"]
+
+
+def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:
+    """Return the right and left edge (f_-, f_+) = n -+ mu t of a side contact's friction cone."""
+    t = turned_left(normal)
+    return (
+        (normal[0] - mu * t[0], normal[1] - mu * t[1]),
+        (normal[0] + mu * t[0], normal[1] + mu * t[1]),
+    )
+
+
+def cone_margin(force: Point, normal: Point, mu: float) -> float:
+    """Return mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative outside."""
+    f_n = force[0] * normal[0] + force[1] * normal[1]
+    return mu * f_n - abs(cross(normal, force))
+
+
+def press_margin(force: Point, normal_force: float, mu: float) -> float:
+    """Return mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0 if it sticks."""
+    return mu * normal_force - math.hypot(force[0], force[1])
+
+
+def force_angle(force: Point, axis: Point) -> float:
+    """Return the angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi, pi]."""
+    return math.atan2(cross(axis, force), axis[0] * force[0] + axis[1] * force[1])
+
+
+def motion_cone(lever: Point, rho: float, normal: Point, mu: float) -> tuple[Point, Point]:
+    """Return the right and left edge (G f_-, G f_+) of the velocities at which the contact sticks.
+
+    ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points at the CoP its half
+    angle is tan(psi) = (1 + d^2/rho^2) mu.
+    """
+    right, left = cone_edges(normal, mu)
+    return velocity_of_force(lever, rho, right), velocity_of_force(lever, rho, left)
+
+
+@dataclass(frozen=True, slots=True)
+class PushOutcome:
+    """What a pusher with a prescribed velocity does to a quasi-static object."""
+
+    kind: PushKind  # slip_left: the pusher slides to the left (+t) along the object's face
+    force: Point  # [N] on the object, on the limit surface; zero when separated
+    twist: Twist  # of the centre of pressure
+    slip_velocity: float  # [m/s] of the pusher relative to the object, along t
+
+
+def push_outcome(
+    surface: EllipsoidLimitSurface, contact: Point, normal: Point, mu: float, velocity: Point
+) -> PushOutcome:
+    """Return how the object moves when a pusher at ``contact`` [m] is driven with ``velocity`` [m/s].
+
+    Inside the motion cone it sticks; outside, the force stays on the edge of the friction cone and the normal
+    velocity is kept; with no velocity into the object it leaves. ``normal`` is the unit inward normal.
+    """
+    cop, rho = surface.center, surface.rho
+    approach = velocity[0] * normal[0] + velocity[1] * normal[1]
+    if approach <= 0.0:
+        return PushOutcome("separate", (0.0, 0.0), Twist(0.0, 0.0, 0.0, cop), cross(normal, velocity))
+    lever = (contact[0] - cop[0], contact[1] - cop[1])
+    mobile = force_of_velocity(lever, rho, velocity)
+    kind: PushKind = "stick"
+    slip = 0.0
+    if cone_margin(mobile, normal, mu) < 0.0:
+        # An edge that leads away from the pusher cannot be passed by a velocity towards the object.
+        right, left = motion_cone(lever, rho, normal, mu)
+        to_left = left[0] * normal[0] + left[1] * normal[1] > 0.0 and cross(left, velocity) > 0.0
+        kind = "slip_left" if to_left else "slip_right"
+        edge = cone_edges(normal, mu)[1 if to_left else 0]
+        edge_velocity = left if to_left else right
+        k = approach / (edge_velocity[0] * normal[0] + edge_velocity[1] * normal[1])
+        mobile = (k * edge[0], k * edge[1])
+        slip = cross(normal, velocity) - k * cross(normal, edge_velocity)
+    twist = Twist(mobile[0], mobile[1], cross(lever, mobile) / (rho * rho), cop)
+    wrench = surface.wrench(twist)
+    return PushOutcome(kind, (wrench.fx, wrench.fy), twist, slip)

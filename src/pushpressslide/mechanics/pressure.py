@@ -1,0 +1,212 @@
+"""Pressure between object and support: total load, centre of pressure (CoP), distributions as samples.
+
+Source: docs/mechanics.md, section 1.2. All points are in one planar frame, the body frame B unless said
+otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Point
+from pushpressslide.core.task import Cylinder, Shape
+from pushpressslide.mechanics import quadrature
+
+Array = NDArray[np.float64]
+
+# Torsional radius of a square cell over the root of its area: keeps the cell's second moment, 1 / sqrt(12).
+CELL_RADIUS = 1.0 / math.sqrt(12.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PressureSamples:
+    """A pressure distribution as n point loads; three pins are ``PressureSamples(points, loads)`` directly.
+
+    Raises ValueError for wrong shapes, negative or non-finite loads, or no load at all.
+    """
+
+    points: Array  # (n, 2) [m]
+    loads: Array  # (n,) [N], >= 0
+    radii: Array = field(
+        default_factory=lambda: np.zeros(0)
+    )  # (n,) [m] of the cell a sample stands for; 0: a pin
+
+    def __post_init__(self) -> None:
+        points = np.array(self.points, dtype=np.float64)
+        loads = np.array(self.loads, dtype=np.float64)
+        radii = np.array(self.radii, dtype=np.float64)
+        if radii.size == 0:
+            radii = np.zeros(len(loads))
+        if (
+            points.ndim != 2
+            or points.shape[1] != 2
+            or loads.shape != points.shape[:1]
+            or radii.shape != loads.shape
+        ):
+            raise ValueError(
+                f"points {points.shape}, loads {loads.shape}, radii {radii.shape}: need (n, 2), (n,) and (n,)"
+            )
+        finite = np.isfinite(points).all() and np.isfinite(loads).all() and np.isfinite(radii).all()
+        if not finite or (loads < 0.0).any() or not loads.sum() > 0.0:
+            raise ValueError("points and loads must be finite, loads >= 0, and their sum > 0")
+        for name, value in (("points", points), ("loads", loads), ("radii", radii)):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def total_load(self) -> float:
+        """Total normal load N [N]."""
+        return float(self.loads.sum())
+
+    @property
+    def cop(self) -> Point:
+        """Centre of pressure [m]."""
+        x, y = self.loads @ self.points / self.loads.sum()
+        return (float(x), float(y))
+
+    def scaled_to(self, load: float) -> PressureSamples:
+        """Return the same distribution with another total ``load`` [N]."""
+        return PressureSamples(self.points, self.loads * (load / self.total_load), self.radii)
+
+    def translated(self, shift: Point) -> PressureSamples:
+        """Return the distribution moved by ``shift`` [m]."""
+        return PressureSamples(self.points + np.array(shift), self.loads, self.radii)
+
+
+def total_load(own_load: float, normals: Sequence[float]) -> float:
+    """Return N = N_o + sum N_i [N]: the object's own load on the support and the presses from above."""
+    return own_load + sum(normals)
+
+
+def center_of_pressure(
+    own_load: float,
+    own_point: Point,
+    normals: Sequence[float] = (),
+    points: Sequence[Point] = (),
+    forces: Sequence[Point] = (),
+    heights: Sequence[float] = (),
+) -> Point:
+    """Return p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m] (docs/mechanics.md, 1.2).
+
+    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall), ``normals`` [N] press at
+    ``points`` [m], horizontal ``forces`` [N] act on the object at ``heights`` [m] above the support: of side
+    pushes, of presses, and on a wall the weight at the height of the centre of mass. Raises ValueError for
+    unequal lengths or a load <= 0.
+    """
+    if len(normals) != len(points) or len(forces) != len(heights):
+        raise ValueError(
+            f"{len(normals)} normals, {len(points)} points, {len(forces)} forces, {len(heights)} heights: "
+            "one point per normal and one height per force"
+        )
+    load = total_load(own_load, normals)
+    if not load > 0.0:
+        raise ValueError(f"total load {load} N; must be > 0")
+    x = own_load * own_point[0]
+    y = own_load * own_point[1]
+    for n, p in zip(normals, points, strict=True):
+        x += n * p[0]
+        y += n * p[1]
+    for f, h in zip(forces, heights, strict=True):
+        x += h * f[0]
+        y += h * f[1]
+    return (x / load, y / load)
+
+
+def _cells(points: Array, areas: Array, pressures: Array, load: float) -> PressureSamples:
+    loads = areas * np.maximum(pressures, 0.0)
+    return PressureSamples(points, loads * (load / loads.sum()), CELL_RADIUS * np.sqrt(areas))
+
+
+def polygon_pressure(
+    polygon: Sequence[Point], load: float = 1.0, cop: Point | None = None, resolution: int = 12
+) -> PressureSamples:
+    """Return the unilateral linear (Winkler) pressure on a convex ``polygon`` with the given CoP.
+
+    Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for ``cop`` None or at the
+    centroid, linear over the whole face for a CoP near it, with the far side lifted beyond
+    (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24 ``resolution``^2 samples, exact for moments up to
+    the third. Raises ValueError for a CoP outside the polygon.
+    """
+    corners = quadrature.as_polygon(polygon)
+    if cop is None:
+        points, areas = quadrature.polygon_rule(corners, resolution)
+        return _cells(points, areas, np.ones(len(areas)), load)
+    a, b = quadrature.linear_pressure(corners, np.array(cop, dtype=np.float64))
+    points, areas = quadrature.polygon_rule(quadrature.clipped(corners, a, b), resolution)
+    return _cells(points, areas, a + points @ b, load)
+
+
+def rectangle_pressure(
+    length: float, width: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
+) -> PressureSamples:
+    """Return the Winkler pressure of a ``length`` x ``width`` rectangle [m] about the origin.
+
+    Its CoP is ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| > length/6 (docs/mechanics.md,
+    1.2).
+    """
+    a, b = 0.5 * length, 0.5 * width
+    return polygon_pressure(((-a, -b), (a, -b), (a, b), (-a, b)), load, cop, resolution)
+
+
+def disc_pressure(
+    radius: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
+) -> PressureSamples:
+    """Return the Winkler pressure of a disc of ``radius`` [m] centred at the origin with CoP ``cop`` [m].
+
+    The whole face is in contact for |cop| <= radius/4; beyond, the disc is integrated as a 64-sided polygon
+    of equal second moment. Raises ValueError for a CoP outside the disc.
+    """
+    if not radius > 0.0:
+        raise ValueError(f"radius {radius} m; must be > 0")
+    if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
+        points, areas = quadrature.disc_rule(radius, resolution)
+        return _cells(points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop)), load)
+    n = 64
+    step = 2.0 * math.pi / n
+    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s) (2 + cos(s)) / (3 s).
+    corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
+    polygon = tuple((corner * math.cos(i * step), corner * math.sin(i * step)) for i in range(n))
+    return polygon_pressure(polygon, load, cop, resolution)
+
+
+def pin_pressure(points: Sequence[Point], cop: Point, load: float = 1.0) -> PressureSamples:
+    """Return the loads on three pins at ``points`` [m] whose centre of pressure is ``cop`` [m].
+
+    Raises ValueError if there are not three, they are in one line, or the CoP is outside their triangle.
+    """
+    if len(points) != 3:
+        raise ValueError(f"{len(points)} pins; the loads are determined for exactly 3")
+    system = np.vstack([np.array(points, dtype=np.float64).T, np.ones(3)])
+    if abs(np.linalg.det(system)) < 1e-15:
+        raise ValueError("the three pins are in one line; they must span a triangle")
+    shares = np.linalg.solve(system, np.array([cop[0], cop[1], 1.0]))
+    if shares.min() < -1e-12:
+        raise ValueError(f"centre of pressure {cop} is outside the triangle of the pins")
+    return PressureSamples(np.array(points, dtype=np.float64), load * np.maximum(shares, 0.0))
+
+
+def support_pressure(
+    shape: Shape,
+    load: float = 1.0,
+    center_of_mass: Point = (0.0, 0.0),
+    cop: Point = (0.0, 0.0),
+    resolution: int = 12,
+) -> PressureSamples:
+    """Return the pressure under a shape, as samples in the body frame B (origin: the projected CoM).
+
+    ``center_of_mass`` [m] is given in the shape's frame G (``ObjectModel.center_of_mass``), ``cop`` [m] in B:
+    (0, 0) for the object at rest, moved by presses and by pushes at a height. The distribution is unilateral
+    linear with total ``load`` [N]; it is uniform where the CoP is the centroid of the base. Raises ValueError
+    for a CoP outside the base.
+    """
+    cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
+    if isinstance(shape, Cylinder):
+        samples_G = disc_pressure(shape.radius, load, cop_G, resolution)
+    else:
+        samples_G = polygon_pressure(shape.footprint, load, cop_G, resolution)
+    return samples_G.translated((-center_of_mass[0], -center_of_mass[1]))

@@ -1,0 +1,151 @@
+"""Quadrature over convex polygons and discs, and the linear unilateral pressure with a given centre."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Point
+
+Array = NDArray[np.float64]
+
+# Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973): (barycentric coordinate,
+# weight).
+_RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
+
+
+def as_polygon(corners: Sequence[Point]) -> Array:
+    """Return the corners as an array (n, 2); raises ValueError unless convex and counter-clockwise."""
+    polygon = np.array(corners, dtype=np.float64)
+    if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3 or not np.isfinite(polygon).all():
+        raise ValueError(f"polygon of shape {polygon.shape}; need at least 3 finite corners (x, y)")
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    following = np.roll(edges, -1, axis=0)
+    turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+    size = float(np.abs(edges).max())
+    if size == 0.0 or turns.min() < -1e-12 * size**2 or not moments(polygon)[0] > 1e-12 * size**2:
+        raise ValueError("polygon must be convex, counter-clockwise, and have an area")
+    return polygon
+
+
+def moments(polygon: Array) -> tuple[float, Array, Array]:
+    """Return area, first moments (2,) and second moments (2, 2) about the origin, exactly."""
+    p, q = polygon, np.roll(polygon, -1, axis=0)
+    turn = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    s = p + q
+    first = turn @ s / 6.0
+    outer = s[:, :, None] * s[:, None, :] + p[:, :, None] * p[:, None, :] + q[:, :, None] * q[:, None, :]
+    return float(turn.sum()) / 2.0, first, np.tensordot(turn, outer, axes=1) / 24.0
+
+
+def clipped(polygon: Array, a: float, b: Array) -> Array:
+    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2); m = 0 if there is none."""
+    values = a + polygon @ b
+    if values.min() >= 0.0:
+        return polygon
+    corners: list[Array] = []
+    for i in range(len(polygon)):
+        j = (i + 1) % len(polygon)
+        if values[i] >= 0.0:
+            corners.append(polygon[i])
+        if (values[i] >= 0.0) != (values[j] >= 0.0):
+            share = values[i] / (values[i] - values[j])
+            corners.append(polygon[i] + share * (polygon[j] - polygon[i]))
+    return np.array(corners) if corners else np.zeros((0, 2))
+
+
+def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
+    """Return (a, b) of the pressure max(0, a + b . r) with unit integral and its centre at ``cop`` (2,).
+
+    The solution minimises the convex function half the integral of max(0, a + b . r)^2, less a + b . cop;
+    damped Newton steps on it, in coordinates scaled to the polygon. Raises ValueError for a CoP on or outside
+    the outline.
+    """
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    kept = lengths > 0.0
+    to_cop = cop - polygon
+    inside = (edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0])[kept] / lengths[kept]
+    size = float(lengths.max())
+    if not inside.min() > 1e-4 * size:
+        raise ValueError(
+            f"centre of pressure ({cop[0]:.4g}, {cop[1]:.4g}) m is {inside.min():.3g} m inside the outline "
+            f"of the base; it must be at least {1e-4 * size:.2g} m inside"
+        )
+    area, first, _ = moments(polygon)
+    center, scale = first / area, math.sqrt(area)
+    local, target = (polygon - center) / scale, np.append(1.0, (cop - center) / scale)
+
+    def evaluate(x: Array) -> tuple[float, Array, Array]:
+        patch = clipped(local, float(x[0]), x[1:])
+        hessian = np.zeros((3, 3))
+        if len(patch) >= 3:
+            hessian[0, 0], hessian[0, 1:], hessian[1:, 1:] = moments(patch)
+            hessian[1:, 0] = hessian[0, 1:]
+        integral = hessian @ x
+        return float(0.5 * x @ integral - x @ target), integral - target, hessian
+
+    x = np.array([1.0, 0.0, 0.0])
+    value, gradient, hessian = evaluate(x)
+    for _ in range(100):
+        if np.abs(gradient).max() < 1e-13:
+            break
+        step = np.linalg.solve(hessian + 1e-14 * np.eye(3), -gradient)
+        t, slope = 1.0, float(gradient @ step)
+        while t > 1e-9:
+            new_value, new_gradient, new_hessian = evaluate(x + t * step)
+            # Near the end the value is below its own round-off; there the gradient decides.
+            if (
+                new_value <= value + 1e-4 * t * slope
+                or np.abs(new_gradient).max() < 0.5 * np.abs(gradient).max()
+            ):
+                break
+            t *= 0.5
+        else:
+            break
+        x, value, gradient, hessian = x + t * step, new_value, new_gradient, new_hessian
+    b = x[1:] / scale
+    return float(x[0] - b @ center) / area, b / area
+
+
+def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
+    """Return points (m, 2) and areas (m,) of a rule over a convex polygon, exact to degree 4.
+
+    A fan of triangles about the centroid, each cut into equal parts so that there are about 4
+    ``resolution``^2 of them in all, six points each.
+    """
+    area, first, _ = moments(polygon)
+    center = first / area
+    p, q = polygon, np.roll(polygon, -1, axis=0)
+    cuts = max(1, round(resolution * math.sqrt(4.0 / len(polygon))))
+    rule = np.array([(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE])
+    rule = np.vstack([rule, [(g, g, 1 - 2 * g) for g, _ in _RULE]])
+    weights = np.array([w for _, w in _RULE] * 3)
+    parts = []
+    for i in range(cuts):
+        for j in range(cuts - i):
+            parts.append(((i, j), (i + 1, j), (i, j + 1)))
+            if i + j < cuts - 1:
+                parts.append(((i + 1, j + 1), (i, j + 1), (i + 1, j)))
+    local = (rule @ np.array(parts, dtype=np.float64) / cuts).reshape(-1, 2)
+    share = np.tile(weights / cuts**2, len(parts))
+    to_p, to_q = p - center, q - center
+    triangle = 0.5 * (to_p[:, 0] * to_q[:, 1] - to_p[:, 1] * to_q[:, 0])
+    points = center + local[None, :, :1] * to_p[:, None] + local[None, :, 1:] * to_q[:, None]
+    areas = triangle[:, None] * share[None, :]
+    kept = areas.ravel() > 0.0
+    return points.reshape(-1, 2)[kept], areas.ravel()[kept]
+
+
+def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
+    """Return points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss points on rings."""
+    rings, spokes = 2 * resolution, 6 * resolution
+    nodes, weights = np.polynomial.legendre.leggauss(rings)
+    r = 0.5 * radius * (nodes + 1.0)
+    angle = (np.arange(spokes)[None, :] + 0.5 * (np.arange(rings) % 2)[:, None]) * (2.0 * math.pi / spokes)
+    points = np.stack([r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)], axis=-1)
+    areas = np.repeat(0.5 * radius * weights * r * (2.0 * math.pi / spokes), spokes)
+    return points.reshape(-1, 2), areas

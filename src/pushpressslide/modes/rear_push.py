@@ -1,0 +1,265 @@
+"""Single-arm rear push: one side contact, a rear-steer car tracked at its virtual front axle (MECHANICS, section 3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.pose import Point, Pose2, cross
+from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.faces import Face, faces
+from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.mechanics.virtual_axle import exact_axle_distance
+from pushpressslide.modes.base import Guidance
+from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.robots.reach import reach_problem
+from pushpressslide.rom.rear_steer_car import RearSteerCar
+from pushpressslide.tracking.rear_stanley import RearStanley
+
+GRAVITY = 9.81  # [m/s^2]
+
+STEERING_RESERVE = 0.12  # share of the friction cone's half angle kept between the steering and its edge: the servo and the model need it
+OVERHEAD = 6.0  # [s] typical time of approach, touch and release
+LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
+CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
+TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
+# From comfortable to hard: factors on the run-in and on the share of the friction-limited curvature that the path uses.
+COMFORT = ((1.0, 1.0), (0.6, 1.0), (0.6, 1.2), (0.35, 1.2), (0.35, 1.35), (0.15, 1.35))
+
+
+def contact_height(task: Task, face: Face) -> float:
+    """Return the height of the contact above the support [m]: low, but with the arm's wrist above the object.
+
+    Low, because a push at height h moves the CoP by h mu_s; the tool must be long enough to reach down beside the object.
+    """
+    if task.motion.contact_height is not None:
+        return task.motion.contact_height
+    robot, height = task.robots[0], task.object.shape.height
+    low = max(robot.tip_radius + 0.01, height + 0.03 - robot.tip_length if robot.model != "hand" else 0.0)
+    return min(max(low, min(0.04, 0.5 * height)), height - 0.5 * robot.tip_radius)
+
+
+def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
+    """Return the shortest path that ends with ``run_in`` [m] of straight line."""
+    path = shortest_path(start, advance(goal, 0.0, -run_in), left, right)
+    pieces = (*path.pieces, (0.0, run_in)) if run_in > 0.0 else path.pieces
+    return ArcPath(start, tuple(piece for piece in pieces if piece[1] > 0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class RearPushTracker:
+    """Rear Stanley law, and the wrench on the limit surface that steers so."""
+
+    law: RearStanley
+    X_BV: Pose2
+    contact: Point
+    level: float  # [N] friction force of a pure translation, mu_s N
+    lever: float  # [m] from the contact to the CoP
+    rho: float  # [m]
+
+    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float) -> Guidance:
+        """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
+        X_WV = X_WB.compose(self.X_BV)
+        progress = path.project((X_WV.x, X_WV.y), progress)
+        reference = path.pose(progress)
+        error = self.law.errors(reference, X_WV)
+        delta, saturated = self.law.steering(error[1], error[2], path.curvature(progress))
+        ratio = self.lever * math.sin(delta) / self.rho
+        force = self.level / math.sqrt(1.0 + ratio * ratio)
+        direction = self.X_BV.yaw + delta
+        fx, fy = force * math.cos(direction), force * math.sin(direction)
+        wrench = Wrench(fx, fy, cross(self.contact, (fx, fy)))
+        c, s = math.cos(self.X_BV.yaw), math.sin(self.X_BV.yaw)
+        w = -speed * self.lever / (self.rho * self.rho) * math.tan(delta)
+        # the axle moves along the heading; the CoM is B's origin: v = v_V + w J (0 - q)
+        twist = Twist(speed * c + w * self.X_BV.y, speed * s - w * self.X_BV.x, w)
+        return Guidance(progress, wrench, twist, delta, error, saturated)
+
+
+class RearPush:
+    """One arm pushes a side face from behind."""
+
+    name = "rear_push"
+    arms = 1
+    reduced_model = "rear-steer car"
+    tracking_point = "virtual front axle"
+    cop_steering = False
+
+    def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
+        """Return the reduced model of a push on ``face`` at ``height`` [m], and the CoP's advance by the height term [m].
+
+        rho is that of the exact limit surface under the load shifted by the height term, at a force angle of
+        ``curvature_margin`` times the cone's half angle: where the path turns. Too long is the stable side.
+        """
+        belief = task.believed
+        shift = height * belief.support_friction
+        lever = math.hypot(*face.foot)
+        heading = (-face.foot[0] / lever, -face.foot[1] / lever)
+        rho = belief.rho
+        if rho is None:
+            angle = task.motion.curvature_margin * math.atan(belief.contact_friction)
+            cop = (shift * heading[0], shift * heading[1])
+            samples = support_pressure(task.object.shape, 1.0, task.object.center_of_mass, cop)
+            rho = math.sqrt(lever * exact_axle_distance(samples, face.foot, angle))
+        return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, belief.contact_friction), shift
+
+    def _judge(self, task: Task, face: Face) -> Choice:
+        belief = task.believed
+        height = contact_height(task, face)
+        contact = Contact(0, "side", face.foot, face.normal, height)
+        weight = belief.mass * GRAVITY
+        level = belief.support_friction * weight
+
+        def refused(reason: str) -> Choice:
+            return Choice(self.name, False, f"face {face.index}: {reason}", (contact,))
+
+        if abs(face.offset) >= belief.contact_friction * face.depth:
+            return refused(
+                f"a straight push needs the contact within {belief.contact_friction * face.depth * 1e3:.0f} mm of the "
+                f"line through the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
+            )
+        tip_over = TIPPING_SHARE * self._room_ahead(task, face) / belief.support_friction
+        if height > tip_over:
+            return refused(f"the object tips when pushed above {tip_over * 1e3:.0f} mm, contact at {height * 1e3:.0f} mm")
+        if level > task.limits.normal_force:
+            return refused(f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N")
+        car, shift = self.car(task, face, height)
+        low, high = car.curvature_limits
+        if not low < 0.0 < high:
+            return refused(f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m")
+        X_BV = self._frame(car, shift)
+        X_GB = task.object.X_GB
+        start, goal = (X.compose(X_GB).compose(X_BV) for X in (task.start, task.goal))
+        straight = math.hypot(goal.x - start.x, goal.y - start.y)
+        longest = LOOP_RATIO * straight + 0.02
+        tried = []
+        for run_share, harder in COMFORT:
+            run_in, use = run_share * task.motion.run_in, min(1.0, harder * task.motion.curvature_margin)
+            tried.append((run_in, use, _goal_path(start, goal, high * use, -low * use, run_in)))
+            if tried[-1][2].length <= longest:
+                break
+        run_in, use, path = tried[-1] if tried[-1][2].length <= longest else min(tried, key=lambda t: t[2].length)
+        steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
+        bounds = car.steering_limits
+        margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)
+        time = SpeedProfile(path.length, task.motion.speed, task.motion.acceleration).duration + OVERHEAD
+        parameters = {
+            "face": float(face.index),
+            "lever": car.lever,
+            "rho": car.rho,
+            "wheelbase": car.wheelbase,
+            "axle_from_com": math.hypot(X_BV.x, X_BV.y),
+            "height_shift": shift,
+            "contact_height": height,
+            "curvature_left": high * use,
+            "curvature_right": -low * use,
+            "curvature_max_left": high,
+            "curvature_max_right": -low,
+            "run_in": run_in,
+            "push_force": level,
+        }
+        looped = path.length > longest
+        reason = (
+            f"face {face.index}: path {path.length:.3f} m, tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
+            f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone" + (", with a loop" if looped else "")
+        )
+        choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
+        problem = self._problem(task, choice)
+        if problem:
+            return Choice(
+                self.name, False, f"face {face.index}: {problem}", (contact,), path.length, time, margin, parameters, path
+            )
+        return choice
+
+    @staticmethod
+    def _room_ahead(task: Task, face: Face) -> float:
+        """Distance from the CoM to the leading edge along the push direction [m]."""
+        com, shape = task.object.center_of_mass, task.object.shape
+        if isinstance(shape, Cylinder):
+            return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
+        return max((x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1] for x, y in shape.footprint)
+
+    @staticmethod
+    def _frame(car: RearSteerCar, shift: float) -> Pose2:
+        """X_BV, the height term's advance of the CoP included."""
+        X = car.X_BV
+        return Pose2(X.x + shift * math.cos(X.yaw), X.y + shift * math.sin(X.yaw), X.yaw)
+
+    def _problem(self, task: Task, choice: Choice) -> str | None:
+        """What stands against the choice's path: time, workspace, reach."""
+        path = choice.path
+        if path is None:
+            return "no path"
+        if choice.time is not None and choice.time > task.limits.time:
+            return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
+        X_VB = self.vehicle_frame(choice).inverse()
+        X_BG = task.object.X_GB.inverse()
+        count = max(3, math.ceil(path.length / 0.03))
+        bodies = [path.pose(path.length * i / count).compose(X_VB) for i in range(count + 1)]
+        bounds = task.limits.workspace
+        if bounds is not None:
+            for X_WB in bodies:
+                X = X_WB.compose(X_BG)
+                if not (bounds[0] <= X.x <= bounds[1] and bounds[2] <= X.y <= bounds[3]):
+                    return f"the path leaves limits.workspace at ({X.x:.3f}, {X.y:.3f})"
+        contact = choice.contacts[0]
+        robot = task.robots[0]
+        tip = (
+            contact.point[0] - robot.tip_radius * contact.normal[0],
+            contact.point[1] - robot.tip_radius * contact.normal[1],
+        )
+        points = [(*X_WB.apply(tip), contact.height) for X_WB in bodies]
+        return reach_problem(robot, points)
+
+    def choices(self, task: Task) -> list[Choice]:
+        """Return one choice per face, feasible ones first, the quickest first."""
+        candidates = faces(task.object, CORNER_CLEARANCE)
+        if task.motion.face is not None:
+            candidates = tuple(face for face in candidates if face.index == task.motion.face)
+        judged = [self._judge(task, face) for face in candidates]
+        return sorted(judged, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+
+    def vehicle_frame(self, choice: Choice) -> Pose2:
+        """Return X_BV: origin at the virtual front axle, x along the heading axis from the contact through the CoM."""
+        p, reach = choice.contacts[0].point, choice.parameters["axle_from_com"]
+        yaw = math.atan2(-p[1], -p[0])
+        return Pose2(reach * math.cos(yaw), reach * math.sin(yaw), yaw)
+
+    def tracker(self, plan: Plan) -> RearPushTracker:
+        """Return the rear Stanley law for a plan."""
+        figures, contact, belief = plan.choice.parameters, plan.choice.contacts[0], plan.task.believed
+        car = RearSteerCar(
+            contact.point, contact.normal, (0.0, 0.0), figures["rho"], belief.contact_friction
+        )
+        low, high = car.steering_limits
+        reserve = STEERING_RESERVE * 0.5 * (high - low)
+        law = RearStanley(car.wheelbase, (low + reserve, high - reserve), plan.task.motion.tracking_gain)
+        return RearPushTracker(law, plan.X_BV, contact.point, figures["push_force"], car.lever, car.rho)
+
+    def allocator(self, contacts: Sequence[Contact], friction: float, rho: float | None = None) -> Allocator:
+        """Return ``allocate(fx, fy, tau)`` about the CoM; ``rho`` [m] weighs torque errors (default: half the lever)."""
+        (contact,) = contacts
+        return one_contact_allocator(
+            contact.point, contact.normal, friction, rho if rho is not None else 0.5 * math.hypot(*contact.point)
+        )
+
+    def replan(self, plan: Plan, X_WB: Pose2) -> ArcPath | None:
+        """Return a path from the object's true pose with the plan's own limits; None if it would turn a loop."""
+        figures = plan.choice.parameters
+        left = 0.5 * (figures["curvature_left"] + figures["curvature_max_left"])
+        right = 0.5 * (figures["curvature_right"] + figures["curvature_max_right"])
+        for curvatures in ((figures["curvature_left"], figures["curvature_right"]), (left, right)):
+            for run_in in (figures["run_in"], 0.5 * figures["run_in"]):
+                path = _goal_path(X_WB.compose(plan.X_BV), plan.path.end, *curvatures, run_in)
+                if path.length <= 1.15 * plan.path.length + 0.02:
+                    return path
+        return None
+
+
+MODE = RearPush()
+allocator = MODE.allocator

@@ -1,0 +1,89 @@
+"""Collects what happens, tick by tick, into a Record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.control import PHASES, ControlLog, TipCommand, Vector3
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import ReasonCode, Record
+
+PATH_SAMPLES = 200
+
+
+class Recorder:
+    """Appends rows; ``record`` makes arrays of them. The names and shapes are those of core.record.Record."""
+
+    def __init__(self, plan: Plan) -> None:
+        """Start empty, with the plan's own arrays."""
+        self._rows: dict[str, list[Any]] = {}
+        self._plan = plan
+
+    def __len__(self) -> int:
+        return len(self._rows.get("time", ()))
+
+    def add(
+        self,
+        *,
+        time: float,
+        log: ControlLog,
+        true_pose: Pose2,
+        twist: Sequence[float],
+        commands: Sequence[TipCommand | None],
+        tips: Sequence[Vector3],
+        forces: Sequence[Vector3],
+        ticks: Sequence[float],
+        more: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Append one tick; ``ticks`` are track, allocate, execute and total [s]; ``more`` holds engine-specific rows."""
+        nothing = (np.nan, np.nan, np.nan)
+        row: dict[str, Any] = {
+            "time": time,
+            "phase": PHASES.index(log.phase),
+            "leg": 0,
+            "object_pose": (true_pose.x, true_pose.y, true_pose.yaw),
+            "object_twist": tuple(twist),
+            "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
+            "tracking_error": log.tracking_error,
+            "progress": log.progress,
+            "steering": log.steering,
+            "wanted_wrench": log.wanted_wrench,
+            "allocated_wrench": log.allocated_wrench,
+            "command_force": [c.force if c is not None else nothing for c in commands],
+            "tip_reference": [c.position if c is not None else nothing for c in commands],
+            "tip_position": list(tips),
+            "measured_force": list(forces),
+            "tick_track": ticks[0],
+            "tick_allocate": ticks[1],
+            "tick_execute": ticks[2],
+            "tick_total": ticks[3],
+            **(more or {}),
+        }
+        for name, value in row.items():
+            self._rows.setdefault(name, []).append(value)
+
+    def record(
+        self,
+        reason: tuple[ReasonCode, str],
+        engine: Literal["drake", "planar"],
+        seed: int,
+        wall_time: float,
+        modes: tuple[str, ...],
+        meta: Mapping[str, Any],
+        path: Any = None,
+    ) -> Record:
+        """Return everything so far; ``path`` is the path that was followed, if it is not the plan's."""
+        arrays: dict[str, NDArray[np.float64]] = {
+            name: np.asarray(rows, dtype=np.float64) for name, rows in self._rows.items()
+        }
+        followed = path if path is not None else self._plan.path
+        samples = [followed.pose(s) for s in np.linspace(0.0, followed.length, PATH_SAMPLES)]
+        arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
+        X_BV = self._plan.X_BV
+        arrays["plan_X_BV"] = np.array([X_BV.x, X_BV.y, X_BV.yaw])
+        return Record(arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta)

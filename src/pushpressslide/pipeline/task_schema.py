@@ -1,0 +1,270 @@
+"""The task file as data: every field with its type, unit, range, default and meaning.
+
+The reader, the error messages and docs/task-file.md all come from this one table.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Kind = Literal["number", "integer", "boolean", "text", "name", "names", "numbers", "points", "section", "sections"]
+
+REQUIRED: Any = object()
+"""Default of a field that the file must give."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of the file; a default of None means that the field may also be given as null."""
+
+    kind: Kind
+    help: str
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False  # the bound itself is not allowed
+    open_high: bool = False
+    default: Any = REQUIRED
+    choices: tuple[str, ...] = ()  # of a text
+    count: tuple[int, float] = (0, math.inf)  # least and most items of a list
+    fields: Mapping[str, Field] | None = None  # of a section, or of each section in a list
+
+    @property
+    def interval(self) -> str:
+        """The range of a number, in words: ``in (0, 2)``, ``> 0``, or nothing."""
+        if math.isinf(self.low) and math.isinf(self.high):
+            return ""
+        if math.isinf(self.high):
+            return f"{'>' if self.open_low else '>='} {self.low:g}"
+        return f"in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}{')' if self.open_high else ']'}"
+
+    @property
+    def size(self) -> str:
+        """The number of items of a list, in words."""
+        low, high = self.count
+        if low == high:
+            return f"{low}"
+        return f"{low} or more" if math.isinf(high) else f"{low} to {high:g}"
+
+    @property
+    def allowed(self) -> str:
+        """What the field takes, in words."""
+        number = " ".join(filter(None, (f"[{self.unit}]" if self.unit else "", self.interval)))
+        match self.kind:
+            case "number":
+                words = f"a finite number {number}"
+            case "integer":
+                words = f"a whole number {number}"
+            case "boolean":
+                words = "true or false"
+            case "text":
+                words = f"one of {', '.join(self.choices)}" if self.choices else "text"
+            case "name":
+                words = "a name: a letter, then letters, digits, '-', '_' or '.', at most 64 characters"
+            case "names":
+                words = f"a list of {self.size} names"
+            case "numbers":
+                words = f"a list of {self.size} finite numbers {number}"
+            case "points":
+                words = f"a list of {self.size} points [x, y], each two finite numbers {number}"
+            case "section":
+                words = f"a section with the fields {', '.join(self.fields or ())}"
+            case "sections":
+                words = f"a list of {self.size} sections with the fields {', '.join(self.fields or ())}"
+        return words.strip() + (" or null" if self.default is None else "")
+
+
+def _number(help: str, unit: str, low: float, high: float, default: Any = REQUIRED, open: str = "") -> Field:
+    return Field("number", help, unit, low, high, "(" in open, ")" in open, default)
+
+
+def _section(help: str, fields: Mapping[str, Field], default: Any = REQUIRED) -> Field:
+    return Field("section", help, fields=fields, default=default)
+
+
+def _friction(help: str, default: Any) -> Field:
+    return _number(help, "", 0, 2, default, "()")
+
+
+def _size3(help: str) -> Field:
+    return Field("numbers", help, "m", 0, 10, open_low=True, count=(3, 3))
+
+
+def _pose(default: Any = REQUIRED) -> dict[str, Field]:
+    return {
+        "x": _number("along x of the world", "m", -10, 10, default),
+        "y": _number("along y of the world", "m", -10, 10, default),
+        "yaw_deg": _number("counter-clockwise about the support's normal", "deg", -360, 360, 0.0),
+    }
+
+
+_BASE = {
+    "x": _number("position of the base in the world", "m", -10, 10, 0.0),
+    "y": _number("position of the base in the world", "m", -10, 10, 0.0),
+    "z": _number("height of the base above the support", "m", -10, 10, 0.0),
+    "yaw_deg": _number("heading of the base", "deg", -360, 360, 0.0),
+}
+
+_PRISM = {
+    "polygon": Field(
+        "points", "corners of the base in G: convex, in order, either sense", "m", -5, 5, count=(3, 64)
+    ),
+    "height": _number("height", "m", 0, 10, open="("),
+}
+
+_CYLINDER = {
+    "radius": _number("radius", "m", 0, 5, open="("),
+    "height": _number("height", "m", 0, 10, open="("),
+}
+
+_SHAPE = {
+    "box": Field(
+        "numbers", "full lengths along x, y and z; G at the centre", "m", 0, 10, open_low=True, count=(3, 3),
+        default=None,
+    ),
+    "prism": _section("upright prism; G is the polygon's own origin", _PRISM, None),
+    "cylinder": _section("upright cylinder; G at the centre", _CYLINDER, None),
+}  # fmt: skip
+
+_OBJECT = {
+    "shape": _section("exactly one of box, prism, cylinder; it defines the frame G", _SHAPE),
+    "mass": _number("mass", "kg", 0, 1000, open="("),
+    "center_of_mass": Field(
+        "numbers", "in G, projected on the support, inside the footprint; null: the centroid", "m", -5, 5,
+        default=None, count=(2, 2),
+    ),
+}  # fmt: skip
+
+_ROBOT = {
+    "model": Field("text", "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF or SDF file"),
+    "base": _section("where the base stands", _BASE, {}),
+    "tip_frame": Field("text", "frame at the tip's centre; needed for a model given by path", default=None),
+    "tip_radius": _number("radius of the spherical tip", "m", 0.002, 0.1, 0.02),
+    "tip_length": _number("from the flange to the tip's centre, for the generated models", "m", 0, 0.5, 0.15),
+}
+
+_OBSTACLE = {
+    "name": Field("name", "unique; not 'object'"),
+    "box": _size3("full lengths along x, y and z; it stands on the support"),
+    "pose": _section("pose of its centre", _pose()),
+    "movable": Field("boolean", "free to be pushed away, or fixed", default=False),
+    "mass": _number("mass, if movable", "kg", 0, 1000, 1.0, "("),
+    "friction": _friction("pair obstacle/support, if movable", 0.3),
+}
+
+_LEG = {
+    "mode": Field("name", "contact mode of the leg"),
+    "contacts": Field("points", "contact placement in the body frame B", "m", -5, 5, default=None, count=(1, 2)),
+    "cop": Field("text", "centre-of-pressure strategy", default=None),
+    "pose": _section("pose of G at the end of the leg", _pose()),
+}
+
+_MOTION = {
+    "speed": _number("along the path of the tracking point", "m/s", 0, 0.2, 0.05, "("),
+    "contact_height": _number(
+        "of a side contact above the support, below the object's top; null: chosen by the mode", "m", 0, 10, None, "("
+    ),
+    "approach_distance": _number("free way before the touch", "m", 0.005, 0.5, 0.05),
+    "joint_tracking": Field("boolean", "joint impedance about the planned joint path", default=True),
+    "velocity_servo": Field("boolean", "contact velocity servo on top of the feed-forward force", default=True),
+    "curvature_margin": _number(
+        "share of the friction-limited curvature that the path may use", "", 0, 1, 0.7, "("
+    ),
+    "run_in": _number("straight end of the path", "m", 0, 1, 0.10),
+    "time_step": _number("of the physics engine, and the control period", "s", 0.0002, 0.01, 0.004),
+    "face": Field(
+        "integer", "index of the pushed edge of the footprint, edge i from corner i to i + 1 counter-clockwise "
+        "(box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen", low=0, high=63, default=None,
+    ),
+}  # fmt: skip
+
+SCHEMA = _section(
+    "a task",
+    {
+        "name": Field("name", "name of the task; names the folder of a run"),
+        "description": Field("text", "one line for `pps tasks`", default=""),
+        "support": _section(
+            "what the object slides on",
+            {
+                "kind": Field("text", "kind of support", default="table", choices=("table", "wall")),
+                "friction": _friction("pair object/support", 0.3),
+                "pose": _section("pose of a wall's origin in the world; for walls only", _BASE, None),
+            },
+            {},
+        ),
+        "object": _section("what is to be moved", _OBJECT),
+        "contact": _section("contact", {"friction": _friction("pair end effector/object", 0.6)}, {}),
+        "start": _section("pose of the shape's frame G that the plan is made for", _pose()),
+        "goal": _section(
+            "wanted pose of the shape's frame G",
+            {**_pose(), "body": Field("name", "body that is to reach the goal: object, or an obstacle", default=None)},
+        ),
+        "tolerance": _section(
+            "when the goal counts as reached",
+            {
+                "position": _number("distance", "m", 0, 1, 0.01, "("),
+                "yaw_deg": _number("angle", "deg", 0, 180, 2.0, "("),
+            },
+            {},
+        ),
+        "robots": Field(
+            "sections", "the arms; of two, the first is the left one", fields=_ROBOT, count=(1, 2)
+        ),
+        "obstacles": Field("sections", "boxes in the scene", fields=_OBSTACLE, default=[], count=(0, 32)),
+        "modes": Field(
+            "names", "contact modes that may be used; null: every mode that the robots allow", default=None,
+            count=(1, math.inf),
+        ),
+        "limits": _section(
+            "bounds of the run",
+            {
+                "time": _number("simulated time", "s", 0, 3600, 60.0, "("),
+                "normal_force": _number("at each contact", "N", 0, 1000, 40.0, "("),
+                "workspace": _section(
+                    "region that the origin of G stays in; null: no bound",
+                    {
+                        "x": Field("numbers", "lower and upper bound", "m", -10, 10, count=(2, 2)),
+                        "y": Field("numbers", "lower and upper bound", "m", -10, 10, count=(2, 2)),
+                    },
+                    None,
+                ),
+            },
+            {},
+        ),
+        "belief": _section(
+            "what planner and controller are told, where it differs from the truth",
+            {
+                "support_friction": _friction("null: the truth", None),
+                "contact_friction": _friction("null: the truth", None),
+                "mass": _number("null: the truth", "kg", 0, 1000, None, "("),
+                "rho": _number("characteristic length of the limit surface; null: from the shape", "m", 0, 10, None, "("),
+            },
+            {},
+        ),
+        "start_error": _section(
+            "how far off `start` the object truly starts, in world axes",
+            {
+                "x": _number("along x", "m", -1, 1, 0.0),
+                "y": _number("along y", "m", -1, 1, 0.0),
+                "yaw_deg": _number("counter-clockwise", "deg", -180, 180, 0.0),
+            },
+            {},
+        ),
+        "sensing": _section(
+            "imperfections of what the controller is given",
+            {
+                "position_noise": _number("standard deviation", "m", 0, 0.1, 0.0),
+                "yaw_noise_deg": _number("standard deviation", "deg", 0, 45, 0.0),
+                "force_noise": _number("standard deviation", "N", 0, 100, 0.0),
+                "delay": _number("of every measurement", "s", 0, 1, 0.0),
+            },
+            {},
+        ),
+        "motion": _section("how the motion is to be done", _MOTION, {}),
+        "legs": Field("sections", "modes in order, with re-grasps between; null: one leg", fields=_LEG, default=None),
+    },
+)  # fmt: skip
+"""The whole file."""

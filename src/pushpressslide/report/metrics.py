@@ -1,0 +1,248 @@
+"""The figures of one run: result.json, field by field; docs/result.md says what each means."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Mapping
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Robot, Task
+from pushpressslide.report import series
+from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
+
+Array = NDArray[np.float64]
+
+SCHEMA = 1
+CONE_TOLERANCE = 0.02
+"""Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
+
+
+def result(task: Task, plan: Plan, record: Record, versions: Mapping[str, str | None] | None = None) -> dict[str, Any]:
+    """Return the contents of result.json: SI units and radians, null where a figure does not apply, never NaN.
+
+    Computed from ``task``, ``plan`` and ``record`` alone; ``versions`` (default: those of this process) is copied.
+    """
+    out: dict[str, Any] = {
+        "schema": SCHEMA,
+        "task": task.name,
+        "engine": record.engine,
+        "seed": record.seed,
+        "modes": list(record.modes),
+    }
+    known = series.ticks(record) > 0
+    final = _goal_errors(task, record) if known else (math.nan, math.nan, math.nan, math.nan)
+    success, reason = _verdict(task, record, final[0], final[1])
+    out |= {
+        "success": success,
+        "reason": reason,
+        "final_position_error": final[0],
+        "final_yaw_error": final[1],
+        "final_error_xy": [final[2], final[3]],
+        "tolerance": {"position": task.tolerance.position, "yaw": task.tolerance.yaw},
+    }
+    out |= _motion_figures(task, plan, record) if known else {}
+    out |= {
+        "max_normal_force": None,
+        "contact_loss_time": None,
+        "cone_violation_fraction": None,
+        "slip_distance": None,
+    } | (_contact_figures(task, plan, record) if known else {})
+    duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
+    out |= {
+        "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,
+        "joint_limit_margin": _joint_margin(task, record) if known else None,
+        "realtime_factor": duration / record.wall_time if record.wall_time > 0.0 else None,
+        "wall_time": record.wall_time,
+        "time_step": record.meta.get("time_step"),
+        "tick_us": _tick_times(record) if known else None,
+        "bodies": _bodies(task, record) if known else {},
+        "max_tilt_deg": _max_tilt(record) if known else None,
+        "planned": _planned(plan, record),
+        "versions": dict(versions) if versions is not None else installed_versions(),
+    }
+    cleaned: dict[str, Any] = plain(out)
+    return cleaned
+
+
+def plain(value: Any) -> Any:
+    """Return ``value`` made of what JSON knows: NumPy becomes plain, NaN and infinity become None."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def installed_versions() -> dict[str, str | None]:
+    """Return the versions that bear on a result; None for what is not installed as a package."""
+    out: dict[str, str | None] = {"python": platform.python_version()}
+    for name in ("pushpressslide", "drake", "numpy"):
+        try:
+            out[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            out[name] = None
+    return out
+
+
+def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[bool, dict[str, str]]:
+    allowed = task.tolerance
+    within = position <= allowed.position and yaw <= allowed.yaw  # False for NaN
+    place = (
+        f"ended {1e3 * position:.1f} mm and {math.degrees(yaw):.2f} deg from the goal, tolerance "
+        f"{1e3 * allowed.position:g} mm and {math.degrees(allowed.yaw):g} deg"
+    )
+    code, text = record.reason, record.reason_text
+    if code == "goal_reached":
+        return within, {"code": "goal_reached" if within else "goal_missed", "text": "; ".join(filter(None, (text, place)))}
+    return False, {"code": code, "text": text or place}
+
+
+def _goal_errors(task: Task, record: Record) -> tuple[float, float, float, float]:
+    """Position [m] and yaw error [rad, >= 0], and the position error in the goal's own axes [m]: actual minus goal."""
+    x, y, yaw = (float(v) for v in record.arrays["object_pose"][-1])
+    if not all(math.isfinite(v) for v in (x, y, yaw)):
+        return math.nan, math.nan, math.nan, math.nan
+    ahead, left = task.goal.unapply((x, y))
+    return math.hypot(ahead, left), abs(wrap_angle(yaw - task.goal.yaw)), ahead, left
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
+
+
+def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+    arrays = record.arrays
+    time, pose = arrays["time"], arrays["object_pose"]
+    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    offset = pose - arrays["reference_pose"]
+    position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
+    yaw_error = series.wrap_angles(offset[:, 2])[move]
+    tips = []
+    for i, point in enumerate(series.tip_points(task, plan.choice.contacts)):
+        wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
+        tips.append(np.linalg.norm(arrays["tip_position"][move, i, :2] - wanted[move, :2], axis=1))
+    tracked = series.tracked_poses(task, record)[move, :2]
+    cross_track = series.distance_to_polyline(tracked, arrays["plan_path"][:, :2])
+    way = series.travel(tracked)
+    errors = arrays["tracking_error"][move]
+    return {
+        "start_pose": pose[0],
+        "final_pose": [*pose[-1, :2], wrap_angle(float(pose[-1, 2]))],
+        "duration": float(time[-1] - time[0]),
+        "motion_duration": float(np.ptp(time[contact])) if contact.any() else 0.0,
+        "rms_position_error": _rms(position_error),
+        "rms_yaw_error": _rms(yaw_error),
+        "rms_end_effector_error": _rms(np.array(tips)),
+        "max_position_error": float(position_error.max()) if position_error.size else None,
+        "max_yaw_error": float(np.abs(yaw_error).max()) if yaw_error.size else None,
+        "path_rms_error": _rms(cross_track),
+        "path_max_error": float(cross_track.max()) if cross_track.size else None,
+        "path_length": float(way[-1]) if way.size else 0.0,
+        "tracking": {
+            name: {"rms": _rms(errors[:, i]), "max": float(np.abs(errors[:, i]).max()) if len(errors) else None}
+            for i, name in enumerate(("along", "left", "heading"))
+        },
+    }
+
+
+def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+    if not plan.choice.contacts:
+        return {}
+    time = record.arrays["time"]
+    normals, tangents = series.contact_forces(plan, record)
+    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    felt = normals[series.in_phase(record, "touch", "move", "release")]
+    step = np.diff(time, append=time[-1])
+    lost = contact & (normals < series.CONTACT_FORCE).any(axis=1)
+    touching = move[:, None] & (normals >= series.CONTACT_FORCE)
+    outside = np.linalg.norm(tangents, axis=2) > (1.0 + CONE_TOLERANCE) * task.contact_friction * normals
+    count = int(touching.sum())
+    return {
+        "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
+        "contact_loss_time": float(step[lost].sum()),
+        "cone_violation_fraction": float((outside & touching).sum() / count) if count else None,
+        "slip_distance": float(sum(series.slip(plan, record, i)[-1] for i in range(normals.shape[1]))),
+    }
+
+
+def _torque_violations(task: Task, record: Record) -> float | None:
+    shares = [record.arrays[name] for i in range(len(task.robots)) if (name := f"torque_share_{i}") in record.arrays]
+    return float((np.array(shares) > 1.0).any(axis=0).mean()) if shares else None
+
+
+def robot_facts(robot: Robot) -> RobotFacts | None:
+    """Return the facts of a task's robot; None where its description can no longer be read."""
+    if robot.model in MODELS:
+        return load_facts(robot.model)
+    from pushpressslide.robots.description import read_description
+
+    try:
+        return read_description(robot.model, robot.tip_frame)
+    except (PushPressSlideError, OSError):
+        return None
+
+
+def _joint_margin(task: Task, record: Record) -> float | None:
+    margins = []
+    for i, robot in enumerate(task.robots):
+        q = record.arrays.get(f"joint_position_{i}")
+        facts = robot_facts(robot) if q is not None else None
+        if q is not None and facts is not None and q.shape[1] == facts.size and len(q):
+            margins.append(float(np.minimum(q - facts.lower, facts.upper - q).min()))
+    return min(margins) if margins else None
+
+
+def _tick_times(record: Record) -> dict[str, dict[str, float] | None]:
+    """Median and 99th percentile [us] over phase "move"; None for a part that this engine does not have."""
+    move, out = series.in_phase(record, "move"), {}
+    for part in ("track", "allocate", "execute", "total"):
+        values = 1e6 * record.arrays.get(f"tick_{part}", np.zeros(len(move)))[move]
+        median, high = (float(v) for v in np.percentile(values, (50, 99))) if values.size else (0.0, 0.0)
+        out[part] = {"median": median, "p99": high} if high > 0.0 else None
+    return out
+
+
+def _bodies(task: Task, record: Record) -> dict[str, Any]:
+    poses = {"object": record.arrays["object_pose"]}
+    for name, values in record.arrays.items():
+        if name.startswith("body_"):
+            poses[name.removeprefix("body_")] = series.planar_poses(values)
+    return {
+        name: {
+            "final_pose": [*p[-1, :2], wrap_angle(float(p[-1, 2]))] if np.isfinite(p[-1, 2]) else None,
+            "displacement": float(np.hypot(*(p[-1, :2] - p[0, :2]))),
+        }
+        for name, p in poses.items()
+    }
+
+
+def _max_tilt(record: Record) -> float | None:
+    positions = record.arrays.get("object_pose_3d")
+    return None if positions is None else math.degrees(float(np.nanmax(series.tilt(positions))))
+
+
+def _planned(plan: Plan, record: Record) -> dict[str, Any]:
+    """What was foreseen, to set beside what happened."""
+    return {
+        "path_length": plan.path.length,
+        "motion_duration": plan.profile.duration,
+        "friction_margin": plan.choice.friction_margin,
+        "joint_limit_margin": record.meta.get("joint_margin_planned"),
+        "condition": record.meta.get("condition_planned"),
+        "clearance": record.meta.get("clearance_planned"),
+    }

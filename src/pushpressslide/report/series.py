@@ -1,0 +1,176 @@
+"""Quantities that follow from a record: poses, contact forces in the contact's frame, travel along the surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.control import PHASES
+from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Cylinder, Task
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+CONTACT_FORCE = 0.1
+"""[N] measured normal force below which a tip counts as not in contact."""
+
+SLIP_PLAY = 1e-4
+"""[m] by which a tip may wander on the surface before it counts as slip."""
+
+
+def wrap_angles(angles: Array) -> Array:
+    """Return angles [rad] wrapped into [-pi, pi)."""
+    return np.asarray((angles + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def compose(poses: Array, X_BC: Pose2) -> Array:
+    """Return X_AC (N, 3) of poses X_AB (N, 3) and one pose X_BC; the yaw is not wrapped."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x = poses[:, 0] + c * X_BC.x - s * X_BC.y
+    y = poses[:, 1] + s * X_BC.x + c * X_BC.y
+    return np.stack([x, y, poses[:, 2] + X_BC.yaw], axis=1)
+
+
+def planar_poses(positions: Array) -> Array:
+    """Return (N, 3) x, y [m], yaw [rad] of (N, 7) quaternions (w, x, y, z) and positions."""
+    w, x, y, z = (positions[:, i] for i in range(4))
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.stack([positions[:, 4], positions[:, 5], yaw], axis=1)
+
+
+def tilt(positions: Array) -> Array:
+    """Return the angle [rad] (N,) between a body's own z axis and the vertical."""
+    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * (positions[:, 1] ** 2 + positions[:, 2] ** 2), -1.0, 1.0)))
+
+
+def ticks(record: Record) -> int:
+    """Return the number of ticks that were recorded."""
+    return len(record.arrays.get("time", ()))
+
+
+def in_phase(record: Record, *names: str) -> Mask:
+    """Return which ticks (N,) are in one of the named phases."""
+    wanted = [i for i, phase in enumerate(PHASES) if phase in names]
+    return np.isin(record.arrays["phase"], wanted)
+
+
+def contact_phase(record: Record) -> Mask:
+    """Return which ticks (N,) lie between the first and the last of phase "move", regained contacts included."""
+    (at,) = np.nonzero(in_phase(record, "move"))
+    mask = np.zeros(ticks(record), dtype=bool)
+    if len(at):
+        mask[at[0] : at[-1] + 1] = True
+    return mask
+
+
+def tracked_poses(task: Task, record: Record) -> Array:
+    """Return X_WV (N, 3): the tracking point and its heading."""
+    x, y, yaw = (float(v) for v in record.arrays["plan_X_BV"])
+    return compose(record.arrays["object_pose"], task.object.X_GB.compose(Pose2(x, y, yaw)))
+
+
+def tip_points(task: Task, contacts: tuple[Contact, ...]) -> list[tuple[float, float]]:
+    """Return, for each contact, where in B [m] the centre of a tip that touches it is."""
+    return [
+        (c.point[0] - task.robots[c.arm].tip_radius * c.normal[0], c.point[1] - task.robots[c.arm].tip_radius * c.normal[1])
+        for c in contacts
+    ]
+
+
+def contact_forces(plan: Plan, record: Record, name: str = "measured_force") -> tuple[Array, Array]:
+    """Return the normal (N, A) and the two tangential components (N, A, 2) [N] of forces ON the object.
+
+    Side contact: along the face's inward normal; to the left of it, and up. Top contact: down; x and y in B.
+    ``name`` is the record's array, world axes.
+    """
+    forces, yaw = record.arrays[name], record.arrays["object_pose"][:, 2]
+    normals, tangents = np.empty(forces.shape[:2]), np.empty((*forces.shape[:2], 2))
+    c, s = np.cos(yaw), np.sin(yaw)
+    for i, contact in enumerate(plan.choice.contacts):
+        x, y = c * forces[:, i, 0] + s * forces[:, i, 1], -s * forces[:, i, 0] + c * forces[:, i, 1]
+        z = forces[:, i, 2]
+        if contact.kind == "top":
+            normals[:, i], tangents[:, i, 0], tangents[:, i, 1] = -z, x, y
+        else:
+            n = contact.normal
+            normals[:, i] = n[0] * x + n[1] * y
+            tangents[:, i, 0], tangents[:, i, 1] = -n[1] * x + n[0] * y, z
+    return normals, tangents
+
+
+def surface_coordinates(plan: Plan, record: Record, arm: int) -> Array:
+    """Return where on the object's surface tip ``arm`` touches: (N, 2) [m].
+
+    Side contact: along the face (round a cylinder: the arc) and up; top contact: x and y in B. A sphere touches a flat
+    face at the foot of its centre, whatever the force, so that the tip's centre decides.
+    """
+    task, contact = plan.task, plan.choice.contacts[arm]
+    tip, pose = record.arrays["tip_position"][:, arm], record.arrays["object_pose"]
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    dx, dy = tip[:, 0] - pose[:, 0], tip[:, 1] - pose[:, 1]
+    x, y = c * dx + s * dy, -s * dx + c * dy  # in G; B has the same axes
+    if contact.kind == "top":
+        return np.stack([x, y], axis=1)
+    n = contact.normal
+    along = -n[1] * x + n[0] * y
+    if isinstance(task.object.shape, Cylinder):
+        inward = -(n[0] * x + n[1] * y)
+        along = task.object.shape.radius * np.arctan2(along, inward)
+    return np.stack([along, tip[:, 2]], axis=1)
+
+
+def travel(points: Array, play: float = 0.0) -> Array:
+    """Return the way (N,) that ``points`` (N, k) have gone so far, less jitter within ``play`` [same unit].
+
+    A follower is dragged along like a stone on a string of length ``play``: what stays within that distance moves it
+    not at all, however often; a long way counts but for ``play``; each reversal costs at most twice as much.
+    """
+    way = np.zeros(len(points))
+    if len(points) == 0:
+        return way
+    if play <= 0.0:
+        way[1:] = np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))
+        return way
+    follower, total = np.array(points[0], dtype=np.float64), 0.0
+    for i in range(1, len(points)):
+        gap = points[i] - follower
+        distance = float(np.sqrt(gap @ gap))
+        if distance > play:
+            follower += (1.0 - play / distance) * gap
+            total += distance - play
+        way[i] = total
+    return way
+
+
+def slip(plan: Plan, record: Record, arm: int) -> Array:
+    """Return the cumulative slip [m] (N,) of tip ``arm`` along the surface, counted in phase "move" while it touches.
+
+    Each stretch of unbroken contact is taken by itself: where the tip lands after a loss is no slip. Jitter below
+    ``SLIP_PLAY`` is not summed (see ``travel``).
+    """
+    normals, _ = contact_forces(plan, record)
+    touching = in_phase(record, "move") & (normals[:, arm] >= CONTACT_FORCE)
+    points, out, before = surface_coordinates(plan, record, arm), np.zeros(ticks(record)), 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], touching, [False]]).astype(np.int8)))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        way = before + travel(points[start:stop], SLIP_PLAY)
+        out[start:stop], out[stop:] = way, way[-1]
+        before = float(way[-1])
+    return out
+
+
+def distance_to_polyline(points: Array, line: Array) -> Array:
+    """Return the distance [m] (N,) of ``points`` (N, 2) to the nearest point of a polyline (K, 2), K >= 2."""
+    start, span = line[:-1], np.diff(line, axis=0)
+    squared = np.maximum(np.einsum("kd,kd->k", span, span), 1e-24)
+    out = np.empty(len(points))
+    for first in range(0, len(points), 2000):
+        part = points[first : first + 2000]
+        offset = part[:, None, :] - start[None, :, :]
+        u = np.clip(np.einsum("nkd,kd->nk", offset, span) / squared, 0.0, 1.0)
+        gap = offset - u[:, :, None] * span[None, :, :]
+        out[first : first + 2000] = np.sqrt(np.einsum("nkd,nkd->nk", gap, gap).min(axis=1))
+    return out

@@ -1,0 +1,209 @@
+"""Published facts of the robots: kinematics, inertias and limits, as frozen arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib import resources
+from typing import Any, Literal
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from pushpressslide.core.errors import PushPressSlideError
+
+Array = NDArray[np.float64]
+JointKind = Literal["revolute", "prismatic", "fixed"]
+
+MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")
+"""Names of the robots that the package describes itself."""
+
+TIP_MASS = 0.15
+"""[kg] of the rod and the sphere that touch the object."""
+
+
+def exact_angle(angle: float) -> float:
+    """Return ``angle`` [rad], made an exact multiple of pi/2 if it is a rounded one (within 1e-5)."""
+    quarter = round(angle / (0.5 * math.pi)) * 0.5 * math.pi
+    return quarter if abs(angle - quarter) < 1e-5 else angle
+
+
+def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
+    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it; entries of quarter turns are exact."""
+
+    def cos_sin(angle: float) -> tuple[float, float]:
+        c, s = math.cos(angle), math.sin(angle)
+        return (round(c) if abs(c - round(c)) < 1e-15 else c), (round(s) if abs(s - round(s)) < 1e-15 else s)
+
+    (cr, sr), (cp, sp), (cy, sy) = (cos_sin(a) for a in rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ],
+        dtype=np.float64,
+    )
+
+
+@dataclass(frozen=True)
+class LinkFacts:
+    """One rigid link; a link without mass only carries a frame."""
+
+    name: str
+    mass: float = 0.0  # [kg]
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] centre of mass in the link's frame
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad] of the inertia's axes in the link's frame
+    inertia: tuple[float, ...] = (0.0,) * 6  # [kg m^2] ixx, iyy, izz, ixy, ixz, iyz about the centre of mass
+
+
+@dataclass(frozen=True)
+class JointFacts:
+    """One joint: pose of its frame in the parent link's, axis in its own frame, and its limits."""
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    xyz: tuple[float, float, float]  # [m]
+    rpy: tuple[float, float, float]  # [rad]
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    lower: float = 0.0  # [rad] or [m]
+    upper: float = 0.0
+    velocity: float = math.inf  # [rad/s] or [m/s]
+    acceleration: float = math.inf  # [rad/s^2] or [m/s^2]
+    effort: float = math.inf  # [N m] or [N]
+    torque_rate: float = math.inf  # [N m/s]; infinite if the maker states none
+    gear_ratio: float = 1.0
+    rotor_inertia: float = 0.0  # [kg m^2] at the motor ([kg] of a slide)
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All points within ``radius`` [m] of the segment from p to q [m], in the frame of ``link``."""
+
+    link: str
+    p: tuple[float, float, float]
+    q: tuple[float, float, float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class RobotFacts:
+    """A serial robot with n moving joints, from its base link to its flange."""
+
+    name: str
+    links: tuple[LinkFacts, ...]
+    joints: tuple[JointFacts, ...]  # from base to flange, fixed ones included
+    base: str  # link that is bolted down
+    flange: str  # link whose z axis points out of the flange
+    home_posture: tuple[float, ...]  # (n,) [rad] or [m]; the tool points down
+    base_radius: float = 0.0  # [m] of a pedestal that carries the base
+    capsules: tuple[Capsule, ...] = ()  # around the links, for clearances
+    visuals: tuple[Mapping[str, Any], ...] = ()  # what is drawn, see models/*.yaml
+    colors: Mapping[str, tuple[float, float, float]] | None = None
+
+    @cached_property
+    def moving(self) -> tuple[JointFacts, ...]:
+        """The n joints that move, from the base on."""
+        return tuple(j for j in self.joints if j.kind != "fixed")
+
+    @property
+    def size(self) -> int:
+        """Number n of moving joints."""
+        return len(self.moving)
+
+    @cached_property
+    def home(self) -> Array:
+        """Ready posture (n,) [rad] or [m]."""
+        return np.array(self.home_posture, dtype=np.float64)
+
+    @cached_property
+    def lower(self) -> Array:
+        """Lower position limits (n,) [rad] or [m]."""
+        return np.array([j.lower for j in self.moving])
+
+    @cached_property
+    def upper(self) -> Array:
+        """Upper position limits (n,) [rad] or [m]."""
+        return np.array([j.upper for j in self.moving])
+
+    @cached_property
+    def velocity_limit(self) -> Array:
+        """Speed limits (n,) [rad/s] or [m/s]."""
+        return np.array([j.velocity for j in self.moving])
+
+    @cached_property
+    def acceleration_limit(self) -> Array:
+        """Acceleration limits (n,) [rad/s^2] or [m/s^2]."""
+        return np.array([j.acceleration for j in self.moving])
+
+    @cached_property
+    def effort_limit(self) -> Array:
+        """Torque limits (n,) [N m], force limits [N] of slides."""
+        return np.array([j.effort for j in self.moving])
+
+    @cached_property
+    def torque_rate_limit(self) -> Array:
+        """Limits of the torque's rate (n,) [N m/s]; infinite where the maker states none."""
+        return np.array([j.torque_rate for j in self.moving])
+
+    @cached_property
+    def armature(self) -> Array:
+        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: at the motor times gear ratio squared."""
+        return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in values)
+    return (x, y, z)
+
+
+def _angles(values: Any) -> tuple[float, float, float]:
+    roll, pitch, yaw = (exact_angle(float(v)) for v in values)
+    return (roll, pitch, yaw)
+
+
+def _link(entry: Mapping[str, Any]) -> LinkFacts:
+    if "mass" not in entry:
+        return LinkFacts(entry["name"])
+    inertia = tuple(float(entry["inertia"][key]) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
+    com, rpy = _triple(entry["com"]), _angles(entry.get("rpy", (0, 0, 0)))
+    return LinkFacts(entry["name"], float(entry["mass"]), com, rpy, inertia)
+
+
+def _joint(entry: Mapping[str, Any]) -> JointFacts:
+    fields = dict(entry)
+    fields["kind"] = fields.pop("type")
+    fields["xyz"], fields["rpy"] = _triple(fields["xyz"]), _angles(fields["rpy"])
+    fields["axis"] = _triple(fields.get("axis", (0, 0, 1)))
+    return JointFacts(**fields)
+
+
+@cache
+def load_facts(name: str) -> RobotFacts:
+    """Return the facts of a robot that the package describes: one of ``MODELS``.
+
+    Raises PushPressSlideError for another name.
+    """
+    if name not in MODELS:
+        raise PushPressSlideError(f"no facts of a robot {name!r}; there are {', '.join(MODELS)}")
+    text = resources.files("pushpressslide.robots").joinpath("models", f"{name}.yaml").read_text("utf-8")
+    data = yaml.safe_load(text)
+    return RobotFacts(
+        name=data["name"],
+        links=tuple(_link(entry) for entry in data["links"]),
+        joints=tuple(_joint(entry) for entry in data["joints"]),
+        base=data["base"],
+        flange=data["flange"],
+        home_posture=tuple(float(v) for v in data["home"]),
+        base_radius=float(data["base_radius"]),
+        capsules=tuple(
+            Capsule(c["link"], _triple(c["p"]), _triple(c["q"]), float(c["radius"])) for c in data["capsules"]
+        ),
+        visuals=tuple(data["visuals"]),
+        colors={key: _triple(value) for key, value in data["colors"].items()},
+    )

@@ -1,0 +1,179 @@
+"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps off the joint limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.robots.kinematics import ArmKinematics
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
+
+Array = NDArray[np.float64]
+
+POSITION_TOLERANCE = 1e-6  # [m] of a solution
+ANGLE_TOLERANCE = 1e-6  # [rad]
+SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
+LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
+STRUCTURED_SEEDS = 9  # the home posture with its elbow and its wrist varied
+RANDOM_SEEDS = 6  # postures drawn within the limits, besides the structured ones
+
+
+@dataclass(frozen=True)
+class IkSolution:
+    """The best posture found for each of m targets."""
+
+    q: Array  # (m, n) [rad; m of slides]
+    position_residual: Array  # (m,) [m]
+    angle_residual: Array  # (m,) [rad]
+    joint_margin: Array  # (m,) [rad] least distance to a joint limit
+    converged: NDArray[np.bool_]  # (m,) target met and the wanted margin kept
+
+
+def orientation_error(R: Array, R_wanted: Array) -> Array:
+    """Return the rotation vectors (..., 3) [rad], world axes, that turn R into R_wanted (..., 3, 3)."""
+    D = R_wanted @ np.swapaxes(R, -1, -2)
+    v = 0.5 * np.stack(
+        [D[..., 2, 1] - D[..., 1, 2], D[..., 0, 2] - D[..., 2, 0], D[..., 1, 0] - D[..., 0, 1]], axis=-1
+    )
+    s = np.linalg.norm(v, axis=-1, keepdims=True)
+    c = 0.5 * (np.trace(D, axis1=-2, axis2=-1)[..., None] - 1.0)
+    angle = np.arctan2(s, c)
+    # Half a turn off, the axis is lost in v: any axis will do to get moving.
+    axis = np.where(s > 1e-9, v / np.maximum(s, 1e-300), np.where(c > 0.0, 0.0, np.array([1.0, 0.0, 0.0])))
+    out: Array = axis * angle
+    return out
+
+
+def axis_error(z: Array, z_wanted: Array) -> Array:
+    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way into z_wanted (3,)."""
+    v = np.cross(z, z_wanted)
+    s = np.linalg.norm(v, axis=-1, keepdims=True)
+    c = (z * z_wanted).sum(axis=-1, keepdims=True)
+    other = np.cross(z_wanted, np.roll(z_wanted, 1) + np.array([0.1, 0.2, 0.3]))
+    axis = np.where(
+        s > 1e-9, v / np.maximum(s, 1e-300), np.where(c > 0.0, 0.0, other / np.linalg.norm(other))
+    )
+    out: Array = axis * np.arctan2(s, c)
+    return out
+
+
+def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
+    """Return the gradient (..., n) of the smooth least joint margin; it fades out at ``relevant`` [rad]."""
+    below, above = q - kin.facts.lower, kin.facts.upper - q
+    margin = np.minimum(below, above)
+    least = margin.min(axis=-1, keepdims=True)
+    weight = np.exp(-SHARPNESS * (margin - least))
+    weight /= weight.sum(axis=-1, keepdims=True)
+    out: Array = np.where(below < above, weight, -weight) * np.clip(2.0 * (1.0 - least / relevant), 0.0, 1.0)
+    return out
+
+
+def task_error(
+    kin: ArmKinematics, q: Array, p: Array, R_wanted: Array | None, axis: Array
+) -> tuple[Array, Array]:
+    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) towards p and R_wanted, or p and axis.
+
+    With the yaw free, the turn about the axis is taken out of both.
+    """
+    R, p_now, J = kin.tip_and_jacobian(q)
+    if R_wanted is None:
+        turn = axis_error(R[..., :, 2], axis)
+        keep = np.eye(3) - np.outer(axis, axis)
+        J = np.concatenate([keep @ J[..., :3, :], J[..., 3:, :]], axis=-2)
+    else:
+        turn = orientation_error(R, R_wanted)
+    return np.concatenate([turn, p - p_now], axis=-1), J
+
+
+def damped_step(J: Array, e: Array, secondary: Array) -> Array:
+    """Return dq (..., n): least squares for e (..., 6), damped by its size, plus ``secondary`` in J's null space."""
+    damping = 0.05 * (e * e).sum(axis=-1) + 1e-10
+    A = J @ np.swapaxes(J, -1, -2) + damping[..., None, None] * np.eye(6)
+    wanted = e - (J @ secondary[..., None])[..., 0]
+    out: Array = secondary + (np.swapaxes(J, -1, -2) @ np.linalg.solve(A, wanted[..., None]))[..., 0]
+    return out
+
+
+def default_seeds(kin: ArmKinematics, p: Array) -> Array:
+    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them, elbow and wrist varied."""
+    facts, home = kin.facts, kin.facts.home
+    m, n = len(p), facts.size
+    rng = np.random.default_rng(0)
+    span = np.minimum(facts.upper, 3.0) - np.maximum(facts.lower, -3.0)
+    random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((RANDOM_SEEDS, n)))
+    structured = np.tile(home, (STRUCTURED_SEEDS, 1))
+    if n == 7 and facts.moving[0].kind == "revolute":
+        for i, (elbow, wrist) in enumerate((a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)):
+            structured[i, 0] += elbow
+            structured[i, 2] -= elbow
+            structured[i, 6] += wrist
+    seeds = np.concatenate([structured, random])
+    out = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
+    if facts.moving[0].kind == "revolute":
+        azimuth = np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
+        out[:, :STRUCTURED_SEEDS, 0] += np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
+    return np.clip(out, facts.lower, facts.upper)
+
+
+def solve_ik(
+    kin: ArmKinematics,
+    target_p: Array,
+    attitude: ToolAttitude = UPRIGHT,
+    tool_yaw: Array | float | None = None,
+    q_seed: Array | None = None,
+    joint_margin: float = 0.0,
+    iterations: int = 60,
+    best_margin: bool = True,
+) -> IkSolution:
+    """Return for each target the posture with the largest joint margin, from several starts.
+
+    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; tool_yaw: [rad], scalar or (m,), None: free.
+    q_seed: (n,), (s, n) or (m, s, n), None: ``default_seeds``; joint_margin: [rad] to keep from every limit;
+    best_margin False stops as soon as all targets are met, without improving the margin.
+    """
+    p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
+    m, n = len(p), kin.facts.size
+    if q_seed is None:
+        seeds = default_seeds(kin, p)
+    else:
+        given = np.asarray(q_seed, dtype=np.float64)
+        seeds = np.broadcast_to(
+            given if given.ndim > 1 else given[None], (m, *np.atleast_2d(given).shape[-2:])
+        )
+    s = seeds.shape[1]
+    q, P = seeds.reshape(m * s, n).copy(), np.repeat(p, s, axis=0)
+    axis = attitude.axis
+    R = None
+    if tool_yaw is not None:
+        yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
+        R = np.repeat(attitude.rotation(yaws), s, axis=0)
+    room = 0.5 * (kin.facts.upper - kin.facts.lower)
+    inset = np.minimum(joint_margin, 0.99 * room)
+    lower, upper = kin.facts.lower + inset, kin.facts.upper - inset
+    if best_margin:
+        climbing = np.where(np.arange(iterations) < iterations - 8, 0.15, 0.0)
+    else:
+        climbing = np.zeros(iterations)
+    for gain in climbing:
+        e, J = task_error(kin, q, P, R, axis)
+        if not best_margin and _solved(e).reshape(m, s).any(axis=1).all():
+            break
+        dq = damped_step(J, e, gain * limit_gradient(kin, q))
+        dq *= LARGEST_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP)
+        q = np.clip(q + dq, lower, upper)
+    e, _ = task_error(kin, q, P, R, axis)
+    angle, distance = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+    margin = kin.joint_margin(q)
+    ok = _solved(e) & (margin >= joint_margin - 1e-9)
+    score = np.where(ok, margin, -10.0 - angle - distance).reshape(m, s)
+    best = np.arange(m) * s + score.argmax(axis=1)
+    return IkSolution(q[best], distance[best], angle[best], margin[best], ok[best])
+
+
+def _solved(e: Array) -> NDArray[np.bool_]:
+    angle, distance = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+    out: NDArray[np.bool_] = (angle < ANGLE_TOLERANCE) & (distance < POSITION_TOLERANCE)
+    return out

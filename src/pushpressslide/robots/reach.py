@@ -1,0 +1,95 @@
+"""Can the robots get there: a check by kinematics alone, quick enough for the loading of a task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.task import Robot
+from pushpressslide.robots.inverse import STRUCTURED_SEEDS, IkSolution, default_seeds, solve_ik
+from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
+
+Array = NDArray[np.float64]
+
+REACH_MARGIN = 0.05
+"""[rad] that every joint keeps from its limits for a point to count as within reach."""
+
+QUICK_SEEDS = [0, 1, 2, 3, 6]
+"""Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
+
+QUICK_ITERATIONS = 30
+LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What a robot reaches of m points."""
+
+    ok: NDArray[np.bool_]  # (m,)
+    joint_margin: Array  # (m,) [rad] the best that was found; of no meaning where not ok
+    miss: Array  # (m,) [m] distance by which the tip stays short of the point
+    q: Array  # (m, n) posture of that margin
+
+
+def reachable(
+    kin: ArmKinematics,
+    points: Array,
+    attitude: ToolAttitude = UPRIGHT,
+    tool_yaw: Array | float | None = None,
+    joint_margin: float = 0.0,
+) -> Reach:
+    """Return which points (m, 3) [m] the tip's centre reaches, the tool so held, with ``joint_margin`` [rad].
+
+    tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture and its neighbours, so
+    that the arm folded over backwards does not count. Of the points that a quick search misses the nearest are
+    searched at length.
+    """
+    p = np.atleast_2d(np.asarray(points, dtype=np.float64))
+    seeds = default_seeds(kin, p)[:, :STRUCTURED_SEEDS]
+    quick = solve_ik(kin, p, attitude, tool_yaw, seeds[:, QUICK_SEEDS], joint_margin, QUICK_ITERATIONS)
+    missed = np.flatnonzero(~quick.converged)
+    if len(missed) == 0:
+        return _reach(quick)
+    doubtful = missed[np.argsort(quick.position_residual[missed] + quick.angle_residual[missed])][
+        :LONG_SEARCHES
+    ]
+    yaw = tool_yaw if tool_yaw is None or np.ndim(tool_yaw) == 0 else np.asarray(tool_yaw)[doubtful]
+    full = solve_ik(kin, p[doubtful], attitude, yaw, seeds[doubtful], joint_margin)
+    fields = (quick.q, quick.position_residual, quick.angle_residual, quick.joint_margin, quick.converged)
+    better = (full.q, full.position_residual, full.angle_residual, full.joint_margin, full.converged)
+    for old, new in zip(fields, better, strict=True):
+        old[doubtful] = new
+    return _reach(quick)
+
+
+def _reach(solution: IkSolution) -> Reach:
+    return Reach(solution.converged, solution.joint_margin, solution.position_residual, solution.q)
+
+
+def reach_problem(
+    robot: Robot,
+    points: Sequence[tuple[float, float, float]],
+    attitude: ToolAttitude = UPRIGHT,
+    joint_margin: float = REACH_MARGIN,
+) -> str | None:
+    """Return in one line why a robot cannot bring its tip's centre to all points [m], the tool so held; or None.
+
+    Raises PushPressSlideError for a model that cannot be read.
+    """
+    kin = arm_kinematics(robot)
+    found = reachable(kin, np.array(points, dtype=np.float64).reshape(-1, 3), attitude, None, joint_margin)
+    if found.ok.all():
+        return None
+    worst = int(np.argmax(np.where(found.ok, -1.0, found.miss)))
+    x, y, z = (float(v) for v in points[worst])
+    far = float(np.hypot(x - robot.base[0], y - robot.base[1]))
+    missed = int((~found.ok).sum())
+    return (
+        f"{kin.facts.name} cannot bring its tip to ({x:.3f}, {y:.3f}, {z:.3f}), {far:.3f} m from its base's "
+        f"axis, with joints {joint_margin:g} rad inside their limits "
+        f"({missed} of {len(points)} points out of reach)"
+    )

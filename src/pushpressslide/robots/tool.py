@@ -1,0 +1,66 @@
+"""How the tool is held: its axis constant in the support's frame, its yaw free to follow the object.
+
+The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the flange.
+Frame S is the support's: z out of the surface towards the robots (on a table S has the world's axes). An upright
+tool points along -z_S. The TOOL YAW is the angle, about z_S and from x_S, of the tool's x axis projected on the
+plane of x_S and y_S.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.errors import PushPressSlideError
+
+Array = NDArray[np.float64]
+Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+
+@dataclass(frozen=True)
+class ToolAttitude:
+    """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning towards ``azimuth``.
+
+    In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
+    the direction opposite to ``azimuth``. Raises PushPressSlideError for a tilt outside [0, pi/2).
+    """
+
+    tilt: float = 0.0  # [rad] in [0, pi/2)
+    azimuth: float = 0.0  # [rad] about z_S from x_S
+    R_WS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))  # rows; the default is a table
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.tilt < 0.5 * math.pi:
+            raise PushPressSlideError(f"tool tilt {self.tilt!r} rad is not allowed; it lies in [0, pi/2)")
+
+    @property
+    def axis(self) -> Array:
+        """Unit vector (3,) along the tool, out of the flange, in the world."""
+        s = math.sin(self.tilt)
+        axis_S = (s * math.cos(self.azimuth), s * math.sin(self.azimuth), -math.cos(self.tilt))
+        out: Array = np.array(self.R_WS) @ np.array(axis_S)
+        return out
+
+    def rotation(self, tool_yaw: NDArray[np.float64] | float) -> Array:
+        """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
+        yaw = np.asarray(tool_yaw, dtype=np.float64)
+        s, c = math.sin(self.tilt), math.cos(self.tilt)
+        z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
+        x = np.stack([np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c], axis=-1)
+        x /= np.linalg.norm(x, axis=-1, keepdims=True)
+        R_ST = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
+        out: Array = np.array(self.R_WS) @ R_ST
+        return out
+
+    def yaw(self, R_WT: Array) -> Array:
+        """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
+        x = R_WT[..., :, 0] @ np.array(self.R_WS)
+        out: Array = np.arctan2(x[..., 1], x[..., 0])
+        return out
+
+
+UPRIGHT = ToolAttitude()
+"""The tool points straight down at a table."""

@@ -1,0 +1,43 @@
+"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that the controller knows only its robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+
+from pushpressslide.core.task import Robot
+from pushpressslide.execution.arm import ArmState
+from pushpressslide.sim.robot_models import add_robot
+
+Array = NDArray[np.float64]
+
+
+class ArmModel:
+    """Computes an ArmState from joint positions and velocities."""
+
+    def __init__(self, robot: Robot, *, models: str = "generated") -> None:
+        """Build the arm's own plant."""
+        plant = MultibodyPlant(0.0)
+        self.instance = add_robot(plant, robot, 0, models=models)
+        plant.Finalize()
+        self._plant, self._context = plant, plant.CreateDefaultContext()
+        self._tip, self._world = self.instance.tip_frame, plant.world_frame()
+        self.size = plant.num_positions(self.instance.model_instance)
+
+    def state(self, q: Array, v: Array) -> ArmState:
+        """Return what a torque controller needs at joint positions ``q`` (n,) and velocities ``v`` (n,)."""
+        plant, context = self._plant, self._context
+        plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
+        J = plant.CalcJacobianSpatialVelocity(
+            context, JacobianWrtVariable.kV, self._tip, np.zeros(3), self._world, self._world
+        )
+        X = self._tip.CalcPoseInWorld(context)
+        M = plant.CalcMassMatrix(context)
+        bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
+        V = J @ v
+        p = X.translation()
+        return ArmState(
+            q, v, (p[0], p[1], p[2]), X.rotation().matrix(), (V[3], V[4], V[5]), V[:3], J, M, bias
+        )

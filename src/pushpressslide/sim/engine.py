@@ -1,0 +1,213 @@
+"""Runs a plan in Drake: reads the station's ports, steps the controller, writes joint torques, records everything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.control import ControlLog, Measurement, TipCommand, TipState
+from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import ReasonCode, Record
+from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.pipeline.controller import Controller, ControllerState
+from pushpressslide.pipeline.recording import Recorder
+from pushpressslide.pipeline.sensing import Sensor
+from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.convert import planar_pose_from_positions
+from pushpressslide.sim.joint_path import joint_path
+from pushpressslide.sim.station import Station
+
+Array = NDArray[np.float64]
+
+FORCE_OVERRUN = 1.5  # times limits.normal_force, for FORCE_TIME, ends the run
+FORCE_TIME = 0.05  # [s]
+FAR = 2.0  # [m] from start or goal: the simulation has diverged
+NO_LOG_ERROR = (0.0, 0.0, 0.0)
+
+
+class _Arm:
+    """One arm at run time: its model, executor, joint path, and where its numbers are in the plant's state."""
+
+    def __init__(self, plan: Plan, index: int, station: Station, path: JointPath, attitude: ToolAttitude, dt: float, models: str) -> None:  # noqa: E501
+        self.model = ArmModel(plan.task.robots[index], models=models)
+        facts = self.model.instance.facts
+        instance, plant = station.scene.robots[index].model_instance, station.plant
+        self.q_at = np.array([plant.get_joint(j).position_start() for j in plant.GetJointIndices(instance) if plant.get_joint(j).num_positions() == 1])  # noqa: E501
+        self.v_at = plant.num_positions() + np.array([plant.get_joint(j).velocity_start() for j in plant.GetJointIndices(instance) if plant.get_joint(j).num_velocities() == 1])  # noqa: E501
+        self.executor = ArmExecutor(
+            facts.effort_limit, facts.torque_rate_limit, attitude.rotation, path.tool_yaw_offset,
+            plan.task.motion.joint_stiffness if plan.task.motion.joint_tracking else 0.0, dt,
+        )  # fmt: skip
+        self.path = path
+        self.lower, self.upper = facts.lower, facts.upper
+        self.radius = plan.task.robots[index].tip_radius
+        self.torque: Array | None = None
+        self.share = 0.0
+        self.state: ArmState | None = None
+        station.plant.SetPositions(station.plant_context, instance, path.approach[0])
+
+    def approach(self, t: float) -> tuple[Array, Array]:
+        """Joint reference and its velocity at time ``t`` of the approach."""
+        times, q = self.path.approach_time, self.path.approach
+        i = int(np.clip(np.searchsorted(times, t) - 1, 0, len(times) - 2))
+        span = times[i + 1] - times[i]
+        u = min(max((t - times[i]) / span, 0.0), 1.0)
+        rate = (q[i + 1] - q[i]) / span if t < times[-1] else np.zeros(q.shape[1])
+        return q[i] + u * (q[i + 1] - q[i]), rate
+
+    def along(self, s: float) -> Array:
+        """Joint reference at arc length ``s`` of the path."""
+        grid, q = self.path.arc_length, self.path.move
+        i = int(np.clip(np.searchsorted(grid, s) - 1, 0, len(grid) - 2))
+        u = min(max((s - grid[i]) / (grid[i + 1] - grid[i]), 0.0), 1.0)
+        return q[i] + u * (q[i + 1] - q[i])
+
+
+def run(
+    plan: Plan,
+    *,
+    seed: int = 0,
+    progress: Callable[[float, float], None] | None = None,
+    models: str = "generated",
+    time_step: float | None = None,
+    paths: tuple[tuple[JointPath, ToolAttitude], ...] | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> Record:
+    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind of machine.
+
+    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint paths made
+    before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
+    """
+    task = plan.task
+    dt = time_step or task.motion.time_step
+    if paths is None:
+        paths = tuple(joint_path(plan, i) for i in range(len(task.robots)))
+    station = Station(plan, models=models, time_step=dt)
+    arms = [_Arm(plan, i, station, *paths[i], dt, models) for i in range(len(task.robots))]
+    start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
+    controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
+    approach_time = max(float(arm.path.approach_time[-1]) for arm in arms) + 0.2
+    expected = approach_time + plan.profile.duration + 4.0
+    plant, context = station.plant, station.plant_context
+    object_q = station.scene.object.floating_positions_start()
+    object_v = station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
+    bodies = {name: body.floating_positions_start() for name, body in station.scene.bodies.items()}
+    X_BG = controller.X_BG
+    state: ControllerState | None = None
+    reason: tuple[ReasonCode, str] = ("time_limit", f"limits.time of {task.limits.time:g} s is over")
+    overrun = 0.0
+    station.simulator.Initialize()
+    started = perf_counter()
+    ticks = 0
+    while True:
+        time = ticks * dt
+        if time >= task.limits.time:
+            break
+        tick = perf_counter()
+        x = station.state_vector()
+        pose = planar_pose_from_positions(x[object_q : object_q + 7])
+        forces = [station.contact_force(i) for i in range(len(arms))]
+        executing = perf_counter()
+        tips = []
+        for arm, force in zip(arms, forces, strict=True):
+            arm.state = arm.model.state(x[arm.q_at], x[arm.v_at])
+            tips.append(TipState(arm.state.position, arm.state.velocity, force))
+        executed = perf_counter() - executing
+        commands: tuple[TipCommand | None, ...]
+        references = []
+        if time < approach_time:
+            commands, log = (None,) * len(arms), _waiting(plan)
+            executing = perf_counter()
+            for arm in arms:
+                assert arm.state is not None
+                q_ref, v_ref = arm.approach(time)
+                arm.torque, arm.share = arm.executor.free(arm.state, q_ref, v_ref, arm.torque)
+                references.append(q_ref)
+        else:
+            measurement = sensor.measure(Measurement(time, pose, tuple(tips)))
+            if state is None:
+                state = controller.init(measurement)
+            given, log, state = controller.step(state, measurement)
+            commands = given
+            executing = perf_counter()
+            for arm, command in zip(arms, given, strict=True):
+                assert arm.state is not None
+                q_ref = arm.along(command.progress)
+                arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
+                references.append(q_ref)
+        for i, arm in enumerate(arms):
+            station.set_torque(i, arm.torque)
+        executed += perf_counter() - executing
+        total = perf_counter() - tick
+        recorder.add(
+            time=time, log=log, true_pose=pose,
+            twist=(x[object_v + 3], x[object_v + 4], x[object_v + 2]),
+            commands=commands, tips=[t.position for t in tips], forces=forces,
+            ticks=(*controller.ticks, executed, total),
+            more=_rows(x, object_q, arms, references, forces, bodies),
+        )  # fmt: skip
+        if state is not None and state.phase == "done":
+            reason = state.failure or ("goal_reached", "")
+            break
+        force = max(math.hypot(*f) for f in forces)
+        overrun = overrun + dt if force > FORCE_OVERRUN * task.limits.normal_force and state is not None else 0.0
+        if overrun > FORCE_TIME:
+            reason = ("force_limit", f"{force:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N")
+            break
+        if not np.isfinite(x).all() or math.hypot(pose.x - task.start.x, pose.y - task.start.y) > FAR:
+            reason = ("diverged", f"the object is at ({pose.x:.2f}, {pose.y:.2f})")
+            break
+        if stop():
+            reason = ("interrupted", "stopped by the user")
+            break
+        ticks += 1
+        try:
+            station.simulator.AdvanceTo(ticks * dt)
+        except RuntimeError as error:
+            reason = ("diverged", str(error).splitlines()[0])
+            break
+        if progress is not None and ticks % 25 == 0:
+            progress(time, expected)
+    meta: dict[str, Any] = {
+        "time_step": dt,
+        "joint_margin_planned": min(arm.path.joint_margin for arm in arms),
+        "condition_planned": max(arm.path.condition for arm in arms),
+        "clearance_planned": min(arm.path.clearance for arm in arms),
+        "approach_time": approach_time,
+        "models": models,
+        "start_tips": start_tips,
+    }
+    followed = state.path if state is not None else None
+    return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta, followed)
+
+
+def _waiting(plan: Plan) -> ControlLog:
+    """The log of a tick on the way to the object."""
+    return ControlLog("approach", 0.0, plan.task.start, NO_LOG_ERROR, NO_LOG_ERROR, NO_LOG_ERROR, 0.0, "ok")
+
+
+def _rows(x: Array, object_q: int, arms: list[_Arm], references: list[Array], forces: list[Any], bodies: dict[str, int]) -> dict[str, Any]:  # noqa: E501
+    rows: dict[str, Any] = {"object_pose_3d": x[object_q : object_q + 7].copy()}
+    points = []
+    for i, (arm, q_ref, force) in enumerate(zip(arms, references, forces, strict=True)):
+        state = arm.state
+        assert state is not None
+        rows[f"joint_position_{i}"], rows[f"joint_velocity_{i}"] = state.q, state.v
+        rows[f"joint_torque_{i}"], rows[f"joint_reference_{i}"] = arm.torque, q_ref
+        rows[f"torque_share_{i}"] = arm.share
+        size = math.hypot(*force)
+        if size > 0.3:
+            points.append([p + arm.radius * f / size for p, f in zip(state.position, force, strict=True)])
+        else:
+            points.append([math.nan] * 3)
+    rows["contact_point"] = points
+    for name, at in bodies.items():
+        rows[f"body_{name}"] = x[at : at + 7].copy()
+    return rows

@@ -1,0 +1,171 @@
+"""A task as a Drake scene: support, object, obstacles and robots, with the measured remedies for hydroelastic contact."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import Box as DrakeBox
+from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    ContactModel,
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+from pydrake.multibody.tree import RigidBody, SpatialInertia, UnitInertia, default_model_instance
+from pydrake.systems.framework import DiagramBuilder
+
+from pushpressslide.core import task as model
+from pushpressslide.core.plan import Plan
+from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.robot_models import RobotInstance, add_robot
+from pushpressslide.sim.surfaces import (
+    OBJECT_FRICTION,
+    compliant_properties,
+    object_shape,
+    partner_friction,
+    rigid_properties,
+    support_grid,
+)
+
+SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
+TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
+TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
+OBJECT_COLOR = np.array([0.85, 0.55, 0.25, 1.0])
+OBSTACLE_COLOR = np.array([0.45, 0.50, 0.58, 1.0])
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A plant that is finalized, with the handles that a station needs."""
+
+    builder: DiagramBuilder
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    object: RigidBody
+    bodies: dict[str, RigidBody]  # movable obstacles, by name
+    robots: tuple[RobotInstance, ...]
+
+
+def rest_height(body: model.ObjectModel) -> float:
+    """Height of the shape's centre above the support at the start [m]."""
+    return 0.5 * body.shape.height - SINK
+
+
+def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
+    """Return the inertia of a solid of uniform density about its frame (G in the plane, half height), its CoM moved as asked."""
+    shape, mass = body.shape, body.mass
+    if isinstance(shape, model.Box):
+        unit = UnitInertia.SolidBox(*shape.size)
+    elif isinstance(shape, model.Cylinder):
+        unit = UnitInertia.SolidCylinder(shape.radius, shape.height, [0.0, 0.0, 1.0])
+    else:
+        corners = np.array(shape.polygon) - np.mean(np.array(shape.polygon), axis=0)
+        following = np.roll(corners, -1, axis=0)
+        areas = 0.5 * (corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0])
+        a, b = corners, following
+        second = np.einsum("k,kij->ij", areas / 12.0, 2 * (a[:, :, None] * a[:, None, :] + b[:, :, None] * b[:, None, :])
+                           + a[:, :, None] * b[:, None, :] + b[:, :, None] * a[:, None, :])  # fmt: skip
+        centroid = np.einsum("k,ki->i", areas / 3.0, a + b) / areas.sum()
+        second = second / areas.sum() - np.outer(centroid, centroid)
+        h2 = shape.height**2 / 12.0
+        unit = UnitInertia(second[1, 1] + h2, second[0, 0] + h2, second[0, 0] + second[1, 1], -second[0, 1], 0.0, 0.0)
+    central = SpatialInertia(mass, [0.0, 0.0, 0.0], unit)
+    com = body.center_of_mass
+    return central.Shift([-com[0], -com[1], 0.0])
+
+
+def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
+    """Return x_min, x_max, y_min, y_max [m] of where the planned object goes, with room for errors; anchored to a lattice."""
+    shape = plan.task.object.shape
+    if isinstance(shape, model.Cylinder):
+        reach = shape.radius
+    else:
+        reach = max(math.hypot(x, y) for x, y in shape.footprint)
+    poses = [plan.object_pose(s) for s in np.linspace(0.0, plan.path.length, 60)] + [plan.task.true_start]
+    margin = reach + 0.25
+    for obstacle in plan.task.obstacles:
+        if obstacle.movable:
+            poses.append(obstacle.pose)
+    x, y = [p.x for p in poses], [p.y for p in poses]
+    return min(x) - margin, max(x) + margin, min(y) - margin, max(y) + margin
+
+
+def tile_size(shape: model.Shape) -> float:
+    """Return the edge of a support tile [m]."""
+    if isinstance(shape, model.Cylinder):
+        width = 2.0 * shape.radius
+    else:
+        xs, ys = zip(*shape.footprint, strict=True)
+        width = min(max(xs) - min(xs), max(ys) - min(ys))
+    return width / TILES_PER_WIDTH
+
+
+def obstacle_friction(support_pair: float, obstacle_pair: float) -> float:
+    """Return the surface friction of an obstacle whose pair with the support is to be ``obstacle_pair``.
+
+    The support's own surface follows from its pair with the object. Where no surface is rough enough, the roughest
+    that is sensible is taken.
+    """
+    support = partner_friction(support_pair)
+    return partner_friction(obstacle_pair, support) if obstacle_pair < 1.9 * support else 20.0 * support
+
+
+def build_scene(plan: Plan, *, models: str = "generated", time_step: float | None = None) -> Scene:
+    """Return the scene of a plan's task: the plant is finalized, the builder not yet built."""
+    task = plan.task
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step or task.motion.time_step)
+    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+    plant.set_contact_model(ContactModel.kHydroelastic)
+    body = task.object
+    thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
+    shape = object_shape(body.shape)
+    size = min(body.shape.height, 4.0 * tile_size(body.shape))
+    plant.RegisterCollisionGeometry(
+        thing, RigidTransform(), shape, "object", compliant_properties(OBJECT_FRICTION, 0.25 * size)
+    )
+    plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
+    grid = support_grid(grid_bounds(plan), tile_size(body.shape))
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), RigidTransform(), grid, "support",
+        rigid_properties(partner_friction(task.support.friction)),
+    )  # fmt: skip
+    plant.RegisterVisualGeometry(
+        plant.world_body(), RigidTransform([0.45, 0.0, -0.0101]), DrakeBox(1.7, 1.8, 0.02), "table", TABLE_COLOR
+    )
+    bodies: dict[str, RigidBody] = {}
+    for obstacle in task.obstacles:
+        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK)
+        box = DrakeBox(*obstacle.size)
+        friction = obstacle_friction(task.support.friction, obstacle.friction)
+        if obstacle.movable:
+            instance = plant.AddModelInstance(f"obstacle_{obstacle.name}")
+            part = plant.AddRigidBody(
+                obstacle.name, instance, SpatialInertia.SolidBoxWithMass(obstacle.mass, *obstacle.size)
+            )
+            bodies[obstacle.name] = part
+            plant.SetDefaultFloatingBaseBodyPose(part, X)
+            plant.RegisterCollisionGeometry(
+                part, RigidTransform(), box, obstacle.name, compliant_properties(friction, 0.25 * min(obstacle.size))
+            )
+            plant.RegisterVisualGeometry(part, RigidTransform(), box, obstacle.name + "_visual", OBSTACLE_COLOR)
+        else:
+            plant.RegisterCollisionGeometry(
+                plant.world_body(), X, box, obstacle.name, rigid_properties(friction, 0.5 * min(obstacle.size))
+            )
+            plant.RegisterVisualGeometry(plant.world_body(), X, box, obstacle.name + "_visual", OBSTACLE_COLOR)
+    robots = tuple(
+        add_robot(
+            plant, robot, index,
+            tip_properties=rigid_properties(partner_friction(task.contact_friction), 0.3 * robot.tip_radius),
+            models=models,
+        )
+        for index, robot in enumerate(task.robots)
+    )  # fmt: skip
+    plant.Finalize()
+    return Scene(builder, plant, scene_graph, thing, bodies, robots)
+
