@@ -12,7 +12,8 @@ class PushPressSlideError(Exception):
 class TaskError(PushPressSlideError):
     """A task file that cannot be used: names the file, the field, the value and what is allowed.
 
-    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is wrong`` if no field is to blame.
+    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is wrong`` if no field
+    is to blame.
     """
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:

@@ -1,6 +1,6 @@
 """A task as typed, frozen data: what is to be moved, on what, from where to where, and by which robots.
 
-Built in one place, ``pipeline/task_file.py``, which checks every field; the file format is documented in docs/task-file.md.
+Built in one place, ``pipeline/task_file.py``, which checks every field; docs/task-file.md documents the file.
 SI units and radians throughout (the file has degrees where its key ends in ``_deg``).
 """
 
@@ -68,7 +68,7 @@ class ObjectModel:
 
     shape: Shape
     mass: float  # [kg] > 0
-    center_of_mass: Point  # [m] in G, projected on the support (resolved: the centroid if the file does not say)
+    center_of_mass: Point  # [m] in G, projected on the support (the centroid if the file does not say)
 
     @property
     def X_GB(self) -> Pose2:
@@ -114,7 +114,7 @@ class Limits:
 
     time: float = 60.0  # [s] simulated
     normal_force: float = 40.0  # [N] per contact
-    workspace: tuple[float, float, float, float] | None = None  # [m] x_min, x_max, y_min, y_max of the object's frame G
+    workspace: tuple[float, float, float, float] | None = None  # [m] x_min, x_max, y_min, y_max of G
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +149,7 @@ class Motion:
     force_gain: float | None = None  # on the feed-forward force; None: 1 with the servo, 1.05 without
     contact_height: float | None = None  # [m] above the support; None: chosen by the mode
     approach_distance: float = 0.05  # [m] free way before the touch
-    joint_tracking: bool = True  # add the joint impedance about the planned joint path
+    joint_tracking: bool = False  # add the joint impedance about the planned joint path, felt at the tip (paper, sec. IV-A)
     velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
     curvature_margin: float = 0.55  # share of the friction-limited curvature that the path may use, in (0, 1]
     run_in: float = 0.10  # [m] straight end of the path

@@ -9,7 +9,7 @@ from typing import Protocol
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Plan
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
 
@@ -61,6 +61,6 @@ class Mode(Protocol):
         """Return ``allocate(fx, fy, tau)``: a wrench about the CoM, in B, to contact forces."""
         ...
 
-    def replan(self, plan: Plan, X_WB: Pose2) -> ArcPath | None:
-        """Return a path from where the object really is to the plan's goal; None where the mode finds no sensible one."""
+    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return the plan from where object and contacts (points in B [m]) really are; None where there is no sensible one."""
         ...

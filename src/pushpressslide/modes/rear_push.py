@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
@@ -160,6 +160,7 @@ class RearPush:
             "curvature_right": -low * use,
             "curvature_max_left": high,
             "curvature_max_right": -low,
+            "curvature_share": use,
             "run_in": run_in,
             "push_force": level,
         }
@@ -248,16 +249,41 @@ class RearPush:
             contact.point, contact.normal, friction, rho if rho is not None else 0.5 * math.hypot(*contact.point)
         )
 
-    def replan(self, plan: Plan, X_WB: Pose2) -> ArcPath | None:
-        """Return a path from the object's true pose with the plan's own limits; None if it would turn a loop."""
-        figures = plan.choice.parameters
-        left = 0.5 * (figures["curvature_left"] + figures["curvature_max_left"])
-        right = 0.5 * (figures["curvature_right"] + figures["curvature_max_right"])
-        for curvatures in ((figures["curvature_left"], figures["curvature_right"]), (left, right)):
+    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return the plan from the object's true pose and the true contact; None if it would turn a loop.
+
+        The car's own length is kept: what changes is its heading axis, from the true contact through the CoM.
+        """
+        task, figures, old = plan.task, plan.choice.parameters, plan.choice.contacts[0]
+        try:
+            car = RearSteerCar(touched[0], old.normal, (0.0, 0.0), figures["rho"], task.believed.contact_friction)
+        except ValueError:
+            return None
+        low, high = car.curvature_limits
+        if not low < 0.0 < high:
+            return None
+        X_BV = self._frame(car, figures["height_shift"])
+        start = X_WB.compose(X_BV)
+        goal = task.goal.compose(task.object.X_GB).compose(X_BV)
+        longest = 1.15 * plan.path.length + 0.02
+        for share in (figures["curvature_share"], 0.5 * (1.0 + figures["curvature_share"])):
             for run_in in (figures["run_in"], 0.5 * figures["run_in"]):
-                path = _goal_path(X_WB.compose(plan.X_BV), plan.path.end, *curvatures, run_in)
-                if path.length <= 1.15 * plan.path.length + 0.02:
-                    return path
+                path = _goal_path(start, goal, share * high, -share * low, run_in)
+                if path.length <= longest:
+                    choice = replace(
+                        plan.choice,
+                        contacts=(replace(old, point=touched[0]),),
+                        path=path,
+                        path_length=path.length,
+                        parameters={
+                            **figures,
+                            "lever": car.lever,
+                            "wheelbase": car.wheelbase,
+                            "axle_from_com": math.hypot(X_BV.x, X_BV.y),
+                        },
+                    )
+                    profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+                    return Plan(task, choice, path, profile, X_BV)
         return None
 
 

@@ -11,23 +11,26 @@ robot would see: object pose, tip state, contact force. It never raises; what we
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 
+from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand, Vector3
-from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Contact, Plan
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Tracker
 
 ALIGN_SPEED = 0.10  # [m/s] of the free tip
 TOUCH_SPEED = 0.03  # [m/s] on the last centimetres
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
 SETTLE_TIME = 0.2  # [s] that the touch force must hold
 TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
+FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 LOSS_TIME = 0.12  # [s] without contact force before the tip goes back to touch
 RETREAT = 0.06  # [m] drawn back on release
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
@@ -40,14 +43,34 @@ SERVO_CAP = 25.0  # [N] by which the servo may exceed the allocated force
 
 
 @dataclass(frozen=True, slots=True)
+class Binding:
+    """A plan with its closed-form laws; made anew when the contacts turn out to be elsewhere."""
+
+    plan: Plan
+    tracker: Tracker
+    allocate: Callable[[float, float, float], Allocation]
+    tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres
+
+
+def bind(plan: Plan) -> Binding:
+    """Return the laws of ``plan``'s mode for its contacts."""
+    mode, choice = MODES[plan.choice.mode], plan.choice
+    tip_points = tuple(
+        (c.point[0] - r.tip_radius * c.normal[0], c.point[1] - r.tip_radius * c.normal[1])
+        for c, r in zip(choice.contacts, plan.task.robots, strict=True)
+    )
+    friction, rho = plan.task.believed.contact_friction, choice.parameters.get("rho")
+    return Binding(plan, mode.tracker(plan), mode.allocator(choice.contacts, friction, rho), tip_points)
+
+
+@dataclass(frozen=True, slots=True)
 class ControllerState:
     """Everything that the controller remembers between ticks."""
 
     phase: Phase
     since: float  # [s] start of the phase
     tip_start: tuple[Vector3, ...]  # [m] where the tips were when the phase began
-    path: ArcPath
-    profile: SpeedProfile
+    binding: Binding
     progress: float = 0.0  # [m]
     move_start: float = 0.0  # [s]
     felt: float | None = None  # [s] when contact was first felt in this touch
@@ -64,20 +87,12 @@ class Controller:
 
     def __init__(self, plan: Plan) -> None:
         """Prepare everything that does not change from tick to tick."""
-        task, belief = plan.task, plan.task.believed
-        mode = MODES[plan.choice.mode]
-        self.plan, self.mode = plan, mode
+        task = plan.task
+        self.plan, self.mode = plan, MODES[plan.choice.mode]
+        self.binding = bind(plan)
         self.contacts: tuple[Contact, ...] = plan.choice.contacts
-        self.tracker = mode.tracker(plan)
-        self.allocate = mode.allocator(
-            self.contacts, belief.contact_friction, plan.choice.parameters.get("rho")
-        )
         self.X_GB = task.object.X_GB
         self.X_BG = self.X_GB.inverse()
-        self.tip_points = tuple(
-            (c.point[0] - r.tip_radius * c.normal[0], c.point[1] - r.tip_radius * c.normal[1])
-            for c, r in zip(self.contacts, task.robots, strict=True)
-        )
         self.touch_force = max(0.6, TOUCH_SHARE * plan.choice.parameters["push_force"])
         self.threshold = max(0.25, 4.0 * task.sensing.force_noise)
         motion = task.motion
@@ -90,7 +105,7 @@ class Controller:
         """Return the state at the start of the touch."""
         tips = tuple(tip.position for tip in measurement.tips)
         return ControllerState(
-            "touch", measurement.time, tips, self.plan.path, self.plan.profile, last_time=measurement.time
+            "touch", measurement.time, tips, self.binding, last_time=measurement.time
         )
 
     def step(
@@ -114,7 +129,7 @@ class Controller:
         gap = self.plan.task.motion.approach_distance
         commands: list[TipCommand] = []
         felt, regulator, base, failure = state.felt, state.regulator, state.touch_base, state.failure
-        tip, contact, inside = measurement.tips[0], self.contacts[0], self.tip_points[0]
+        tip, contact, inside = measurement.tips[0], self.contacts[0], self.binding.tip_points[0]
         n = X_WB.rotate(contact.normal)
         before = (inside[0] - gap * contact.normal[0], inside[1] - gap * contact.normal[1])
         target = X_WB.apply(before)
@@ -138,69 +153,83 @@ class Controller:
             if state.move_start > 0.0:
                 along = (start[0] - target[0]) * n[0] + (start[1] - target[1]) * n[1]
                 depth += min(max(along, 0.0), gap)
-            if felt is None and normal_force > self.threshold:
-                felt, base = measurement.time, depth
-            if felt is not None:
+            if normal_force > self.threshold:
+                felt, base = (measurement.time, depth) if felt is None else (felt, base)
+            elif felt is not None and measurement.time - felt < FELT_TIME:
+                felt = None  # a knock, not the object
+            sure = felt is not None and measurement.time - felt >= FELT_TIME
+            if sure:
                 depth = base
             elif depth > gap + TOUCH_DEPTH:
                 failure = ("contact_lost", f"no contact felt {TOUCH_DEPTH * 1e3:.0f} mm beyond the expected face")
             else:
                 velocity = (TOUCH_SPEED * n[0], TOUCH_SPEED * n[1], 0.0)
             position = (target[0] + depth * n[0], target[1] + depth * n[1], contact.height)
-            if felt is not None:
+            if sure:
                 push, regulator = self.regulator.step(regulator, self.touch_force, normal_force, dt)
                 force = (push * n[0], push * n[1], 0.0)
                 stiffness = (0.0, FREE_STIFFNESS[1], FREE_STIFFNESS[2])
+        # the tool turns to the object's yaw while it lines up
+        planned = state.binding.plan.object_pose(state.progress).yaw
+        turned = _smooth(elapsed / align_time) if align_time > 0.0 else 1.0
+        tool_yaw = planned + turned * wrap_angle(measurement.object_pose.yaw - planned)
         commands.append(
             TipCommand(
-                force, position, velocity, stiffness, damping, math.atan2(n[1], n[0]),
-                measurement.object_pose.yaw, 0.0, SERVO_CAP, state.progress,
+                force, position, velocity, stiffness, damping, math.atan2(n[1], n[0]), tool_yaw, 0.0, SERVO_CAP,
+                state.progress,
             )
         )  # fmt: skip
-        phase, since, move_start, path, profile = state.phase, state.since, state.move_start, state.path, state.profile
+        phase, since, move_start, binding = state.phase, state.since, state.move_start, state.binding
         paused, progress = state.paused, state.progress
         if failure is not None:
             phase, since = "release", measurement.time
         elif felt is not None and measurement.time - felt > SETTLE_TIME + self.touch_force / self.regulator.ramp:
             phase, since = "move", measurement.time
-            if move_start == 0.0:
+            replanned = self.mode.replan(binding.plan, X_WB, self._touched(measurement, X_WB))
+            if replanned is not None:
+                binding, progress, move_start, paused = bind(replanned), 0.0, measurement.time, 0.0
+            elif move_start == 0.0:
                 move_start = measurement.time
-                replanned = self.mode.replan(self.plan, X_WB)
-                if replanned is not None:
-                    path = replanned
-                    profile = SpeedProfile(path.length, profile.speed, profile.acceleration)
-                progress = 0.0
             else:
                 paused += measurement.time - (state.lost or measurement.time)
         starts = state.tip_start if phase == state.phase else tuple(t.position for t in measurement.tips)
         log = self._log(state, measurement, X_WB)
         return tuple(commands), log, ControllerState(
-            phase, since, starts, path, profile, progress, move_start, felt if phase == "touch" else None,
+            phase, since, starts, binding, progress, move_start, felt if phase == "touch" else None,
             state.lost if phase == "touch" else None, paused, base, regulator, measurement.time, failure,
         )  # fmt: skip
+
+    def _touched(self, measurement: Measurement, X_WB: Pose2) -> tuple[Point, ...]:
+        """Where the tips touch, in B [m], by their own kinematics."""
+        out = []
+        for tip, contact, robot in zip(measurement.tips, self.contacts, self.plan.task.robots, strict=True):
+            p = X_WB.unapply((tip.position[0], tip.position[1]))
+            out.append((p[0] + robot.tip_radius * contact.normal[0], p[1] + robot.tip_radius * contact.normal[1]))
+        return tuple(out)
 
     # -- move ----------------------------------------------------------------------------------------------------------
 
     def _move(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
     ) -> tuple[tuple[TipCommand, ...], ControlLog, ControllerState]:
-        profile = state.profile
+        binding = state.binding
+        path, profile = binding.plan.path, binding.plan.profile
         clock = measurement.time - state.move_start - state.paused
         wanted_progress, wanted_speed = profile.at(clock)
-        left = state.path.length - state.progress
+        left = path.length - state.progress
         speed = wanted_speed + CATCH_UP * (wanted_progress - state.progress)
         speed = min(max(speed, FLOOR_SPEED), 1.5 * profile.speed, FLOOR_SPEED + math.sqrt(profile.acceleration * max(left, 0.0)))
         started = perf_counter()
-        guidance = self.tracker.step(state.path, X_WB, state.progress, speed)
+        guidance = binding.tracker.step(path, X_WB, state.progress, speed)
         tracked = perf_counter()
         wrench = guidance.wrench
-        allocation = self.allocate(wrench.fx, wrench.fy, wrench.tau)
+        allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
         self.ticks = (tracked - started, perf_counter() - tracked)
 
         commands = []
         touching = True
         for tip, contact, inside, f_B in zip(
-            measurement.tips, self.contacts, self.tip_points, allocation.forces, strict=True
+            measurement.tips, self.contacts, binding.tip_points, allocation.forces, strict=True
         ):
             n = X_WB.rotate(contact.normal)
             touching = touching and tip.force[0] * n[0] + tip.force[1] * n[1] > 0.5 * self.threshold
@@ -216,14 +245,14 @@ class Controller:
             )  # fmt: skip
         lost = None if touching else (state.lost if state.lost is not None else measurement.time)
         phase, since = state.phase, state.since
-        if guidance.progress >= state.path.length - STOP:
+        if guidance.progress >= path.length - STOP:
             phase, since = "release", measurement.time
         elif lost is not None and measurement.time - lost > LOSS_TIME:
             phase, since = "touch", measurement.time
         starts = state.tip_start if phase == "move" else tuple(t.position for t in measurement.tips)
         log = self._log(state, measurement, X_WB, guidance.error, guidance.steering, wrench, allocation)
         return tuple(commands), log, ControllerState(
-            phase, since, starts, state.path, profile, guidance.progress, state.move_start, None, lost, state.paused,
+            phase, since, starts, binding, guidance.progress, state.move_start, None, lost, state.paused,
             0.0, NormalForceState(), measurement.time, state.failure,
         )  # fmt: skip
 
@@ -248,14 +277,14 @@ class Controller:
         phase: Phase = "done" if elapsed > duration else state.phase
         log = self._log(state, measurement, X_WB)
         return tuple(commands), log, ControllerState(
-            phase, state.since, state.tip_start, state.path, state.profile, state.progress, state.move_start, None, None,
-            state.paused, 0.0, NormalForceState(), measurement.time, state.failure,
+            phase, state.since, state.tip_start, state.binding, state.progress, state.move_start, None, None, state.paused,
+            0.0, NormalForceState(), measurement.time, state.failure,
         )  # fmt: skip
 
     def _log(self, state: ControllerState, measurement: Measurement, X_WB: Pose2, error=None, steering=0.0, wrench=None, allocation=None):  # noqa: E501
         clock = measurement.time - state.move_start - state.paused if state.move_start > 0.0 else 0.0
-        s = state.profile.at(clock)[0]
-        reference = state.path.pose(s).compose(self.plan.X_BV.inverse()).compose(self.X_BG)
+        plan = state.binding.plan
+        reference = plan.object_pose(plan.profile.at(clock)[0])
         wanted = (wrench.fx, wrench.fy, wrench.tau) if wrench is not None else (0.0, 0.0, 0.0)
         given, status = wanted, "ok"
         if allocation is not None:

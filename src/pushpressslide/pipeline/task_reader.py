@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
-from pushpressslide.pipeline.task_schema import REQUIRED, Field
+from pushpressslide.pipeline.task_field import REQUIRED, Field
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,63}")
 
@@ -64,7 +64,9 @@ def _section(field: Field, value: Any, path: str, source: str) -> dict[str, Any]
     for key in value:
         if key not in fields:
             name = f"{path}.{key}" if path else str(key)
-            raise TaskError(source, " ".join(name[:200].split()), key, f"unknown field; {nearest(key, fields)}")
+            raise TaskError(
+                source, " ".join(name[:200].split()), key, f"unknown field; {nearest(key, fields)}"
+            )
     out: dict[str, Any] = {}
     for key, inner in fields.items():
         name = f"{path}.{key}" if path else key
@@ -102,7 +104,9 @@ def _number(field: Field, value: Any, path: str, source: str) -> float | int:
 def _one(field: Field) -> str:
     if field.kind in ("number", "integer"):
         return field.allowed
-    return " ".join(filter(None, ("a finite number", f"[{field.unit}]" if field.unit else "", field.interval)))
+    return " ".join(
+        filter(None, ("a finite number", f"[{field.unit}]" if field.unit else "", field.interval))
+    )
 
 
 def _point(field: Field, value: Any, path: str, source: str) -> tuple[float, float]:
@@ -113,7 +117,9 @@ def _point(field: Field, value: Any, path: str, source: str) -> tuple[float, flo
 
 def _text(field: Field, value: Any, path: str, source: str) -> str:
     if not isinstance(value, str):
-        raise TaskError(source, path, value, f"allowed: {'a name' if field.kind == 'names' else field.allowed}")
+        raise TaskError(
+            source, path, value, f"allowed: {'a name' if field.kind == 'names' else field.allowed}"
+        )
     if field.choices and value not in field.choices:
         raise TaskError(source, path, value, f"allowed: {field.allowed}")
     if field.kind == "name" and not _NAME.fullmatch(value):

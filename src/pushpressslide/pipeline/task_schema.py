@@ -7,74 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
-Kind = Literal["number", "integer", "boolean", "text", "name", "names", "numbers", "points", "section", "sections"]
-
-REQUIRED: Any = object()
-"""Default of a field that the file must give."""
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One field of the file; a default of None means that the field may also be given as null."""
-
-    kind: Kind
-    help: str
-    unit: str = ""
-    low: float = -math.inf
-    high: float = math.inf
-    open_low: bool = False  # the bound itself is not allowed
-    open_high: bool = False
-    default: Any = REQUIRED
-    choices: tuple[str, ...] = ()  # of a text
-    count: tuple[int, float] = (0, math.inf)  # least and most items of a list
-    fields: Mapping[str, Field] | None = None  # of a section, or of each section in a list
-
-    @property
-    def interval(self) -> str:
-        """The range of a number, in words: ``in (0, 2)``, ``> 0``, or nothing."""
-        if math.isinf(self.low) and math.isinf(self.high):
-            return ""
-        if math.isinf(self.high):
-            return f"{'>' if self.open_low else '>='} {self.low:g}"
-        return f"in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}{')' if self.open_high else ']'}"
-
-    @property
-    def size(self) -> str:
-        """The number of items of a list, in words."""
-        low, high = self.count
-        if low == high:
-            return f"{low}"
-        return f"{low} or more" if math.isinf(high) else f"{low} to {high:g}"
-
-    @property
-    def allowed(self) -> str:
-        """What the field takes, in words."""
-        number = " ".join(filter(None, (f"[{self.unit}]" if self.unit else "", self.interval)))
-        match self.kind:
-            case "number":
-                words = f"a finite number {number}"
-            case "integer":
-                words = f"a whole number {number}"
-            case "boolean":
-                words = "true or false"
-            case "text":
-                words = f"one of {', '.join(self.choices)}" if self.choices else "text"
-            case "name":
-                words = "a name: a letter, then letters, digits, '-', '_' or '.', at most 64 characters"
-            case "names":
-                words = f"a list of {self.size} names"
-            case "numbers":
-                words = f"a list of {self.size} finite numbers {number}"
-            case "points":
-                words = f"a list of {self.size} points [x, y], each two finite numbers {number}"
-            case "section":
-                words = f"a section with the fields {', '.join(self.fields or ())}"
-            case "sections":
-                words = f"a list of {self.size} sections with the fields {', '.join(self.fields or ())}"
-        return words.strip() + (" or null" if self.default is None else "")
+from pushpressslide.core.task import Motion
+from pushpressslide.pipeline.task_field import REQUIRED, Field
 
 
 def _number(help: str, unit: str, low: float, high: float, default: Any = REQUIRED, open: str = "") -> Field:
@@ -83,6 +19,10 @@ def _number(help: str, unit: str, low: float, high: float, default: Any = REQUIR
 
 def _section(help: str, fields: Mapping[str, Field], default: Any = REQUIRED) -> Field:
     return Field("section", help, fields=fields, default=default)
+
+
+def _flag(help: str, default: bool) -> Field:
+    return Field("boolean", help, default=default)
 
 
 def _friction(help: str, default: Any) -> Field:
@@ -139,7 +79,9 @@ _OBJECT = {
 }  # fmt: skip
 
 _ROBOT = {
-    "model": Field("text", "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF or SDF file"),
+    "model": Field(
+        "text", "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF or SDF file"
+    ),
     "base": _section("where the base stands", _BASE, {}),
     "tip_frame": Field("text", "frame at the tip's centre; needed for a model given by path", default=None),
     "tip_radius": _number("radius of the spherical tip", "m", 0.002, 0.1, 0.02),
@@ -157,27 +99,43 @@ _OBSTACLE = {
 
 _LEG = {
     "mode": Field("name", "contact mode of the leg"),
-    "contacts": Field("points", "contact placement in the body frame B", "m", -5, 5, default=None, count=(1, 2)),
+    "contacts": Field(
+        "points", "contact placement in the body frame B", "m", -5, 5, default=None, count=(1, 2)
+    ),
     "cop": Field("text", "centre-of-pressure strategy", default=None),
     "pose": _section("pose of G at the end of the leg", _pose()),
 }
 
+_DEFAULT = Motion()
+
 _MOTION = {
-    "speed": _number("along the path of the tracking point", "m/s", 0, 0.2, 0.05, "("),
+    "speed": _number("along the path of the tracking point", "m/s", 0, 0.2, _DEFAULT.speed, "("),
+    "acceleration": _number("of the ramps of the speed", "m/s^2", 0, 2, _DEFAULT.acceleration, "("),
+    "tracking_gain": _number(
+        "of the steering law, in units of the largest without overshoot",
+        "", 0, 10, _DEFAULT.tracking_gain, "(",
+    ),
+    "servo_damping": _number("of the contact velocity servo", "N s/m", 0, 1e4, _DEFAULT.servo_damping),
+    "joint_stiffness": _number("of the joint-tracking term", "N m/rad", 0, 1000, _DEFAULT.joint_stiffness),
+    "force_gain": _number(
+        "on the feed-forward force; null: 1 with the servo, 1.05 without", "", 0, 2, _DEFAULT.force_gain, "("
+    ),
     "contact_height": _number(
-        "of a side contact above the support, below the object's top; null: chosen by the mode", "m", 0, 10, None, "("
+        "of a side contact above the support, below the object's top; null: chosen by the mode",
+        "m", 0, 10, _DEFAULT.contact_height, "(",
     ),
-    "approach_distance": _number("free way before the touch", "m", 0.005, 0.5, 0.05),
-    "joint_tracking": Field("boolean", "joint impedance about the planned joint path", default=True),
-    "velocity_servo": Field("boolean", "contact velocity servo on top of the feed-forward force", default=True),
+    "approach_distance": _number("free way before the touch", "m", 0.005, 0.5, _DEFAULT.approach_distance),
+    "joint_tracking": _flag("joint impedance about the planned joint path", _DEFAULT.joint_tracking),
+    "velocity_servo": _flag("velocity servo on top of the feed-forward force", _DEFAULT.velocity_servo),
     "curvature_margin": _number(
-        "share of the friction-limited curvature that the path may use", "", 0, 1, 0.7, "("
+        "share of the friction-limited curvature that is used", "", 0, 1, _DEFAULT.curvature_margin, "("
     ),
-    "run_in": _number("straight end of the path", "m", 0, 1, 0.10),
-    "time_step": _number("of the physics engine, and the control period", "s", 0.0002, 0.01, 0.004),
+    "run_in": _number("straight end of the path", "m", 0, 1, _DEFAULT.run_in),
+    "time_step": _number("of the engine, and the control period", "s", 0.0002, 0.01, _DEFAULT.time_step),
     "face": Field(
-        "integer", "index of the pushed edge of the footprint, edge i from corner i to i + 1 counter-clockwise "
-        "(box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen", low=0, high=63, default=None,
+        "integer", "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
+        "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen",
+        low=0, high=63, default=_DEFAULT.face,
     ),
 }  # fmt: skip
 
@@ -200,7 +158,7 @@ SCHEMA = _section(
         "start": _section("pose of the shape's frame G that the plan is made for", _pose()),
         "goal": _section(
             "wanted pose of the shape's frame G",
-            {**_pose(), "body": Field("name", "body that is to reach the goal: object, or an obstacle", default=None)},
+            {**_pose(), "body": Field("name", "the body to be moved: object, or an obstacle", default=None)},
         ),
         "tolerance": _section(
             "when the goal counts as reached",
@@ -240,7 +198,7 @@ SCHEMA = _section(
                 "support_friction": _friction("null: the truth", None),
                 "contact_friction": _friction("null: the truth", None),
                 "mass": _number("null: the truth", "kg", 0, 1000, None, "("),
-                "rho": _number("characteristic length of the limit surface; null: from the shape", "m", 0, 10, None, "("),
+                "rho": _number("length of the limit surface; null: from the shape", "m", 0, 10, None, "("),
             },
             {},
         ),
@@ -264,7 +222,7 @@ SCHEMA = _section(
             {},
         ),
         "motion": _section("how the motion is to be done", _MOTION, {}),
-        "legs": Field("sections", "modes in order, with re-grasps between; null: one leg", fields=_LEG, default=None),
+        "legs": Field("sections", "modes in order; null: one leg", fields=_LEG, default=None),
     },
 )  # fmt: skip
 """The whole file."""

@@ -23,16 +23,18 @@ class _Loader(yaml.SafeLoader):
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
                 continue
-            key = self.construct_object(key_node, deep=True)  # type: ignore[no-untyped-call]
+            key = self.construct_object(key_node, deep=True)
             if isinstance(key, Hashable) and key in seen:
-                raise yaml.constructor.ConstructorError(None, None, f"duplicate key {key!r}", key_node.start_mark)
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"duplicate key {key!r}", key_node.start_mark
+                )
             seen.add(key if isinstance(key, Hashable) else None)
         return super().construct_mapping(node, deep=deep)
 
 
-_Loader.add_implicit_resolver(  # type: ignore[no-untyped-call]
+_Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
-    re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+"),
+    re.compile(r"[-+]?\.[0-9]+|[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+"),
     list("-+.0123456789"),
 )
 
@@ -48,7 +50,9 @@ def parse_yaml(text: str, source: str) -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f"line {mark.line + 1}: " if mark is not None else ""
-        raise TaskError(source, "", text, f"{line}not valid YAML: {_flat(error.problem or 'syntax')}") from None
+        raise TaskError(
+            source, "", text, f"{line}not valid YAML: {_flat(error.problem or 'syntax')}"
+        ) from None
     except (yaml.YAMLError, ValueError) as error:
         raise TaskError(source, "", text, f"not valid YAML: {_flat(error)}") from None
     except RecursionError:
@@ -63,8 +67,8 @@ def read_yaml(path: Path) -> dict[Any, Any]:
     """Return the top-level mapping of a YAML file.
 
     Raises:
-        TaskError: a file that is missing, a directory, unreadable, too long, not UTF-8 text, empty, not YAML, or
-            whose top level is not a mapping.
+        TaskError: a file that is missing, a directory, unreadable, too long, not UTF-8 text, empty, not
+            YAML, or whose top level is not a mapping.
     """
     source = str(path)
     try:
@@ -82,22 +86,29 @@ def read_yaml(path: Path) -> dict[Any, Any]:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise TaskError(source, "", source, f"not UTF-8 text (byte {error.start}); allowed: a YAML file") from None
+        raise TaskError(
+            source, "", source, f"not UTF-8 text (byte {error.start}); allowed: a YAML file"
+        ) from None
     parsed = parse_yaml(text, source)
     if parsed is None:
         raise TaskError(source, "", source, "the file is empty; allowed: a mapping with the fields of a task")
     if not isinstance(parsed, dict):
         raise TaskError(
-            source, "", source, f"the top level is a {type(parsed).__name__}; allowed: a mapping with a task's fields"
+            source,
+            "",
+            source,
+            f"the top level is a {type(parsed).__name__}; allowed: a mapping with a task's fields",
         )
     return parsed
 
 
 def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
-    """Set fields of ``data`` in place; each override is ``a.b=c``, list items by index (``robots.0.model=iiwa7``).
+    """Set fields of ``data`` in place.
+
+    Each override is ``a.b=c``; list items are named by index, as in ``robots.0.model=iiwa7``.
 
     Raises:
-        TaskError: an override without ``=``, an empty name, a value that is not YAML, or an index out of range.
+        TaskError: an override without ``=``, an empty name, a value that is not YAML, an index out of range.
     """
     for override in overrides:
         source = f"--set {_flat(override)[:80]}"

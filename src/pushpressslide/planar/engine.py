@@ -148,6 +148,6 @@ def _step(
     cop = _cop(last_force, height, load)
     rho = rho_of(last_force if last_force != (0.0, 0.0) else normal)
     outcome = push_with_compliance(
-        f_B, (bn, bt), (point[0] - cop[0], point[1] - cop[1]), normal, friction, rho, limit
+        f_B, (bn, bt), (point[0] - cop[0], point[1] - cop[1]), normal, friction, rho, limit, radius
     )
     return outcome, outcome.status != "free"

@@ -70,11 +70,19 @@ def push_with_velocity(velocity: Point, r: Point, normal: Point, friction: float
 
 
 def push_with_compliance(
-    force: Point, damping: tuple[float, float], r: Point, normal: Point, friction: float, rho: float, limit: float
+    force: Point,
+    damping: tuple[float, float],
+    r: Point,
+    normal: Point,
+    friction: float,
+    rho: float,
+    limit: float,
+    tip_radius: float = 0.0,
 ) -> PushOutcome:
     """Return what a massless tip in contact does whose force on the object is ``force`` - diag(damping) v_tip.
 
-    ``damping`` [N s/m] along the normal and the tangent, both > 0.
+    ``damping`` [N s/m] along the normal and the tangent, both > 0. v_tip is that of the tip's centre, ``tip_radius`` [m]
+    outside the contact; the tip turns with the object, so that it does not roll along the face.
     """
     tangent = (-normal[1], normal[0])
     an, at = force[0] * normal[0] + force[1] * normal[1], force[0] * tangent[0] + force[1] * tangent[1]
@@ -83,12 +91,15 @@ def push_with_compliance(
     if an <= 0.0:
         return PushOutcome("free", (0.0, 0.0), rest, _in_plane(an / bn, at / bt, normal, tangent))
     rn, rt = r[0] * normal[0] + r[1] * normal[1], r[0] * tangent[0] + r[1] * tangent[1]
-    gnn, gnt, gtt = _mobility((rn, rt), rho)
+    # v_tip = alpha G f, G = I + (J r_c)(J r)^T / rho^2 with r_c the tip's centre
+    k = 1.0 / (rho * rho)
+    cn = rn - tip_radius
+    gnn, gnt, gtn, gtt = 1.0 + rt * rt * k, -rt * rn * k, -cn * rt * k, 1.0 + cn * rn * k
 
     def sticking(alpha: float) -> tuple[float, float]:
         # (I + alpha B G) f = f_0
         m11, m12 = 1.0 + alpha * bn * gnn, alpha * bn * gnt
-        m21, m22 = alpha * bt * gnt, 1.0 + alpha * bt * gtt
+        m21, m22 = alpha * bt * gtn, 1.0 + alpha * bt * gtt
         determinant = m11 * m22 - m12 * m21
         return (m22 * an - m12 * at) / determinant, (m11 * at - m21 * an) / determinant
 

@@ -1,7 +1,7 @@
 """Shortest forward paths between two poses for a car whose left and right curvature limits may differ.
 
 Dubins (1957) for equal limits; for unequal ones the shortest path is of the same six words (Bakolas and
-Tsiotras, "The asymmetric sinistral/dextral Markov-Dubins problem", 2009): LSL, RSR, LSR, RSL, RLR, LRL.
+Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral Markov-Dubins problem", JOTA 2011): LSL, RSR, LSR, RSL, RLR, LRL.
 Closed form, plain floats.
 """
 

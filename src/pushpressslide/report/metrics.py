@@ -25,6 +25,13 @@ SCHEMA = 1
 CONE_TOLERANCE = 0.02
 """Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
 
+MOTION_FIELDS = (
+    "start_pose", "final_pose", "duration", "motion_duration", "rms_position_error", "rms_yaw_error",
+    "rms_end_effector_error", "max_position_error", "max_yaw_error", "path_rms_error", "path_max_error",
+    "path_length", "tracking",
+)  # fmt: skip
+CONTACT_FIELDS = ("max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance")
+
 
 def result(task: Task, plan: Plan, record: Record, versions: Mapping[str, str | None] | None = None) -> dict[str, Any]:
     """Return the contents of result.json: SI units and radians, null where a figure does not apply, never NaN.
@@ -49,13 +56,9 @@ def result(task: Task, plan: Plan, record: Record, versions: Mapping[str, str | 
         "final_error_xy": [final[2], final[3]],
         "tolerance": {"position": task.tolerance.position, "yaw": task.tolerance.yaw},
     }
-    out |= _motion_figures(task, plan, record) if known else {}
-    out |= {
-        "max_normal_force": None,
-        "contact_loss_time": None,
-        "cone_violation_fraction": None,
-        "slip_distance": None,
-    } | (_contact_figures(task, plan, record) if known else {})
+    out |= dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS)
+    if known:
+        out |= _motion_figures(task, plan, record) | _contact_figures(task, plan, record)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
         "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,

@@ -1,4 +1,4 @@
-"""Joint paths along a path of the tip: each posture is found from the one before it, so the arm never flips."""
+"""Joint paths along a path of the tip: each posture is found from the one before it, so it never flips."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def continuations(
 ) -> tuple[Continuation, ...]:
     """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3).
 
-    For trying several tool yaw offsets or elbows, at hardly more cost than one. Otherwise as ``continuation``.
+    For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape

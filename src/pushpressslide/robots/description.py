@@ -1,12 +1,13 @@
 """Facts of any serial robot, read from its URDF or SDF file: the chain from the root link to the tip frame.
 
-Kinematics and limits only; dynamics are the engine's business. Of SDF the common part is read: one model, link
-poses in the model's frame, joints at their child link. For anything else convert the file to URDF.
+Kinematics and limits only; dynamics are the engine's business. Of SDF the common part is read: one model,
+link poses in the model's frame, joints at their child link. For anything else convert the file to URDF.
 """
 
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,8 +50,9 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     if not path.is_file():
         raise PushPressSlideError("there is no such file")
     try:
-        root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+        # Files often use Drake's prefix without declaring it; what it marks is not needed here.
+        root = ElementTree.fromstring(re.sub(r"(</?|\s)drake:", r"\1drake_", path.read_text("utf-8")))
+    except (ElementTree.ParseError, UnicodeDecodeError) as error:
         raise PushPressSlideError(f"it is not XML ({error})") from error
     if tip_frame is None:
         raise PushPressSlideError(

@@ -153,7 +153,7 @@ class RobotFacts:
 
     @cached_property
     def armature(self) -> Array:
-        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: at the motor times gear ratio squared."""
+        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: motor side times gear ratio^2."""
         return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
 
 

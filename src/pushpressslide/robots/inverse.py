@@ -1,4 +1,4 @@
-"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps off the joint limits."""
+"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps off limits."""
 
 from __future__ import annotations
 
@@ -42,20 +42,18 @@ def orientation_error(R: Array, R_wanted: Array) -> Array:
     c = 0.5 * (np.trace(D, axis1=-2, axis2=-1)[..., None] - 1.0)
     angle = np.arctan2(s, c)
     # Half a turn off, the axis is lost in v: any axis will do to get moving.
-    axis = np.where(s > 1e-9, v / np.maximum(s, 1e-300), np.where(c > 0.0, 0.0, np.array([1.0, 0.0, 0.0])))
+    axis = np.where((s > 1e-9) | (c > 0.0), v / np.maximum(s, 1e-300), np.array([1.0, 0.0, 0.0]))
     out: Array = axis * angle
     return out
 
 
 def axis_error(z: Array, z_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way into z_wanted (3,)."""
+    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way to z_wanted (3,)."""
     v = np.cross(z, z_wanted)
     s = np.linalg.norm(v, axis=-1, keepdims=True)
     c = (z * z_wanted).sum(axis=-1, keepdims=True)
     other = np.cross(z_wanted, np.roll(z_wanted, 1) + np.array([0.1, 0.2, 0.3]))
-    axis = np.where(
-        s > 1e-9, v / np.maximum(s, 1e-300), np.where(c > 0.0, 0.0, other / np.linalg.norm(other))
-    )
+    axis = np.where((s > 1e-9) | (c > 0.0), v / np.maximum(s, 1e-300), other / np.linalg.norm(other))
     out: Array = axis * np.arctan2(s, c)
     return out
 
@@ -89,7 +87,7 @@ def task_error(
 
 
 def damped_step(J: Array, e: Array, secondary: Array) -> Array:
-    """Return dq (..., n): least squares for e (..., 6), damped by its size, plus ``secondary`` in J's null space."""
+    """Return dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in J's null space."""
     damping = 0.05 * (e * e).sum(axis=-1) + 1e-10
     A = J @ np.swapaxes(J, -1, -2) + damping[..., None, None] * np.eye(6)
     wanted = e - (J @ secondary[..., None])[..., 0]
@@ -98,24 +96,32 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 
 
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
-    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them, elbow and wrist varied."""
+    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them, elbow and wrist varied.
+
+    A robot read from a file has no ready posture: its starts are spread over the joint ranges.
+    """
     facts, home = kin.facts, kin.facts.home
     m, n = len(p), facts.size
     rng = np.random.default_rng(0)
     span = np.minimum(facts.upper, 3.0) - np.maximum(facts.lower, -3.0)
-    random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((RANDOM_SEEDS, n)))
+    count = RANDOM_SEEDS + STRUCTURED_SEEDS
+    random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((count, n)))
+    if not facts.links:
+        spread: Array = np.clip(np.broadcast_to(random, (m, count, n)), facts.lower, facts.upper)
+        return spread
     structured = np.tile(home, (STRUCTURED_SEEDS, 1))
     if n == 7 and facts.moving[0].kind == "revolute":
         for i, (elbow, wrist) in enumerate((a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)):
             structured[i, 0] += elbow
             structured[i, 2] -= elbow
             structured[i, 6] += wrist
-    seeds = np.concatenate([structured, random])
-    out = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
+    seeds = np.concatenate([structured, random[:RANDOM_SEEDS]])
+    out: Array = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
     if facts.moving[0].kind == "revolute":
         azimuth = np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
         out[:, :STRUCTURED_SEEDS, 0] += np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
-    return np.clip(out, facts.lower, facts.upper)
+    out = np.clip(out, facts.lower, facts.upper)
+    return out
 
 
 def solve_ik(
@@ -130,7 +136,7 @@ def solve_ik(
 ) -> IkSolution:
     """Return for each target the posture with the largest joint margin, from several starts.
 
-    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; tool_yaw: [rad], scalar or (m,), None: free.
+    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; tool_yaw: [rad] scalar or (m,), None: free.
     q_seed: (n,), (s, n) or (m, s, n), None: ``default_seeds``; joint_margin: [rad] to keep from every limit;
     best_margin False stops as soon as all targets are met, without improving the margin.
     """

@@ -39,7 +39,7 @@ class ArmKinematics:
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
-        """Of each joint, in the frame before it: R (n,3,3), p (n,3), axis (n,3), K, K^2, slides; last: the tip."""
+        """Of each joint, in the frame before it: R, p, axis, K, K^2, whether it slides; last: the tip."""
         R, p = rotation_from_rpy((0.0, 0.0, self.base_yaw)), np.array(self.base, dtype=np.float64)
         rotations, positions, axes = [], [], []
         for joint in self.facts.joints:
@@ -135,7 +135,7 @@ class ArmKinematics:
 def arm_kinematics(robot: Robot) -> ArmKinematics:
     """Return the kinematics of a task's robot.
 
-    Raises PushPressSlideError for a model that is neither in ``facts.MODELS`` nor a readable URDF or SDF file.
+    Raises PushPressSlideError for a model that is not in ``facts.MODELS`` nor a readable URDF or SDF file.
     """
     if robot.model in MODELS:
         facts, tip_length = load_facts(robot.model), robot.tip_length

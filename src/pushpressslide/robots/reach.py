@@ -44,9 +44,9 @@ def reachable(
 ) -> Reach:
     """Return which points (m, 3) [m] the tip's centre reaches, the tool so held, with ``joint_margin`` [rad].
 
-    tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture and its neighbours, so
-    that the arm folded over backwards does not count. Of the points that a quick search misses the nearest are
-    searched at length.
+    tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture and its neighbours,
+    so that the arm folded over backwards does not count. Of the points that a quick search misses the nearest
+    are searched at length.
     """
     p = np.atleast_2d(np.asarray(points, dtype=np.float64))
     seeds = default_seeds(kin, p)[:, :STRUCTURED_SEEDS]
@@ -76,7 +76,7 @@ def reach_problem(
     attitude: ToolAttitude = UPRIGHT,
     joint_margin: float = REACH_MARGIN,
 ) -> str | None:
-    """Return in one line why a robot cannot bring its tip's centre to all points [m], the tool so held; or None.
+    """Return in one line why a robot cannot bring its tip's centre to all points [m], tool so held; or None.
 
     Raises PushPressSlideError for a model that cannot be read.
     """

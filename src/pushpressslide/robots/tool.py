@@ -1,9 +1,9 @@
 """How the tool is held: its axis constant in the support's frame, its yaw free to follow the object.
 
-The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the flange.
-Frame S is the support's: z out of the surface towards the robots (on a table S has the world's axes). An upright
-tool points along -z_S. The TOOL YAW is the angle, about z_S and from x_S, of the tool's x axis projected on the
-plane of x_S and y_S.
+The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the
+flange. Frame S is the support's: z out of the surface towards the robots (on a table S has the world's axes).
+An upright tool points along -z_S. The TOOL YAW is the angle, about z_S and from x_S, of the tool's x axis
+projected on the plane of x_S and y_S.
 """
 
 from __future__ import annotations

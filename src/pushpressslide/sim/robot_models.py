@@ -1,4 +1,4 @@
-"""Robots in a MultibodyPlant: the generated ones, Drake's own, or any URDF or SDF, each with a tip for contact."""
+"""Robots in a MultibodyPlant: generated, Drake's own, or from a URDF or SDF, each with a tip for contact."""
 
 from __future__ import annotations
 
@@ -84,8 +84,9 @@ def add_robot(
 
     tip_properties: the tip's sphere touches with these; None: it does not touch. collision: also registers
     capsules around the links (generated models), without hydroelastic properties, for distance queries in a
-    plant that is not simulated. models: "generated" or "drake_models"; drake_models: folder of a local copy of
-    the latter. source: the task file, for messages. Raises TaskError if the model, its file or its tip frame cannot be used.
+    plant that is not simulated. models: "generated" or "drake_models"; drake_models: folder of a local copy
+    of the latter. source: the task file, for messages. Raises TaskError if the model,
+    its file or its tip frame cannot be used.
     """
     field = f"robots[{index}]"
     own = robot.model in MODELS
@@ -167,7 +168,11 @@ def _add_file(
         if joint.num_velocities() and joint.name() not in wanted:
             advice = f"its joint {joint.name()!r} does not lead to the tip frame; make it fixed"
             raise TaskError(source, f"{field}.model", str(path), advice)
-    driven = {plant.get_joint_actuator(a).joint().name() for a in plant.GetJointActuatorIndices(instance)}
+        if joint.parent_body() == plant.world_body():
+            advice = f"its joint {joint.name()!r} holds it in the world; leave its base free"
+            raise TaskError(source, f"{field}.model", str(path), advice)
+    actuators = [plant.get_joint_actuator(a) for a in plant.GetJointActuatorIndices()]
+    driven = {a.joint().name() for a in actuators if a.model_instance() == instance}
     for fact in facts.moving:
         if fact.name not in driven:
             plant.AddJointActuator(fact.name, plant.GetJointByName(fact.name, instance), fact.effort)

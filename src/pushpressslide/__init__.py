@@ -1,0 +1,74 @@
+"""Push, press and slide objects with one or two robot arms: by reduced-order models and closed-form control.
+
+    import pushpressslide as pps
+    task = pps.load_task("task.yaml")
+    choice = pps.select(task)[0]
+    plan = pps.plan(task, choice)
+    record = pps.run(plan, engine="drake")
+
+Everything here is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pushpressslide import modes
+    from pushpressslide.core.errors import (
+        InfeasibleTaskError,
+        PushPressSlideError,
+        SimulationError,
+        TaskError,
+    )
+    from pushpressslide.experiments.run import run
+    from pushpressslide.pipeline.planner import plan
+    from pushpressslide.pipeline.selection import select
+    from pushpressslide.pipeline.task_file import dump_task, load_task
+
+    __version__: str
+
+__all__ = [
+    "InfeasibleTaskError",
+    "PushPressSlideError",
+    "SimulationError",
+    "TaskError",
+    "__version__",
+    "dump_task",
+    "load_task",
+    "modes",
+    "plan",
+    "run",
+    "select",
+]
+
+_HOMES = {
+    "InfeasibleTaskError": "core.errors",
+    "PushPressSlideError": "core.errors",
+    "SimulationError": "core.errors",
+    "TaskError": "core.errors",
+    "dump_task": "pipeline.task_file",
+    "load_task": "pipeline.task_file",
+    "plan": "pipeline.planner",
+    "run": "experiments.run",
+    "select": "pipeline.selection",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("pushpressslide")
+    if name == "modes":
+        return importlib.import_module("pushpressslide.modes")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'pushpressslide' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"pushpressslide.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

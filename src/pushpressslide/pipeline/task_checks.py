@@ -1,0 +1,169 @@
+"""What a task's fields must satisfy together: bodies apart, modes that fit the robots, poses within reach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from pushpressslide.core.errors import Shown, TaskError
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
+from pushpressslide.pipeline.task_reader import nearest
+from pushpressslide.pipeline.task_shapes import distance_outside, overlap_area
+
+MAX_OVERLAP = 1e-8
+"""Area that two footprints may share and still count as touching [m^2]."""
+
+BASE_RADIUS = 0.10
+"""Radius of a robot's base that no body may enter [m]."""
+
+ARM_REACH: Mapping[str, float] = {"panda": 0.855, "iiwa7": 0.800}
+"""Farthest reach of the flange from the base's axis [m], by the makers' data sheets."""
+
+MODELS = ("panda", "iiwa7", "hand")
+"""Robot models that come with the package."""
+
+
+def check(task: Task) -> None:
+    """Check all that concerns more than one field, cheap checks first.
+
+    Raises:
+        TaskError: the first field that does not fit the others.
+    """
+    _check_faces(task)
+    _check_modes(task)
+    _check_workspace(task)
+    check_reach(task)
+    _check_bodies(task)
+
+
+def mode_library() -> Mapping[str, Any]:
+    """Return the modes of the library by name."""
+    from pushpressslide.modes import MODES
+
+    return MODES
+
+
+def _check_faces(task: Task) -> None:
+    shape, motion = task.object.shape, task.motion
+    if motion.face is not None:
+        if isinstance(shape, Cylinder):
+            raise TaskError(task.source, "motion.face", motion.face, "a cylinder has no edges; allowed: null")
+        edges = len(shape.footprint)
+        if motion.face >= edges:
+            raise TaskError(task.source, "motion.face", motion.face, f"allowed: null or 0 to {edges - 1}")
+    if motion.contact_height is not None and motion.contact_height >= shape.height:
+        allowed = f"allowed: below the object's top at {shape.height:g} m"
+        raise TaskError(task.source, "motion.contact_height", motion.contact_height, allowed)
+
+
+def _arms(count: int) -> str:
+    return f"{count} robot" if count == 1 else f"{count} robots"
+
+
+def _check_modes(task: Task) -> None:
+    modes = mode_library()
+    count = len(task.robots)
+    if task.modes is None:
+        if all(mode.arms != count for mode in modes.values()):
+            needed = ", ".join(f"{name} {mode.arms}" for name, mode in modes.items())
+            raise TaskError(
+                task.source,
+                "robots",
+                Shown(_arms(count)),
+                f"no mode uses that many; robots by mode: {needed}",
+            )
+        return
+    for i, name in enumerate(task.modes):
+        if name not in modes:
+            raise TaskError(task.source, f"modes[{i}]", name, f"unknown mode; {nearest(name, modes)}")
+        if modes[name].arms != count:
+            allowed = f"allowed: {_arms(modes[name].arms)}, the number that mode {name} uses"
+            raise TaskError(task.source, "robots", Shown(_arms(count)), allowed)
+        if name in task.modes[:i]:
+            raise TaskError(task.source, f"modes[{i}]", name, "it is listed twice; allowed: each mode once")
+
+
+def _check_workspace(task: Task) -> None:
+    if task.limits.workspace is None:
+        return
+    x_min, x_max, y_min, y_max = task.limits.workspace
+    for name, pose in (("start", task.start), ("goal", task.goal)):
+        if not (x_min <= pose.x <= x_max and y_min <= pose.y <= y_max):
+            allowed = f"allowed: x in [{x_min:g}, {x_max:g}], y in [{y_min:g}, {y_max:g}] (limits.workspace)"
+            raise TaskError(task.source, name, Shown(f"x {pose.x:g}, y {pose.y:g}"), allowed)
+
+
+def check_reach(task: Task) -> None:
+    """Check that some robot reaches the object's centre at start and at goal, by its distance from the base.
+
+    Raises:
+        TaskError: a start or goal farther than every robot's reach, with the distance and the reach.
+    """
+    for name, pose in (("start", task.start), ("goal", task.goal)):
+        center = pose.apply(task.object.center_of_mass)
+        nearest_miss: tuple[float, float, Robot] | None = None
+        for robot in task.robots:
+            distance = math.dist(center, robot.base[:2])
+            reach = ARM_REACH.get(robot.model, math.inf) + robot.tip_length
+            if distance <= reach:
+                break
+            if nearest_miss is None or distance - reach < nearest_miss[0] - nearest_miss[1]:
+                nearest_miss = (distance, reach, robot)
+        else:
+            if nearest_miss is not None:
+                distance, reach, robot = nearest_miss
+                what = Shown(
+                    f"object's centre at x {center[0]:g}, y {center[1]:g}, {distance:.3f} m from the base"
+                )
+                raise TaskError(
+                    task.source, name, what, f"allowed: within the {reach:.3f} m that a {robot.model} reaches"
+                )
+
+
+def _box(obstacle: Obstacle) -> Box:
+    return Box(obstacle.size)
+
+
+def _check_bodies(task: Task) -> None:
+    arms = [(f"robots[{i}].base", robot) for i, robot in enumerate(task.robots) if robot.model != "hand"]
+    if len(arms) == 2 and math.dist(arms[0][1].base, arms[1][1].base) < 2.0 * BASE_RADIUS:
+        where = Shown(f"{math.dist(arms[0][1].base, arms[1][1].base):.3f} m from the other base")
+        raise TaskError(
+            task.source, "robots[1].base", where, f"allowed: bases {2.0 * BASE_RADIUS:g} m or more apart"
+        )
+    object_poses = [("start", task.start), ("goal", task.goal)]
+    if task.true_start != task.start:
+        object_poses.append(("start_error", task.true_start))
+    for name, pose in object_poses:
+        for field, robot in arms:
+            _check_base(task, name, task.object.shape, pose, field, robot)
+        for obstacle in task.obstacles:
+            _check_apart(task, name, task.object.shape, pose, obstacle)
+    for i, obstacle in enumerate(task.obstacles):
+        field = f"obstacles[{i}].pose"
+        for base_field, robot in arms:
+            _check_base(task, field, _box(obstacle), obstacle.pose, base_field, robot)
+        for other in task.obstacles[:i]:
+            _check_apart(task, field, _box(obstacle), obstacle.pose, other)
+
+
+def _at(pose: Pose2) -> Shown:
+    return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
+
+
+def _check_base(task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, robot: Robot) -> None:
+    if robot.base[2] >= shape.height:
+        return
+    gap = distance_outside(shape, X_WG.unapply((robot.base[0], robot.base[1])))
+    if gap < BASE_RADIUS:
+        allowed = f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"
+        raise TaskError(task.source, name, _at(X_WG), allowed)
+
+
+def _check_apart(task: Task, name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle) -> None:
+    area = overlap_area(shape, X_WG, _box(obstacle), obstacle.pose)
+    if area > MAX_OVERLAP:
+        allowed = f"allowed: no overlap with obstacle {obstacle.name!r}, here {area * 1e4:.2f} cm^2"
+        raise TaskError(task.source, name, _at(X_WG), allowed)

@@ -1,0 +1,133 @@
+"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json. A file is there whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.report.metrics import plain
+from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict
+
+TASK, PLAN, RECORD, RESULT = "task.yaml", "plan.json", "record.npz", "result.json"
+META = "meta_json"
+"""Name of the array of record.npz that holds, as JSON text, all of a Record that is not a time series."""
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finished run, as read back from its folder."""
+
+    folder: Path
+    task: Task
+    plan: Plan
+    record: Record
+    result: Mapping[str, Any]
+    choices: tuple[Choice, ...] = ()  # all that were weighed, refused ones included; empty if they were not kept
+
+
+def write_whole(path: Path, data: bytes | str) -> Path:
+    """Write ``path`` under a temporary name beside it and rename it when whole; return ``path``."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        temporary.write_bytes(data.encode("utf-8") if isinstance(data, str) else data)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def to_json(value: Any) -> str:
+    """Return ``value`` as strict JSON text (no NaN), indented, with a final newline."""
+    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def save_run(
+    out: Path, task: Task, plan: Plan, record: Record, result: Mapping[str, Any], choices: Sequence[Choice] = ()
+) -> None:
+    """Write a run to folder ``out``. result.json comes last: a folder that has one is complete.
+
+    An older result.json is taken away first, so that a folder is never half of one run and half of another.
+    """
+    from pushpressslide.pipeline.task_file import dump_task
+
+    out.mkdir(parents=True, exist_ok=True)
+    (out / RESULT).unlink(missing_ok=True)
+    write_whole(out / TASK, dump_task(task))
+    write_whole(out / PLAN, to_json(plan_to_dict(plan, choices)))
+    write_whole(out / RECORD, record_to_bytes(record))
+    write_whole(out / RESULT, to_json(result))
+
+
+def load_run(folder: Path) -> Run:
+    """Return the run in ``folder``; raises PushPressSlideError where it is missing, unfinished or damaged."""
+    from pushpressslide.pipeline.task_file import load_task
+
+    if not folder.is_dir():
+        raise PushPressSlideError(f"{folder}: there is no such folder; give one that `pps run` has written")
+    for name in (RESULT, TASK, PLAN, RECORD):
+        if not (folder / name).is_file():
+            raise PushPressSlideError(f"{folder}: has no {name}; give a folder that a finished `pps run` has written")
+    result = _read(folder / RESULT, lambda path: json.loads(path.read_text("utf-8")))
+    stored = _read(folder / PLAN, lambda path: json.loads(path.read_text("utf-8")))
+    task = load_task(folder / TASK)
+    plan = _read(folder / PLAN, lambda _: plan_from_dict(stored, task))
+    choices = _read(folder / PLAN, lambda _: choices_from_dict(stored))
+    record = _read(folder / RECORD, lambda path: record_from_bytes(path.read_bytes()))
+    return Run(folder, task, plan, record, result, choices)
+
+
+def _read(path: Path, reader: Callable[[Path], T]) -> T:
+    try:
+        return reader(path)
+    except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+        raise PushPressSlideError(f"{path}: is damaged or of another version ({type(error).__name__}: {error})") from error
+
+
+def record_to_bytes(record: Record) -> bytes:
+    """Return a record as the bytes of an .npz file: its arrays, and the rest as JSON text under ``META``."""
+    rest = {
+        "reason": record.reason,
+        "reason_text": record.reason_text,
+        "engine": record.engine,
+        "seed": record.seed,
+        "wall_time": record.wall_time,
+        "modes": list(record.modes),
+        "meta": dict(record.meta),
+    }
+    arrays: dict[str, Any] = {**record.arrays, META: np.array(json.dumps(plain(rest)))}
+    buffer = BytesIO()
+    np.savez_compressed(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def record_from_bytes(data: bytes) -> Record:
+    """Return the record of ``record_to_bytes``; tuples in ``meta`` come back as lists."""
+    with np.load(BytesIO(data), allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files if name != META}
+        rest = json.loads(str(stored[META]))
+    return Record(
+        arrays=arrays,
+        reason=rest["reason"],
+        reason_text=rest["reason_text"],
+        engine=rest["engine"],
+        seed=rest["seed"],
+        wall_time=rest["wall_time"],
+        modes=tuple(rest["modes"]),
+        meta=rest["meta"],
+    )

@@ -1,0 +1,165 @@
+"""The figures of a run, and of several runs side by side, as HTML tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+Row = tuple[str, str, float, str, int]  # label, key in result.json (dots go down), factor, unit, decimals
+
+GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
+    (
+        "At the goal",
+        (
+            ("Position error", "final_position_error", 1e3, "mm", 2),
+            ("Yaw error", "final_yaw_error", 180.0 / math.pi, "°", 2),
+        ),
+    ),
+    (
+        "On the way, against the reference at the same time",
+        (
+            ("Position error, RMS", "rms_position_error", 1e3, "mm", 2),
+            ("Yaw error, RMS", "rms_yaw_error", 180.0 / math.pi, "°", 2),
+            ("End-effector error, RMS", "rms_end_effector_error", 1e3, "mm", 2),
+            ("Position error, largest", "max_position_error", 1e3, "mm", 2),
+        ),
+    ),
+    (
+        "Against the path",
+        (
+            ("Tracking point to the path, RMS", "path_rms_error", 1e3, "mm", 2),
+            ("Way of the tracking point", "path_length", 1.0, "m", 3),
+        ),
+    ),
+    (
+        "Contact",
+        (
+            ("Largest normal force", "max_normal_force", 1.0, "N", 1),
+            ("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
+            ("Outside the friction cone", "cone_violation_fraction", 100.0, "% of ticks", 2),
+            ("Slip along the surface", "slip_distance", 1e3, "mm", 2),
+            ("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
+        ),
+    ),
+    (
+        "Arms",
+        (
+            ("Beyond a torque limit", "torque_limit_violation_fraction", 100.0, "% of ticks", 2),
+            ("Least distance to a joint limit", "joint_limit_margin", 180.0 / math.pi, "°", 1),
+        ),
+    ),
+    (
+        "Time",
+        (
+            ("Duration, simulated", "duration", 1.0, "s", 2),
+            ("of it in contact", "motion_duration", 1.0, "s", 2),
+            ("Faster than real time", "realtime_factor", 1.0, "×", 2),
+            ("Track, median a tick", "tick_us.track.median", 1.0, "µs", 1),
+            ("Allocate, median a tick", "tick_us.allocate.median", 1.0, "µs", 1),
+            ("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
+            ("All of a tick, median", "tick_us.total.median", 1.0, "µs", 1),
+            ("All of a tick, 99th percentile", "tick_us.total.p99", 1.0, "µs", 1),
+        ),
+    ),
+)
+
+ASKED = {
+    "final_position_error": "tolerance.position",
+    "final_yaw_error": "tolerance.yaw",
+    "motion_duration": "planned.motion_duration",
+    "path_length": "planned.path_length",
+    "joint_limit_margin": "planned.joint_limit_margin",
+}
+"""What a figure is set beside: a tolerance, or what the plan foresaw."""
+
+
+def lookup(result: Mapping[str, Any], key: str) -> Any:
+    """Return the value at a dotted key; None where any step is missing or null."""
+    value: Any = result
+    for step in key.split("."):
+        value = value.get(step) if isinstance(value, Mapping) else None
+    return value
+
+
+def shown(result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int) -> str:
+    """Return a figure with its unit; a dash where it does not apply."""
+    value = lookup(result, key)
+    if value is None:
+        return "–"
+    space = "" if unit == "°" else " "
+    return f"{factor * value:.{decimals}f}{space}{unit}"
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], attributes: Sequence[str] = (), numbers: int = 0) -> str:
+    """Return an HTML table that scrolls sideways where it is too wide; ``rows`` hold finished cells.
+
+    ``attributes``: of each row's tag. The last ``numbers`` columns of the head are set to the right.
+    """
+    cells = "".join(
+        f'<th scope="col"{" class=n" if i >= len(head) - numbers else ""}>{escape(h)}</th>' for i, h in enumerate(head)
+    )
+    top = f"<thead><tr>{cells}</tr></thead>" if head else ""
+    marks = attributes or [""] * len(rows)
+    lines = "".join(f"<tr{mark}>{''.join(row)}</tr>" for mark, row in zip(marks, rows, strict=True))
+    return f'<div class="scroll"><table>{top}<tbody>{lines}</tbody></table></div>'
+
+
+def figures_table(result: Mapping[str, Any]) -> str:
+    """Return the figures of one run: measured, beside what was asked or planned."""
+    rows: list[list[str]] = []
+    marks = []
+    for group, entries in GROUPS:
+        if all(lookup(result, key) is None for _, key, *_ in entries):
+            continue
+        rows.append([f'<th colspan="3" scope="rowgroup">{escape(group)}</th>'])
+        marks.append(' class="group"')
+        for label, key, factor, unit, decimals in entries:
+            if lookup(result, key) is None:
+                continue
+            rows.append(
+                [
+                    f'<th scope="row">{escape(label)}</th>',
+                    f'<td class="n {_judged(result, key)}">{shown(result, key, factor, unit, decimals)}</td>',
+                    f'<td class="n">{_asked(result, key, factor, unit, decimals)}</td>',
+                ]
+            )
+            marks.append("")
+    return table(("", "Measured", "Asked or planned"), rows, marks, numbers=2)
+
+
+def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]]) -> str:
+    """Return the figures of several runs, one column each."""
+    rows = [['<th scope="row">Engine</th>', *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results)]]
+    rows.append(['<th scope="row">Mode</th>', *(f'<td class="n">{escape(", ".join(r["modes"]))}</td>' for r in results)])
+    rows.append(
+        ['<th scope="row">Outcome</th>']
+        + [
+            f'<td class="n {"ok" if r["success"] else "no"}">{escape(str(r["reason"]["code"]).replace("_", " "))}</td>'
+            for r in results
+        ]
+    )
+    for _, entries in GROUPS:
+        for label, key, factor, unit, decimals in entries:
+            if any(lookup(r, key) is not None for r in results):
+                cells = [
+                    f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>' for r in results
+                ]
+                rows.append([f'<th scope="row">{escape(label)}</th>', *cells])
+    return table(("", *names), rows, numbers=len(names))
+
+
+def _asked(result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int) -> str:
+    if key not in ASKED or lookup(result, ASKED[key]) is None:
+        return ""
+    sign = "≤ " if ASKED[key].startswith("tolerance") else ""
+    return sign + shown(result, ASKED[key], factor, unit, decimals)
+
+
+def _judged(result: Mapping[str, Any], key: str) -> str:
+    """Class of a figure that has a tolerance: kept or not."""
+    asked, value = lookup(result, ASKED.get(key, "")), lookup(result, key)
+    if key not in ASKED or not ASKED[key].startswith("tolerance") or asked is None or value is None:
+        return ""
+    return "ok" if value <= asked else "no"

@@ -1,0 +1,190 @@
+"""Pictures seen from above (on a wall: from the front): what is planned, and what came of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.report import series, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BASE_RADIUS = 0.09  # [m] at which a robot's base is drawn
+STATIONS = 6  # footprints between start and end
+ARROW = 0.08  # [m] length of the largest force arrow
+ROUND_SIDES = 48
+
+
+def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
+    """Return the object's footprint at ``pose`` X_WG, as corners in the world [m]."""
+    shape = task.object.shape
+    if isinstance(shape, Cylinder):
+        angles = [2.0 * math.pi * i / ROUND_SIDES for i in range(ROUND_SIDES)]
+        corners = [(shape.radius * math.cos(a), shape.radius * math.sin(a)) for a in angles]
+    else:
+        corners = list(shape.footprint)
+    return [pose.apply(corner) for corner in corners]
+
+
+def plan_figure(plan: Plan) -> Figure:
+    """Return the plan seen from above: the tracking point's path, footprints, obstacles, bases and contacts."""
+    made, axes = style.figure(height=5.6)
+    ax = axes[0]
+    poses = [plan.object_pose(plan.path.length * i / (STATIONS + 1)) for i in range(STATIONS + 2)]
+    _surroundings(ax, plan.task)
+    _footprints(ax, plan.task, poses[1:-1], style.SKY, "planned on the way")
+    _footprint(ax, plan.task, plan.task.start, style.BLACK, "start", fill=True)
+    _footprint(ax, plan.task, plan.task.goal, style.GREEN, "goal", fill=True)
+    line = [plan.path.pose(s) for s in np.linspace(0.0, plan.path.length, 200)]
+    ax.plot([p.x for p in line], [p.y for p in line], color=style.BLUE, label="path of the tracking point", lw=1.8)
+    ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
+    X_WB = plan.task.start.compose(plan.task.object.X_GB)
+    ax.plot(X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass")
+    for i, contact in enumerate(plan.choice.contacts):
+        x, y = X_WB.apply(contact.point)
+        label = "contact" if i == 0 else None
+        if contact.kind == "top":
+            ax.plot(x, y, "X", color=style.ORANGE, ms=9, label=label)
+        else:
+            n = X_WB.rotate(contact.normal)
+            _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
+            ax.plot([], [], color=style.ORANGE, label=label, marker=">", ms=6)
+    corners = [c for pose in [*poses, plan.task.start, plan.task.goal] for c in outline(plan.task, pose)]
+    seconds = plan.profile.duration
+    _frame(ax, plan.task, corners, f"Plan: {plan.choice.mode}, {plan.path.length:.3f} m in {seconds:.1f} s")
+    return made
+
+
+def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
+    """Return the run seen from above: reference path, tracked point, footprints, goal and measured contact forces."""
+    made, axes = style.figure(height=5.6)
+    ax = axes[0]
+    pose, reference = record.arrays["object_pose"], record.arrays["plan_path"]
+    tracked = series.tracked_poses(task, record)
+    (at,) = np.nonzero(series.contact_phase(record))
+    at = at if len(at) else np.arange(len(pose))
+    picks = at[np.linspace(0, len(at) - 1, STATIONS + 2).round().astype(int)]
+    poses = [Pose2(*(float(v) for v in pose[i])) for i in picks]
+    last = Pose2(*(float(v) for v in pose[-1]))
+    _surroundings(ax, task)
+    _footprint(ax, task, task.goal, style.GREEN, "goal", fill=True)
+    _footprints(ax, task, poses[1:-1], style.GREY, "object on the way")
+    _footprint(ax, task, poses[0], style.BLACK, "start", dashed=True)
+    _footprint(ax, task, last, style.ORANGE, "end")
+    for name, values in record.arrays.items():
+        if name.startswith("body_"):
+            ends = series.planar_poses(values)[[0, -1]]
+            ax.plot(ends[:, 0], ends[:, 1], color=style.PURPLE, marker="s", ms=4, label=name.removeprefix("body_"))
+    ax.plot(reference[:, 0], reference[:, 1], "--", color=style.BLACK, lw=1.6, label="reference path")
+    ax.plot(tracked[at, 0], tracked[at, 1], color=style.BLUE, lw=1.6, label="tracking point")
+    largest = _forces(ax, task, plan, record, picks[1:-1])
+    if largest > 0.0:
+        ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=f"contact force, largest {largest:.1f} N")
+    corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
+    corners += [(float(x), float(y)) for x, y in tracked[at][::50, :2]]
+    _frame(ax, task, corners, "The run, seen " + ("from above" if task.support.kind == "table" else "from the front"))
+    return made
+
+
+def _forces(ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[int]) -> float:
+    """Draw the measured forces at the picked ticks, each at its contact; return the largest [N]."""
+    force, pose = record.arrays["measured_force"][:, :, :2], record.arrays["object_pose"]
+    sizes = np.linalg.norm(force[picks], axis=2) if len(picks) else np.zeros((0, 1))
+    largest = float(np.nanmax(sizes)) if sizes.size else 0.0
+    if not largest > series.CONTACT_FORCE:
+        return 0.0
+    for tick in picks:
+        X_WB = Pose2(*(float(v) for v in pose[tick])).compose(task.object.X_GB)
+        for i, contact in enumerate(plan.choice.contacts):
+            x, y = X_WB.apply(contact.point)
+            fx, fy = (float(v) * ARROW / largest for v in force[tick, i])
+            if math.hypot(fx, fy) > 0.05 * ARROW:
+                _arrow(ax, (x - fx, y - fy), (x, y), style.AMBER)
+    return largest
+
+
+def _arrow(ax: Axes, tail: tuple[float, float], head: tuple[float, float], color: str) -> None:
+    options: dict[str, Any] = {"arrowstyle": "-|>", "color": color, "lw": 1.8, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=head, xytext=tail, arrowprops=options, zorder=5)
+
+
+def _footprint(
+    ax: Axes, task: Task, pose: Pose2, color: str, label: str, *, fill: bool = False, dashed: bool = False
+) -> None:
+    from matplotlib.patches import Polygon
+
+    corners = outline(task, pose)
+    if fill:
+        ax.add_patch(Polygon(corners, closed=True, facecolor=color, alpha=0.13, edgecolor="none"))
+    ax.add_patch(
+        Polygon(corners, closed=True, fill=False, edgecolor=color, lw=1.5, ls="--" if dashed else "-", label=label)
+    )
+    front = pose.rotate((1.0, 0.0))
+    reach = 0.35 * max(math.dist(corner, (pose.x, pose.y)) for corner in corners)
+    ax.plot([pose.x, pose.x + reach * front[0]], [pose.y, pose.y + reach * front[1]], color=color, lw=1.3)
+
+
+def _footprints(ax: Axes, task: Task, poses: Sequence[Pose2], color: str, label: str) -> None:
+    from matplotlib.patches import Polygon
+
+    for i, pose in enumerate(poses):
+        ax.add_patch(
+            Polygon(
+                outline(task, pose), closed=True, fill=False, edgecolor=color, lw=0.9, alpha=0.75,
+                label=label if i == 0 else None,
+            )
+        )  # fmt: skip
+
+
+def _surroundings(ax: Axes, task: Task) -> None:
+    from matplotlib.patches import Circle, Polygon
+
+    for i, obstacle in enumerate(task.obstacles):
+        a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
+        corners = [obstacle.pose.apply(c) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]
+        label = "obstacle" if i == 0 else None
+        ax.add_patch(Polygon(corners, closed=True, facecolor="#B9BEC6", edgecolor="#6B7280", hatch="///", label=label))
+        ax.annotate(obstacle.name, obstacle.pose.position, ha="center", va="center", fontsize=8, color=style.BLACK,
+                    bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}, annotation_clip=True)  # fmt: skip
+    for i, robot in enumerate(task.robots):
+        if robot.model == "hand" or task.support.kind == "wall":
+            continue
+        label = "robot base" if i == 0 else None
+        centre = (robot.base[0], robot.base[1])
+        ax.add_patch(Circle(centre, BASE_RADIUS, facecolor="#DDE3EA", edgecolor="#6B7280", label=label))
+        ahead = 0.75 * BASE_RADIUS
+        ax.plot(
+            [centre[0], centre[0] + ahead * math.cos(robot.base_yaw)],
+            [centre[1], centre[1] + ahead * math.sin(robot.base_yaw)], color="#6B7280", lw=1.5,
+        )  # fmt: skip
+
+
+def _frame(ax: Axes, task: Task, corners: Sequence[tuple[float, float]], title: str) -> None:
+    """Set limits around ``corners``, obstacles and bases, and label the axes."""
+    points = list(corners)
+    for obstacle in task.obstacles:
+        reach = 0.5 * math.hypot(obstacle.size[0], obstacle.size[1])
+        points += [(obstacle.pose.x + dx, obstacle.pose.y + dy) for dx in (-reach, reach) for dy in (-reach, reach)]
+    if task.support.kind == "table":
+        for robot in (r for r in task.robots if r.model != "hand"):
+            points += [(robot.base[0] + d, robot.base[1] + e) for d in (-0.1, 0.1) for e in (-0.1, 0.1)]
+    margin = 0.05
+    xs, ys = [p[0] for p in points], [p[1] for p in points]
+    ax.set_xlim(min(xs) - margin, max(xs) + margin)
+    ax.set_ylim(min(ys) - margin, max(ys) + margin)
+    ax.set_aspect("equal", adjustable="box")
+    ax.set_xlabel("x [m]" if task.support.kind == "table" else "horizontal, to the left [m]")
+    ax.set_ylabel("y [m]" if task.support.kind == "table" else "up [m]")
+    if task.support.kind == "wall":
+        ax.invert_xaxis()
+    style.title(ax, title)
+    style.legend(ax)

@@ -1,0 +1,91 @@
+"""One look for every figure: colours that the colour-blind can tell apart (Okabe and Ito, 2008), sizes, PNG bytes."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pushpressslide.core.control import PHASES
+from pushpressslide.core.record import Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+SKY, AMBER, YELLOW, BLACK = "#56B4E9", "#E69F00", "#F0E442", "#222222"
+GREY, PALE = "#8A8A8A", "#D9D9D9"
+CYCLE = (BLUE, ORANGE, GREEN, PURPLE, AMBER, SKY, BLACK)
+PHASE_COLORS = {"approach": "#F1F1F1", "touch": "#E3EEF6", "move": "#FFFFFF", "release": "#F8ECE0", "done": "#F1F1F1"}
+DPI = 110
+WIDTH = 8.0  # [inch] of every figure
+
+SETTINGS = {
+    "font.size": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.7,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.4,
+}
+
+
+def figure(rows: int = 1, height: float = 4.0, *, share_x: bool = True) -> tuple[Figure, list[Axes]]:
+    """Return a figure of ``rows`` panels, ``height`` [inch] in all; no global state of matplotlib is touched."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(SETTINGS):
+        made = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+        axes = made.subplots(rows, 1, sharex=share_x, squeeze=False)[:, 0]
+    return made, list(axes)
+
+
+def png(made: Figure) -> bytes:
+    """Return a figure as PNG, the same bytes for the same figure."""
+    import matplotlib as mpl
+
+    buffer = BytesIO()
+    with mpl.rc_context(SETTINGS):
+        made.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.08, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def title(axes: Axes, text: str, pad: float = 6.0) -> None:
+    """Put a title over the panel's left edge."""
+    axes.set_title(text, loc="left", fontsize=10.5, fontweight="bold", pad=pad)
+
+
+def legend(axes: Axes, **options: Any) -> None:
+    """Put the legend beside the panel, where it hides no curve."""
+    handles, _ = axes.get_legend_handles_labels()
+    if handles:
+        size = SETTINGS["legend.fontsize"]
+        axes.legend(loc="upper left", bbox_to_anchor=(1.005, 1.02), frameon=False, fontsize=size, **options)
+
+
+def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
+    """Tint the stretches of time that belong to each phase; ``label`` also names them along the top."""
+    time, phase = record.arrays["time"], record.arrays["phase"]
+    if not len(time):
+        return
+    edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(phase)]
+    span = float(time[-1] - time[0]) or 1.0
+    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+        name = PHASES[int(phase[first])]
+        start, end = float(time[first]), float(time[min(stop, len(time) - 1)])
+        axes.axvspan(start, end, color=PHASE_COLORS[name], zorder=0, linewidth=0)
+        if first:
+            axes.axvline(start, color=PALE, linewidth=0.7, zorder=0.5)
+        if label and end - start > 0.06 * span:
+            axes.text(
+                0.5 * (start + end), 1.02, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom",
+                fontsize=8.5, color=GREY,
+            )  # fmt: skip
+    axes.set_xlim(float(time[0]), float(time[-1]) or 1.0)
