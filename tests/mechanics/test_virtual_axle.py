@@ -61,7 +61,7 @@ def test_force_and_opposite_force_have_the_same_axle_and_the_disc_has_no_preferr
     distance = exact_axle_distance(disc, lever, angle)
     assert exact_axle_distance(disc, lever, angle + math.pi) == pytest.approx(distance, rel=1e-6)
     assert exact_axle_distance(disc, (d, 0.0), -angle) == pytest.approx(distance, rel=2e-2)
-    # From R^2/4 for a straight push to 2 R^2/3 for pure turning under a far contact: beyond the pole's 4 R^2/9.
+    # From R^2/4 (straight) to 2 R^2/3 (pure turning under a far contact): beyond the 4 R^2/9 of the pole.
     assert 0.249 * 0.01 / d < distance < 0.667 * 0.01 / d
 
 
@@ -111,7 +111,7 @@ def test_at_no_height_it_is_the_axle_of_the_unmoved_pressure():
 
 
 def test_the_axle_of_the_papers_experiment_is_behind_the_centre_of_mass():
-    # docs/mechanics.md, 4.1: the paper's own rho puts it at -0.52 m, not at 0.82 m; the lifted face at -0.074 m.
+    # docs/mechanics.md, 4.1: the paper's own rho gives -0.52 m, not 0.82 m; the lifted face -0.074 m.
     assert 0.1462 - axle_distance(math.sqrt(0.036), 0.0538) == pytest.approx(-0.523, abs=1e-3)
     assert 0.1462 - exact_axle_distance(PRESSED, (0.0538, 0.0), 0.0) == pytest.approx(-0.074, abs=1e-3)
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from pushpressslide.core.path import ArcPath
@@ -89,8 +89,8 @@ def test_no_word_driven_forward_beats_the_shortest(start, left, right, word, amo
 def searched_length(goal: Pose2, left: float, right: float) -> float:
     """Return the least length of the six words from the origin, found by scanning the first arc.
 
-    For each first arc the last turning circle is known from the goal, and one residual remains: the straight piece must
-    touch that circle, or the middle circle must. Its sign changes are refined by bisection.
+    For each first arc the last turning circle is known from the goal, and one residual remains: the straight
+    piece must touch that circle, or the middle circle must. Its sign changes are refined by bisection.
     """
     radius = {"L": 1.0 / left, "R": -1.0 / right}  # signed: the centre is this far to the left
 
@@ -197,6 +197,8 @@ def test_the_way_back_turned_round_is_as_long_with_the_limits_exchanged(start, g
 
 @given(poses, poses, curvatures, curvatures, st.floats(0.01, 100.0))
 def test_scaling_lengths_scales_the_path(start, goal, left, right, scale):
+    # The length jumps where a goal just ahead comes off the straight line; round-off decides there.
+    assume(math.hypot(goal.x - start.x, goal.y - start.y) > 1e-3)
     path = shortest_path(start, goal, left, right)
     scaled = shortest_path(
         Pose2(scale * start.x, scale * start.y, start.yaw),
@@ -219,8 +221,9 @@ def test_from_a_pose_to_itself_there_is_nothing_to_drive(pose, left, right):
     path = shortest_path(pose, pose, left, right)
     assert path.pieces == ()
     assert path.length == 0.0
-    turned = Pose2(pose.x, pose.y, pose.yaw + 2.0 * math.pi)
-    assert shortest_path(pose, turned, left, right).length < 1e-9
+    for dx, dy, turn in ((0.0, 0.0, 2.0 * math.pi), (1e-11, -1e-11, 1e-11), (-1e-11, 1e-11, -1e-11)):
+        near = Pose2(pose.x + dx, pose.y + dy, pose.yaw + turn)
+        assert shortest_path(pose, near, left, right).length == 0.0
 
 
 @given(poses, curvatures, curvatures, st.floats(0.01, 10.0))

@@ -22,11 +22,10 @@ def straight(n: int = 101) -> np.ndarray:
     return np.stack([np.full(n, 0.55), np.linspace(-0.25, 0.25, n), np.full(n, CONTACT)], axis=1)
 
 
-@pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("tilt", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("name", "tilt"), [("panda", 0.0), ("panda", 0.3), ("iiwa7", 0.0), ("iiwa7", 0.3), ("hand", 0.0)]
+)
 def test_forward_of_inverse_gives_the_target_back(name, tilt):
-    if name == "hand" and tilt:
-        pytest.skip("the hand cannot tilt")
     kin, attitude = ArmKinematics(load_facts(name)), ToolAttitude(tilt, 0.8)
     yaws = np.array([-1.0, 0.2, 0.9, 1.4])
     found = solve_ik(kin, PLACES, attitude, yaws)

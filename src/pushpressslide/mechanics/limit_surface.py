@@ -77,7 +77,7 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
         raise ValueError(f"twists {twists.shape}; need (m, 3)")
     r = samples.points - np.array(samples.cop)
     out = np.empty_like(twists)
-    block = 512
+    block = 32  # keeps the temporaries in the cache
     for i in range(0, len(twists), block):
         vx, vy, w = (c[:, None] for c in twists[i : i + block].T)
         px, py = vx - w * r[:, 1], vy + w * r[:, 0]

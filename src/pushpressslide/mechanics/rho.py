@@ -38,14 +38,14 @@ def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> flo
 def rho_fit(samples: PressureSamples) -> float:
     """Return rho [m] of the ellipsoid nearest to the exact surface: least squares of H - 1.
 
-    The force axis is held at mu N. Over 1024 twists spread evenly on the sphere (vx, vy, rho_pole w). The
+    The force axis is held at mu N. Over 256 twists spread evenly on the sphere (vx, vy, rho_pole w). The
     default for control: 0.95 to 0.97 of ``rho_pole`` for uniform patches. Raises ValueError for a pressure
     without extent.
     """
     pole = rho_pole(samples)
     if pole == 0.0:
         raise ValueError("the pressure has no extent; rho is not defined")
-    n = 1024
+    n = 256
     i = np.arange(n) + 0.5
     height = 1.0 - 2.0 * i / n
     angle = i * (math.pi * (1.0 + math.sqrt(5.0)))

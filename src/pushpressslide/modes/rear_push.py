@@ -93,20 +93,23 @@ class RearPush:
     def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
         """Return the reduced model of a push on ``face`` at ``height`` [m], and the CoP's advance by the height term [m].
 
-        rho is that of the exact limit surface under the load shifted by the height term, at a force angle of
-        ``curvature_margin`` times the cone's half angle: where the path turns. Too long is the stable side.
+        On the exact limit surface, under the load shifted by the height term, the axle's distance grows with the force
+        angle. The car has the distance of the angle at which the path turns, ``curvature_margin`` times the cone's half
+        angle; its friction is lowered by the ratio of that distance to the one at the cone's edge, so that its
+        tightest curve is the object's.
         """
         belief = task.believed
-        shift = height * belief.support_friction
+        shift, mu = height * belief.support_friction, belief.contact_friction
+        if belief.rho is not None:
+            return RearSteerCar(face.foot, face.normal, (0.0, 0.0), belief.rho, mu), shift
         lever = math.hypot(*face.foot)
-        heading = (-face.foot[0] / lever, -face.foot[1] / lever)
-        rho = belief.rho
-        if rho is None:
-            angle = task.motion.curvature_margin * math.atan(belief.contact_friction)
-            cop = (shift * heading[0], shift * heading[1])
-            samples = support_pressure(task.object.shape, 1.0, task.object.center_of_mass, cop)
-            rho = math.sqrt(lever * exact_axle_distance(samples, face.foot, angle))
-        return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, belief.contact_friction), shift
+        cop = (-shift * face.foot[0] / lever, -shift * face.foot[1] / lever)
+        samples = support_pressure(task.object.shape, 1.0, task.object.center_of_mass, cop)
+        edge = math.atan(mu)
+        turning = exact_axle_distance(samples, face.foot, task.motion.curvature_margin * edge)
+        tightest = exact_axle_distance(samples, face.foot, edge)
+        rho = math.sqrt(lever * turning)
+        return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, mu * min(1.0, turning / tightest)), shift
 
     def _judge(self, task: Task, face: Face) -> Choice:
         belief = task.believed
@@ -161,6 +164,7 @@ class RearPush:
             "curvature_max_left": high,
             "curvature_max_right": -low,
             "curvature_share": use,
+            "effective_friction": car.mu,
             "run_in": run_in,
             "push_force": level,
         }
@@ -233,9 +237,9 @@ class RearPush:
 
     def tracker(self, plan: Plan) -> RearPushTracker:
         """Return the rear Stanley law for a plan."""
-        figures, contact, belief = plan.choice.parameters, plan.choice.contacts[0], plan.task.believed
+        figures, contact = plan.choice.parameters, plan.choice.contacts[0]
         car = RearSteerCar(
-            contact.point, contact.normal, (0.0, 0.0), figures["rho"], belief.contact_friction
+            contact.point, contact.normal, (0.0, 0.0), figures["rho"], figures["effective_friction"]
         )
         low, high = car.steering_limits
         reserve = STEERING_RESERVE * 0.5 * (high - low)
@@ -256,7 +260,7 @@ class RearPush:
         """
         task, figures, old = plan.task, plan.choice.parameters, plan.choice.contacts[0]
         try:
-            car = RearSteerCar(touched[0], old.normal, (0.0, 0.0), figures["rho"], task.believed.contact_friction)
+            car = RearSteerCar(touched[0], old.normal, (0.0, 0.0), figures["rho"], figures["effective_friction"])
         except ValueError:
             return None
         low, high = car.curvature_limits

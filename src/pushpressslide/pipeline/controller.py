@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand, Vector3
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
@@ -32,6 +33,9 @@ SETTLE_TIME = 0.2  # [s] that the touch force must hold
 TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
 FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 LOSS_TIME = 0.12  # [s] without contact force before the tip goes back to touch
+SLID = 2.5e-3  # [m] along the face, after which the path is planned anew for the contact where it is
+SLID_ROOM = 0.03  # [m] of path that must be left for that
+SLID_PAUSE = 0.5  # [s] between two such re-plans
 RETREAT = 0.06  # [m] drawn back on release
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
@@ -79,6 +83,7 @@ class ControllerState:
     touch_base: float = 0.0  # [m] advance of the touch when contact was felt
     regulator: NormalForceState = NormalForceState()
     last_time: float = 0.0
+    rebound_at: float = 0.0  # [s] of the last re-plan because of a slid contact
     failure: tuple[ReasonCode, str] | None = None
 
 
@@ -196,7 +201,7 @@ class Controller:
         log = self._log(state, measurement, X_WB)
         return tuple(commands), log, ControllerState(
             phase, since, starts, binding, progress, move_start, felt if phase == "touch" else None,
-            state.lost if phase == "touch" else None, paused, base, regulator, measurement.time, failure,
+            state.lost if phase == "touch" else None, paused, base, regulator, measurement.time, state.rebound_at, failure,
         )  # fmt: skip
 
     def _touched(self, measurement: Measurement, X_WB: Pose2) -> tuple[Point, ...]:
@@ -243,6 +248,10 @@ class Controller:
                     math.atan2(n[1], n[0]), measurement.object_pose.yaw, guidance.twist.w, SERVO_CAP, guidance.progress,
                 )
             )  # fmt: skip
+        rebound = self._rebound(state, measurement, X_WB, left)
+        if rebound is not None:
+            log = self._log(state, measurement, X_WB, guidance.error, guidance.steering, wrench, allocation)
+            return tuple(commands), log, rebound
         lost = None if touching else (state.lost if state.lost is not None else measurement.time)
         phase, since = state.phase, state.since
         if guidance.progress >= path.length - STOP:
@@ -253,7 +262,36 @@ class Controller:
         log = self._log(state, measurement, X_WB, guidance.error, guidance.steering, wrench, allocation)
         return tuple(commands), log, ControllerState(
             phase, since, starts, binding, guidance.progress, state.move_start, None, lost, state.paused,
-            0.0, NormalForceState(), measurement.time, state.failure,
+            0.0, NormalForceState(), measurement.time, state.rebound_at, state.failure,
+        )  # fmt: skip
+
+    def _rebound(
+        self, state: ControllerState, measurement: Measurement, X_WB: Pose2, left: float
+    ) -> ControllerState | None:
+        """The state with a new plan from here, where a contact has slid along its face; None where all is well."""
+        plan = state.binding.plan
+        touched = self._touched(measurement, X_WB)
+        slid = max(math.dist(p, c.point) for p, c in zip(touched, plan.choice.contacts, strict=True))
+        if slid < SLID or left < SLID_ROOM or measurement.time - state.rebound_at < SLID_PAUSE:
+            return None
+        # the new contact keeps to the face's line: the tip's own measured depth is not a slide
+        points = []
+        for p, c in zip(touched, plan.choice.contacts, strict=True):
+            across = (p[0] - c.point[0]) * -c.normal[1] + (p[1] - c.point[1]) * c.normal[0]
+            points.append((c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0]))
+        replanned = self.mode.replan(plan, X_WB, tuple(points))
+        if replanned is None:
+            return None
+        # go on at speed: the new path begins with the way on which the profile would have reached it
+        profile, start = plan.profile, replanned.path.start
+        v = profile.speed
+        ramp = 0.5 * v * v / profile.acceleration
+        path = ArcPath(advance(start, 0.0, -ramp), ((0.0, ramp), *replanned.path.pieces))
+        profile = SpeedProfile(path.length, v, profile.acceleration)
+        moving = replace(replanned, path=path, profile=profile)
+        return ControllerState(
+            "move", state.since, state.tip_start, bind(moving), ramp, measurement.time - v / profile.acceleration,
+            last_time=measurement.time, rebound_at=measurement.time, failure=state.failure,
         )  # fmt: skip
 
     # -- release -------------------------------------------------------------------------------------------------------
@@ -278,7 +316,7 @@ class Controller:
         log = self._log(state, measurement, X_WB)
         return tuple(commands), log, ControllerState(
             phase, state.since, state.tip_start, state.binding, state.progress, state.move_start, None, None, state.paused,
-            0.0, NormalForceState(), measurement.time, state.failure,
+            0.0, NormalForceState(), measurement.time, state.rebound_at, state.failure,
         )  # fmt: skip
 
     def _log(self, state: ControllerState, measurement: Measurement, X_WB: Pose2, error=None, steering=0.0, wrench=None, allocation=None):  # noqa: E501

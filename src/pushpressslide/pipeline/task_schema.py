@@ -42,10 +42,10 @@ def _pose(default: Any = REQUIRED) -> dict[str, Field]:
 
 
 _BASE = {
-    "x": _number("position of the base in the world", "m", -10, 10, 0.0),
-    "y": _number("position of the base in the world", "m", -10, 10, 0.0),
-    "z": _number("height of the base above the support", "m", -10, 10, 0.0),
-    "yaw_deg": _number("heading of the base", "deg", -360, 360, 0.0),
+    "x": _number("position in the world", "m", -10, 10, 0.0),
+    "y": _number("position in the world", "m", -10, 10, 0.0),
+    "z": _number("height above the support", "m", -10, 10, 0.0),
+    "yaw_deg": _number("heading in the world", "deg", -360, 360, 0.0),
 }
 
 _PRISM = {
@@ -154,7 +154,7 @@ SCHEMA = _section(
             {},
         ),
         "object": _section("what is to be moved", _OBJECT),
-        "contact": _section("contact", {"friction": _friction("pair end effector/object", 0.6)}, {}),
+        "contact": _section("what touches the object", {"friction": _friction("pair end effector/object", 0.6)}, {}),
         "start": _section("pose of the shape's frame G that the plan is made for", _pose()),
         "goal": _section(
             "wanted pose of the shape's frame G",

@@ -1,8 +1,8 @@
 """Shortest forward paths between two poses for a car whose left and right curvature limits may differ.
 
-Dubins (1957) for equal limits; for unequal ones the shortest path is of the same six words (Bakolas and
-Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral Markov-Dubins problem", JOTA 2011): LSL, RSR, LSR, RSL, RLR, LRL.
-Closed form, plain floats.
+Dubins (1957) for equal limits; for unequal ones the shortest path is one of the same six words (Bakolas and
+Tsiotras, "Optimal synthesis of the asymmetric sinistral/dextral Markov-Dubins problem", J. Optim. Theory
+Appl. 150, 2011): LSL, RSR, LSR, RSL, RLR, LRL. Closed form, plain floats.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ Word = Literal["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"]
 _TURN = 2.0 * math.pi
 # Angles [rad] this close to none or a full turn, and distances of this share of the radii, count as zero.
 _ROUND_OFF = 1e-12
+
+# Poses this close, in radii and [rad], are one: next to the start the shortest length jumps by whole circles.
+_SAME_POSE = 5e-11
 
 # Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad].
 _Solution = tuple[float, Word, float, float, float]
@@ -38,8 +41,10 @@ def _solutions(start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float)
     yaw = goal.yaw - start.yaw
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
         raise ValueError(f"start {start}, goal {goal}; must be finite")
-    s, c = math.sin(yaw), math.cos(yaw)
     both = rl + rr
+    if math.hypot(x, y) <= _SAME_POSE * both and abs(math.remainder(yaw, _TURN)) <= _SAME_POSE:
+        x = y = yaw = 0.0
+    s, c = math.sin(yaw), math.cos(yaw)
     tiny = _ROUND_OFF * both
     hypot, atan2 = math.hypot, math.atan2
     out: list[_Solution] = []
@@ -119,7 +124,8 @@ def _path(start: Pose2, solution: _Solution, kappa_left: float, kappa_right: flo
 def shortest_path(start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float) -> ArcPath:
     """Return the shortest path from ``start`` to ``goal`` with curvature in [-kappa_right, kappa_left] [1/m].
 
-    At most three pieces, signed curvature, none of zero length; no piece at all when the poses agree. The yaw
+    At most three pieces, signed curvature, none of zero length; no piece at all when the poses agree
+    to round-off. The yaw
     at the end equals the goal's up to whole turns. Of equally short words the first of LSL, RSR, LSR, RSL,
     RLR, LRL is taken. Raises ValueError unless both limits are finite and > 0 (an interval of curvatures
     without zero inside has no Dubins path) and the poses finite.

@@ -5,9 +5,10 @@ from __future__ import annotations
 import base64
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
@@ -123,7 +124,11 @@ def _pose(x: float, y: float, yaw: float) -> str:
     return f"({x:.3f}, {y:.3f}) m, {math.degrees(yaw):.1f}°"
 
 
-def _task_table(task: Task, result: object) -> str:
+def _with_belief(true: float, believed: float, unit: str = "") -> str:
+    return f"{true:g}{unit}" + (f" (believed {believed:g}{unit})" if believed != true else "")
+
+
+def _task_table(task: Task, result: Mapping[str, Any]) -> str:
     shape = task.object.shape
     if isinstance(shape, Box):
         form = "box " + " × ".join(f"{1e3 * v:g}" for v in shape.size) + " mm"
@@ -132,13 +137,9 @@ def _task_table(task: Task, result: object) -> str:
     else:
         form = f"prism on {len(shape.polygon)} corners, height {1e3 * shape.height:g} mm"
     belief = task.believed
-    mu = f"{task.support.friction:g}" + (
-        f" (believed {belief.support_friction:g})" if belief.support_friction != task.support.friction else ""
-    )
-    mu_c = f"{task.contact_friction:g}" + (
-        f" (believed {belief.contact_friction:g})" if belief.contact_friction != task.contact_friction else ""
-    )
-    mass = f"{task.object.mass:g} kg" + (f" (believed {belief.mass:g} kg)" if belief.mass != task.object.mass else "")
+    mu = _with_belief(task.support.friction, belief.support_friction)
+    mu_c = _with_belief(task.contact_friction, belief.contact_friction)
+    mass = _with_belief(task.object.mass, belief.mass, " kg")
     rows = [
         ("Object", f"{form}, {mass}"),
         ("Friction", f"{task.support.kind} {mu}, end effector {mu_c}"),
@@ -152,8 +153,9 @@ def _task_table(task: Task, result: object) -> str:
         rows.insert(3, ("True start, off by", _pose(error.x, error.y, error.yaw)))
     if task.obstacles:
         rows.append(("Obstacles", ", ".join(o.name + (" (can move)" if o.movable else "") for o in task.obstacles)))
-    if isinstance(result, dict):
-        rows.append(("Engine", f"{result['engine']}, seed {result['seed']}, time step {result.get('time_step') or '?'} s"))
+    step = result.get("time_step")
+    pace = f", time step {1e3 * step:g} ms" if step else ""
+    rows.append(("Engine", f"{result['engine']}, seed {result['seed']}{pace}"))
     return table((), [[f"<th scope=row>{escape(k)}</th>", f"<td>{escape(v)}</td>"] for k, v in rows])
 
 
@@ -169,7 +171,7 @@ def _choice_part(run: Run) -> str:
             ("" if choice.path_length is None else f"{choice.path_length:.3f} m", "n"),
             ("" if choice.time is None else f"{choice.time:.1f} s", "n"),
             (margin, "n"),
-            (choice.reason, ""),
+            (choice.reason, "why"),
         )
         mark = ' class="chosen"' if chosen else ' class="refused"' if not choice.feasible else ""
         rows.append([f'<td{f" class={css}" if css else ""}>{escape(text)}</td>' for text, css in cells] + [mark])

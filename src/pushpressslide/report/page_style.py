@@ -21,6 +21,7 @@ table { border-collapse: collapse; width: 100%; font-size: 0.93rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.34rem 0.7rem 0.34rem 0; border-bottom: 1px solid var(--line); }
 thead th { color: var(--soft); font-weight: 600; border-bottom-width: 2px; white-space: nowrap; }
 tbody th { font-weight: 500; min-width: 8rem; }
+td.why { min-width: 15rem; padding-right: 0; }
 td.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 thead th.n { text-align: right; }
 tr.chosen td { background: #e8f3ec; } tr.chosen td:first-child { font-weight: 600; padding-left: 0.4rem; }

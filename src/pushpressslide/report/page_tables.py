@@ -54,8 +54,8 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         "Time",
         (
             ("Duration, simulated", "duration", 1.0, "s", 2),
-            ("of it in contact", "motion_duration", 1.0, "s", 2),
-            ("Faster than real time", "realtime_factor", 1.0, "×", 2),
+            ("Contact phase", "motion_duration", 1.0, "s", 2),
+            ("Simulated over wall time", "realtime_factor", 1.0, "×", 2),
             ("Track, median a tick", "tick_us.track.median", 1.0, "µs", 1),
             ("Allocate, median a tick", "tick_us.allocate.median", 1.0, "µs", 1),
             ("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
@@ -140,14 +140,17 @@ def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]])
             for r in results
         ]
     )
-    for _, entries in GROUPS:
-        for label, key, factor, unit, decimals in entries:
-            if any(lookup(r, key) is not None for r in results):
-                cells = [
-                    f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>' for r in results
-                ]
-                rows.append([f'<th scope="row">{escape(label)}</th>', *cells])
-    return table(("", *names), rows, numbers=len(names))
+    marks = [""] * len(rows)
+    for group, entries in GROUPS:
+        known = [entry for entry in entries if any(lookup(r, entry[1]) is not None for r in results)]
+        if known:
+            rows.append([f'<th colspan="{len(names) + 1}" scope="rowgroup">{escape(group)}</th>'])
+            marks.append(' class="group"')
+        for label, key, factor, unit, decimals in known:
+            cells = [f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>' for r in results]
+            rows.append([f'<th scope="row">{escape(label)}</th>', *cells])
+            marks.append("")
+    return table(("", *names), rows, marks, numbers=len(names))
 
 
 def _asked(result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int) -> str:

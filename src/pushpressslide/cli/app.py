@@ -1,0 +1,64 @@
+"""The application that the commands are registered with, and what they do alike with tasks and results."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pushpressslide.cli.shell import Commands
+
+if TYPE_CHECKING:
+    from pushpressslide.core.task import Task
+
+app = typer.Typer(
+    cls=Commands,
+    help="Push, press and slide objects with robot arms. TASK: a shipped task's name, or a YAML file.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        import pushpressslide
+
+        typer.echo(pushpressslide.__version__)
+        raise typer.Exit()
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None: ...
+
+
+def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
+    """Return the checked task of the command line: its name or file, the overrides, the one mode."""
+    from pushpressslide.pipeline.task_file import load_task
+
+    only = [] if mode is None else [f"modes={json.dumps([mode])}"]
+    return load_task(name, [*(sets or ()), *only])
+
+
+def print_json(value: Any) -> None:
+    """Print plain data as JSON on stdout."""
+    from pushpressslide.report.files import to_json
+
+    typer.echo(to_json(value), nl=False)
+
+
+def print_outcome(result: dict[str, Any], folder: Path, as_json: bool, quiet: bool = False) -> None:
+    """Print a result, as JSON or as a table with the folder as last line."""
+    if as_json:
+        print_json(result)
+    elif not quiet:
+        from pushpressslide.cli import tables
+
+        tables.print_figures(result)
+        typer.echo(folder)

@@ -1,0 +1,126 @@
+"""What every command shares: exit statuses, one-line errors, the folder of results, progress."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from pushpressslide.core.errors import PushPressSlideError, SimulationError
+
+REACHED, MISSED, WRONG_INPUT, INTERNAL_ERROR, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit statuses."""
+
+
+class Commands(TyperGroup):
+    """The commands, with the exit statuses and the one-line errors that they promise."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        windows_expand_args: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run the command of ``args`` (default: the process's) and exit with its status."""
+        words = list(sys.argv[1:] if args is None else args)
+        status = INTERNAL_ERROR
+        try:
+            answer = super().main(
+                words or ["--help"], prog_name or "pps", complete_var, False, windows_expand_args, **extra
+            )
+            status = answer if isinstance(answer, int) else REACHED
+            if status == INTERRUPTED:
+                complain("interrupted")
+        except (KeyboardInterrupt, typer.Abort):
+            complain("interrupted")
+            status = INTERRUPTED
+        except Exception as error:
+            status = explain(error, "--json" in words)
+        if not standalone_mode:
+            return status
+        sys.exit(status)
+
+
+def complain(line: str) -> None:
+    """Write one line on stderr."""
+    typer.echo(f"pps: {' '.join(line.split())}", err=True)
+
+
+def explain(error: Exception, as_json: bool) -> int:
+    """Say in one line on stderr what went wrong; return the exit status."""
+    usage = getattr(error, "format_message", None)
+    if usage is not None:
+        complain(usage())
+        return WRONG_INPUT
+    if isinstance(error, PushPressSlideError) and not isinstance(error, SimulationError):
+        complain(str(error))
+        return WRONG_INPUT
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    if os.environ.get("PPS_TRACEBACK"):
+        import traceback
+
+        traceback.print_exception(error)
+    complain(f"internal error: {text[:400]} (PPS_TRACEBACK=1 shows where)")
+    if as_json:
+        failure = {"schema": 1, "success": False, "reason": {"code": "internal_error", "text": text}}
+        typer.echo(json.dumps(failure))
+    return INTERNAL_ERROR
+
+
+def results_folder(
+    out: Path | None, name: str, force: bool, results: tuple[str, ...] = ("result.json",)
+) -> Path:
+    """Return the folder for results, not made yet; it is checked that it may be made and holds no result."""
+    if out is None:
+        stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
+        out, n = Path("runs") / stamp, 1
+        while out.exists():
+            n += 1
+            out = Path("runs") / f"{stamp}-{n}"
+    held = [result for result in results if (out / result).exists()]
+    if held and not force:
+        raise PushPressSlideError(
+            f"--out: {str(out)!r} is not allowed; it holds {held[0]} already; give another folder, or --force"
+        )
+    above = next(path for path in (out, *out.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        raise PushPressSlideError(
+            f"--out: {str(out)!r} is not allowed; allowed: a folder that can be written"
+        )
+    return out
+
+
+def part(module: str, name: str, command: str) -> Callable[..., Any]:
+    """Return a function of a part that this version may lack."""
+    path = f"pushpressslide.{module}"
+    try:
+        return getattr(importlib.import_module(path), name)  # type: ignore[no-any-return]
+    except ModuleNotFoundError as error:
+        if not path.startswith(error.name or "?"):
+            raise
+        raise PushPressSlideError(f"{command}: not part of this version yet") from None
+
+
+@contextmanager
+def progress_bar(label: str, shown: bool) -> Iterator[Callable[[float, float], None]]:
+    """Show a bar with the time left on stderr, if that is a terminal; yields the function that moves it."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    visible = shown and sys.stderr.isatty()
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not visible) as bar:
+        item = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(item, completed=min(done, total), total=total)

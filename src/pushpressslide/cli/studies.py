@@ -1,0 +1,97 @@
+"""The commands on many runs: sweep, reproduce, identify, bench."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pushpressslide.cli.app import app, print_outcome, task_of
+from pushpressslide.cli.options import (
+    Engine,
+    EngineName,
+    Force,
+    Json,
+    ModeName,
+    Out,
+    Quiet,
+    Seed,
+    Sets,
+    TaskName,
+)
+from pushpressslide.cli.shell import part, progress_bar, results_folder
+
+
+@app.command()
+def sweep(
+    task: TaskName,
+    samples: Annotated[int, typer.Option("--samples", min=1, max=1_000_000, help="Number of variations.")],
+    engine: EngineName = Engine.planar,
+    mode: ModeName = None,
+    jobs: Annotated[int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")] = 0,
+    seed: Seed = 0,
+    out: Out = None,
+    sets: Sets = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    force: Force = False,
+) -> None:
+    """Run a task under random variations.
+
+    In parallel; with the same --out it goes on where it was interrupted.
+    """
+    loaded = task_of(task, sets, mode)
+    work = part("experiments.sweep", "sweep", "sweep")
+    folder = results_folder(out, f"sweep-{loaded.name}", force)
+    with progress_bar(f"{samples} samples on {engine.value}", not quiet) as progress:
+        options = {"engine": engine.value, "jobs": jobs, "seed": seed, "force": force}
+        result = work(loaded, samples=samples, out=folder, progress=progress, **options)
+    print_outcome(result, folder, as_json, quiet)
+
+
+@app.command()
+def reproduce(
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="NAME", help="This experiment; repeatable.")
+    ] = None,
+    seed: Seed = 0,
+    out: Out = None,
+    force: Force = False,
+) -> None:
+    """Run the paper's experiments, figure beside figure."""
+    work = part("experiments.reproduce", "reproduce", "reproduce")
+    typer.echo(work(only or None, seed=seed, out=results_folder(out, "reproduce", force)))
+
+
+@app.command()
+def identify(
+    data: Annotated[Path, typer.Argument(metavar="DATA", help="Recorded motions.")],
+    seed: Seed = 0,
+    out: Out = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Identify rho and friction from recorded motions.
+
+    The model is scored on motions that were held out.
+    """
+    work = part("experiments.identify", "identify", "identify")
+    folder = results_folder(out, "identify", force)
+    print_outcome(work(data, seed=seed, out=folder), folder, as_json)
+
+
+@app.command()
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME...]", help="Benchmarks; default: all.")
+    ] = None,
+    seed: Seed = 0,
+    out: Out = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Run the benchmarks beside the alternatives, as ratios."""
+    work = part("experiments.bench", "bench", "bench")
+    folder = results_folder(out, "bench", force)
+    print_outcome(work(names or None, seed=seed, out=folder), folder, as_json)

@@ -1,0 +1,127 @@
+"""Tables for people to read: modes, choices, results; in millimetres, degrees, newtons and seconds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from pushpressslide.core.plan import Choice
+    from pushpressslide.modes.base import Mode
+
+MISSING = "-"
+"""Shown for a figure that does not apply."""
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in headings:
+        table.add_column(heading, overflow="fold")
+    return table
+
+
+def _print(table: Table) -> None:
+    Console(markup=False, highlight=False).print(table)
+
+
+def _number(value: object, scale: float = 1.0, digits: int = 2) -> str:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return MISSING
+    return f"{value * scale:.{digits}f}"
+
+
+def mode_rows(modes: Iterable[Mode]) -> list[dict[str, Any]]:
+    """Return what the library says of each mode, as plain data."""
+    return [
+        {
+            "mode": mode.name,
+            "arms": mode.arms,
+            "reduced_model": mode.reduced_model,
+            "tracking_point": mode.tracking_point,
+            "cop_steering": mode.cop_steering,
+        }
+        for mode in modes
+    ]
+
+
+def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
+    """Print the library of modes."""
+    table = _table("mode", "arms", "reduced model", "tracking point", "CoP steering")
+    for row in rows:
+        steering = "yes" if row["cop_steering"] else "no"
+        table.add_row(row["mode"], str(row["arms"]), row["reduced_model"], row["tracking_point"], steering)
+    _print(table)
+
+
+def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
+    """Return the ranked choices as plain data, SI units, without their paths."""
+    rows = []
+    for choice in choices:
+        row = asdict(choice)
+        del row["path"]
+        rows.append(row)
+    return rows
+
+
+def print_choices(choices: Sequence[Choice]) -> None:
+    """Print the ranked choices."""
+    table = _table("mode", "feasible", "path m", "time s", "margin deg", "reason")
+    for choice in choices:
+        table.add_row(
+            choice.mode,
+            "yes" if choice.feasible else "no",
+            _number(choice.path_length, digits=3),
+            _number(choice.time, digits=1),
+            _number(choice.friction_margin, math.degrees(1.0), 1),
+            choice.reason,
+        )
+    _print(table)
+
+
+def print_result(result: Mapping[str, Any], folder: Path) -> None:
+    """Print the figures of a run, and where its pages are."""
+    table = _table("figure", "value", "unit")
+    reason = result["reason"]
+    modes = ", ".join(result["modes"])
+    table.add_row("goal reached", f"{'yes' if result['success'] else 'no'} ({reason['code']})", "")
+    table.add_row("mode, engine", f"{modes}, {result['engine']}", "")
+    for name, key, scale, digits, unit in (
+        ("final position error", "final_position_error", 1e3, 2, "mm"),
+        ("final yaw error", "final_yaw_error", math.degrees(1.0), 2, "deg"),
+        ("path error, rms", "path_rms_error", 1e3, 2, "mm"),
+        ("time, whole / contact", "duration", 1.0, 1, "s"),
+        ("largest normal force", "max_normal_force", 1.0, 1, "N"),
+        ("contact lost", "contact_loss_time", 1.0, 2, "s"),
+        ("outside friction cone", "cone_violation_fraction", 100.0, 2, "%"),
+        ("slip of the tip", "slip_distance", 1e3, 1, "mm"),
+        ("real-time factor", "realtime_factor", 1.0, 1, ""),
+    ):
+        shown = _number(result.get(key), scale, digits)
+        if key == "duration":
+            shown += f" / {_number(result.get('motion_duration'), scale, digits)}"
+        table.add_row(name, shown, unit)
+    _print(table)
+    console = Console(markup=False, highlight=False, soft_wrap=True)
+    if not result["success"]:
+        console.print(reason["text"])
+    for name in ("replay.html", "report.html"):
+        if (folder / name).exists():
+            console.print(folder / name)
+
+
+def print_figures(result: Mapping[str, Any]) -> None:
+    """Print the single figures of any result by their names."""
+    table = _table("figure", "value")
+    for name, value in result.items():
+        if isinstance(value, float):
+            table.add_row(name, f"{value:.4g}")
+        elif isinstance(value, (bool, int, str)):
+            table.add_row(name, str(value))
+    _print(table)

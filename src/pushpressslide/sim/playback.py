@@ -1,0 +1,152 @@
+"""A recorded run set up again in its own scene, tick by tick, without any physics: what replay and frames look at."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common import MemoryFile
+from pydrake.geometry import (
+    GeometryInstance,
+    IllustrationProperties,
+    InMemoryMesh,
+    Mesh,
+    PerceptionProperties,
+    Rgba,
+    SceneGraph,
+)
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.systems.framework import Context
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.sim.convert import planar_pose, rigid_transform, transform_from_positions
+from pushpressslide.sim.scenes import Scene, build_scene, rest_height
+from pushpressslide.sim.surfaces import object_shape
+
+Array = NDArray[np.float64]
+
+RIBBON_WIDTH = 0.006  # [m] of lines on the support
+PATH_HEIGHT = 0.0010  # [m] above the support
+GOAL_COLOR = Rgba(0.0, 0.62, 0.45, 0.28)
+PATH_COLOR = Rgba(0.13, 0.13, 0.13, 1.0)
+ARM_HEIGHT = 0.75  # [m] of an arm above its base, for the camera
+
+
+@dataclass(frozen=True)
+class View:
+    """Where a camera stands and what it looks at, in the world [m]."""
+
+    position: tuple[float, float, float]
+    target: tuple[float, float, float]
+
+
+class Playback:
+    """The scene of a run, with goal and planned path drawn in, that can be put at any recorded tick."""
+
+    def __init__(self, task: Task, plan: Plan, record: Record, models: str = "generated") -> None:
+        """Build the scene; raises SimulationError for a record without joint positions (the planar engine's)."""
+        for i in range(len(task.robots)):
+            if f"joint_position_{i}" not in record.arrays:
+                raise SimulationError(f"the record of engine {record.engine!r} has no joint_position_{i} to be shown")
+        self.task, self.plan, self.record = task, plan, record
+        self.scene: Scene = build_scene(plan, models=models)
+        self._draw_plan()
+
+    def _draw_plan(self) -> None:
+        graph, task = self.scene.scene_graph, self.task
+        source = graph.RegisterSource("plan")
+        height = 0.5 * task.object.shape.height
+        _anchor(graph, source, "goal", object_shape(task.object.shape), rigid_transform(task.goal, height), GOAL_COLOR)
+        mesh = ribbon(self.record.arrays["plan_path"][:, :2], RIBBON_WIDTH)
+        _anchor(graph, source, "path", mesh, RigidTransform([0.0, 0.0, PATH_HEIGHT]), PATH_COLOR)
+
+    def set(self, context: Context, tick: int) -> None:
+        """Put everything where it was at ``tick``; ``context`` is that of the diagram with this scene."""
+        plant = self.scene.plant
+        inner = plant.GetMyMutableContextFromRoot(context)
+        for i, robot in enumerate(self.scene.robots):
+            plant.SetPositions(inner, robot.model_instance, self.record.arrays[f"joint_position_{i}"][tick])
+        plant.SetFreeBodyPose(inner, self.scene.object, self.object_pose(tick))
+        for name, body in self.scene.bodies.items():
+            values = self.record.arrays.get(f"body_{name}")
+            if values is not None:
+                plant.SetFreeBodyPose(inner, body, transform_from_positions(values[tick]))
+
+    def object_pose(self, tick: int) -> RigidTransform:
+        """Return the spatial pose of the object's frame G (at half height) at ``tick``."""
+        positions = self.record.arrays.get("object_pose_3d")
+        if positions is not None:
+            return transform_from_positions(positions[tick])
+        x, y, yaw = (float(v) for v in self.record.arrays["object_pose"][tick])
+        return rigid_transform(Pose2(x, y, yaw), rest_height(self.task.object))
+
+    def vehicle_pose(self, tick: int) -> Pose2:
+        """Return X_WV at ``tick``: the tracking point and its heading."""
+        X_BV = Pose2(*(float(v) for v in self.record.arrays["plan_X_BV"]))
+        return planar_pose(self.object_pose(tick)).compose(self.task.object.X_GB).compose(X_BV)
+
+    def ticks_at(self, times: Array) -> list[int]:
+        """Return the recorded tick nearest after each of ``times`` [s]."""
+        last = len(self.record.arrays["time"]) - 1
+        return [int(i) for i in np.clip(np.searchsorted(self.record.arrays["time"], times), 0, last)]
+
+    def view(self, field: float) -> View:
+        """Return a camera of vertical ``field`` [rad] that sees object, path, goal and arms, from the tips' side."""
+        return camera_view(self.task, self.plan, self.record, field)
+
+
+def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
+    """Return where a camera of vertical ``field`` of view [rad] sees all that matters: from the front, on the tips' side."""
+    pose = record.arrays["object_pose"]
+    height = task.object.shape.height
+    points = [(float(x), float(y), z) for x, y in pose[::20, :2] for z in (0.0, height)]
+    points += [(task.goal.x, task.goal.y, z) for z in (0.0, height)]
+    for robot in task.robots:
+        if robot.model != "hand":
+            x, y, z = robot.base
+            points += [(x, y, z), (x, y, z + ARM_HEIGHT)]
+    box = np.array(points)
+    centre = 0.5 * (box.min(axis=0) + box.max(axis=0))
+    radius = float(np.linalg.norm(box - centre, axis=1).max()) + 0.08
+    left = 0.0  # how far the pushes point to +y: the tips are on the other side
+    for contact in plan.choice.contacts:
+        n = contact.normal
+        left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
+    direction = np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62])
+    direction /= np.linalg.norm(direction)
+    position = centre + direction * radius / math.sin(0.5 * field)
+    return View((float(position[0]), float(position[1]), float(position[2])), tuple(float(v) for v in centre))  # type: ignore[arg-type]
+
+
+def ribbon(points: Array, width: float) -> Mesh:
+    """Return a flat strip of ``width`` [m] along ``points`` (K, 2) in the plane z = 0, facing up; K >= 2."""
+    along = np.gradient(points, axis=0)
+    size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    side = 0.5 * width * np.stack([-along[:, 1], along[:, 0]], axis=1) / size
+    lines = [f"v {x:.6f} {y:.6f} 0" for pair in zip(points - side, points + side, strict=True) for x, y in pair]
+    lines.append("vn 0 0 1")
+    for i in range(len(points) - 1):
+        a, b, c, d = 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2  # right, right ahead, left ahead, left
+        lines += [f"f {a}//1 {b}//1 {c}//1", f"f {a}//1 {c}//1 {d}//1"]
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", "ribbon.obj")))
+
+
+def upright(yaw: float, position: tuple[float, float, float]) -> RigidTransform:
+    """Return a pose that is turned about the vertical only."""
+    return RigidTransform(RollPitchYaw(0.0, 0.0, yaw), position)
+
+
+def _anchor(graph: SceneGraph, source: object, name: str, shape: object, X: RigidTransform, color: Rgba) -> None:
+    instance = GeometryInstance(X, shape, name)
+    drawn, seen = IllustrationProperties(), PerceptionProperties()
+    for properties in (drawn, seen):
+        properties.AddProperty("phong", "diffuse", color)
+    instance.set_illustration_properties(drawn)
+    instance.set_perception_properties(seen)
+    graph.RegisterAnchoredGeometry(source, instance)

@@ -1,0 +1,206 @@
+"""What the commands print, leave behind and exit with."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from pushpressslide.cli import app
+from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
+
+
+def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
+    return {
+        "schema": 1,
+        "task": "rear-push-rear",
+        "engine": "drake",
+        "modes": ["rear_push"],
+        "success": success,
+        "reason": {"code": code, "text": f"it ended with {code}"},
+        "final_position_error": 0.00123,
+        "final_yaw_error": 0.01,
+        "max_normal_force": None,
+    }
+
+
+def invoke(*args: str) -> Result:
+    return CliRunner().invoke(app, list(args))
+
+
+@pytest.fixture
+def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
+    """Return a function: ``pps run`` with run_task replaced by one that answers or raises what is given."""
+
+    def call(answer: Any, *args: str) -> Result:
+        def run_task(task: Any, *, out: Path, progress: Any, **options: Any) -> dict[str, Any]:
+            call.seen = {"task": task, "out": out, **options}  # type: ignore[attr-defined]
+            progress(1.0, 2.0)
+            if isinstance(answer, BaseException):
+                raise answer
+            out.mkdir(parents=True)
+            (out / "report.html").write_text("")
+            return dict(answer)
+
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr("pushpressslide.experiments.run.run_task", run_task)
+        return invoke("run", "rear-push-rear", *args)
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("answer", "status"),
+    [
+        (result_of(), 0),
+        (result_of(False, "goal_missed"), 1),
+        (result_of(False, "interrupted"), 130),
+        (KeyboardInterrupt(), 130),
+        (InfeasibleTaskError("no mode can do it"), 2),
+        (SimulationError("the engine could not go on"), 3),
+        (ZeroDivisionError("division by zero"), 3),
+    ],
+)
+def test_the_exit_status_says_how_the_run_ended(run_with: Any, answer: Any, status: int) -> None:
+    result = run_with(answer)
+    assert result.exit_code == status
+    assert len(result.stderr.splitlines()) == (status > 1)
+    assert "Traceback" not in result.stderr
+
+
+def test_an_internal_error_shows_its_traceback_on_demand(
+    run_with: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "PPS_TRACEBACK" in run_with(ZeroDivisionError("division by zero")).stderr
+    monkeypatch.setenv("PPS_TRACEBACK", "1")
+    assert "Traceback" in run_with(ZeroDivisionError("division by zero")).stderr
+
+
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (result_of(), "goal_reached"),
+        (result_of(False, "goal_missed"), "goal_missed"),
+        (ZeroDivisionError("oh"), "internal_error"),
+    ],
+)
+def test_json_is_the_result_and_nothing_else(run_with: Any, answer: Any, code: str) -> None:
+    printed = json.loads(run_with(answer, "--json").stdout)
+    assert printed["reason"]["code"] == code
+    if isinstance(answer, dict):
+        assert printed == answer
+
+
+def test_quiet_prints_nothing(run_with: Any) -> None:
+    result = run_with(result_of(), "--quiet")
+    assert (result.stdout, result.stderr) == ("", "")
+
+
+def test_the_table_has_units_and_the_report_as_its_last_line(run_with: Any) -> None:
+    result = run_with(result_of(), "--out", "here")
+    assert "1.23" in result.stdout
+    assert "mm" in result.stdout
+    assert result.stdout.splitlines()[-1] == "here/report.html"
+
+
+def test_a_missed_goal_says_why(run_with: Any) -> None:
+    assert "it ended with goal_missed" in run_with(result_of(False, "goal_missed")).stdout
+
+
+def test_the_options_reach_the_run(run_with: Any) -> None:
+    run_with(
+        result_of(), "--engine", "planar", "--mode", "rear_push", "--seed", "7", "--out", "here",
+        "--set", "motion.speed=0.03", "--set", "robots.0.base.yaw_deg=10", "--anyway",
+    )  # fmt: skip
+    seen = run_with.seen
+    assert seen["task"].motion.speed == 0.03
+    assert seen["task"].modes == ("rear_push",)
+    assert seen["task"].robots[0].base_yaw > 0.17
+    assert (seen["engine"], seen["mode"], seen["seed"]) == ("planar", "rear_push", 7)
+    assert seen["out"] == Path("here")
+    assert seen["force"] is True
+
+
+def test_results_go_to_a_new_folder_below_runs(run_with: Any) -> None:
+    run_with(result_of())
+    first = run_with.seen["out"]
+    run_with(result_of())
+    assert first.parent == Path("runs")
+    assert first.name.startswith("rear-push-rear-2")
+    assert run_with.seen["out"] != first
+
+
+def test_tasks_are_listed_one_a_line_with_a_description() -> None:
+    lines = invoke("tasks").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == sorted(json.loads(invoke("tasks", "--json").stdout))
+    assert all(len(line.split()) > 3 for line in lines)
+
+
+def test_every_mode_of_the_library_is_in_the_table() -> None:
+    from pushpressslide.modes import MODES
+
+    table = invoke("modes").stdout
+    assert all(name in table for name in MODES)
+    assert [row["mode"] for row in json.loads(invoke("modes", "--json").stdout)] == list(MODES)
+
+
+def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
+    result = invoke("select", "rear-push-rear", "--json", "--out", str(tmp_path))
+    rows = json.loads(result.stdout)
+    assert result.exit_code == 0
+    assert rows[0]["feasible"]
+    assert json.loads((tmp_path / "select.json").read_text())["choices"] == rows
+    assert "rear_push" in invoke("select", "rear-push-rear", "--out", str(tmp_path), "--force").stdout
+
+
+@pytest.mark.parametrize("command", ["select", "plan"])
+def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(command: str, tmp_path: Path) -> None:
+    # Pushed by its front face, the object cannot come to a goal ahead within this curvature.
+    sets = ["--set", "motion.face=1", "--set", "goal={x: 0.42, y: 0.22, yaw_deg: 90}"]
+    result = invoke(
+        command, "rear-push-rear", *sets, "--set", "contact.friction=0.01", "--out", str(tmp_path)
+    )
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1
+    assert "no mode can do this task" in result.stderr
+
+
+def test_plan_writes_its_files_and_prints_json(tmp_path: Path) -> None:
+    result = invoke("plan", "rear-push-left", "--json", "--out", str(tmp_path))
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["choice"]["mode"] == "rear_push"
+    assert {"plan.json", "plan.png"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["modes", "tasks", "select", "plan", "run", "report", "sweep", "reproduce", "identify", "bench"],
+)
+def test_every_command_of_the_contract_has_help(words: str) -> None:
+    result = invoke(words, "--help")
+    assert result.exit_code == 0
+    assert "Usage" in result.stdout
+    assert words in invoke().stdout
+
+
+def test_a_command_of_a_later_version_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib
+
+    real = importlib.import_module
+
+    def absent(name: str, *rest: Any) -> Any:
+        if name.startswith("pushpressslide.experiments."):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        return real(name, *rest)
+
+    monkeypatch.setattr("pushpressslide.cli.shell.importlib.import_module", absent)
+    for args in (
+        ["bench"],
+        ["reproduce"],
+        ["identify", "data"],
+        ["sweep", "rear-push-rear", "--samples", "2"],
+    ):
+        result = invoke(*args)
+        assert result.exit_code == 2
+        assert result.stderr == f"pps: {args[0]}: not part of this version yet\n"
