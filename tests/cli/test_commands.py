@@ -156,7 +156,7 @@ def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", ["select", "plan"])
 def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(command: str, tmp_path: Path) -> None:
-    # Pushed by its front face, the object cannot come to a goal ahead within this curvature.
+    # Hardly any friction at the tip: the tightest turn is metres wide, and the way longer than the time.
     sets = ["--set", "motion.face=1", "--set", "goal={x: 0.42, y: 0.22, yaw_deg: 90}"]
     result = invoke(
         command, "rear-push-rear", *sets, "--set", "contact.friction=0.01", "--out", str(tmp_path)

@@ -40,7 +40,7 @@ def contact_height(task: Task, face: Face) -> float:
     if task.motion.contact_height is not None:
         return task.motion.contact_height
     robot, height = task.robots[0], task.object.shape.height
-    low = max(robot.tip_radius + 0.01, height + 0.03 - robot.tip_length if robot.model != "hand" else 0.0)
+    low = max(robot.tip_radius + 0.01, height + 0.04 - robot.tip_length if robot.model != "hand" else 0.0)
     return min(max(low, min(0.04, 0.5 * height)), height - 0.5 * robot.tip_radius)
 
 

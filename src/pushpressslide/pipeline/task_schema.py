@@ -154,7 +154,7 @@ SCHEMA = _section(
             {},
         ),
         "object": _section("what is to be moved", _OBJECT),
-        "contact": _section("what touches the object", {"friction": _friction("pair end effector/object", 0.6)}, {}),
+        "contact": _section("at the tips", {"friction": _friction("pair end effector/object", 0.6)}, {}),
         "start": _section("pose of the shape's frame G that the plan is made for", _pose()),
         "goal": _section(
             "wanted pose of the shape's frame G",

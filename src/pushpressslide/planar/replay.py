@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -18,6 +17,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.whole_file import write_whole
 
 FRAMES_PER_SECOND = 30
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
@@ -29,14 +29,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
     data = json.dumps(replay_data(task, plan, record), separators=(",", ":"), allow_nan=False)
     template = resources.files("pushpressslide.planar").joinpath("replay_page.html").read_text("utf-8")
     page = template.replace("@TITLE@", escape(task.name)).replace('"@DATA@"', data.replace("</", "<\\/"))
-    out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f".{out.name}.{os.getpid()}.part")
-    try:
-        temporary.write_text(page, "utf-8")
-        os.replace(temporary, out)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return out
+    return write_whole(out, page)
 
 
 def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:

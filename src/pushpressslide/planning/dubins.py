@@ -124,11 +124,10 @@ def _path(start: Pose2, solution: _Solution, kappa_left: float, kappa_right: flo
 def shortest_path(start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float) -> ArcPath:
     """Return the shortest path from ``start`` to ``goal`` with curvature in [-kappa_right, kappa_left] [1/m].
 
-    At most three pieces, signed curvature, none of zero length; no piece at all when the poses agree
-    to round-off. The yaw
-    at the end equals the goal's up to whole turns. Of equally short words the first of LSL, RSR, LSR, RSL,
-    RLR, LRL is taken. Raises ValueError unless both limits are finite and > 0 (an interval of curvatures
-    without zero inside has no Dubins path) and the poses finite.
+    At most three pieces, signed curvature, none of zero length; no piece at all when the poses agree to
+    round-off. The yaw at the end is the goal's up to whole turns. Of equally short words the first of LSL,
+    RSR, LSR, RSL, RLR, LRL is taken. Raises ValueError unless both limits are finite and > 0 (an interval of
+    curvatures without zero inside has no Dubins path) and the poses finite.
     """
     solutions = _solutions(start, goal, kappa_left, kappa_right)
     best = solutions[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.metrics import plain
 from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict
 
@@ -38,18 +38,6 @@ class Run:
     record: Record
     result: Mapping[str, Any]
     choices: tuple[Choice, ...] = ()  # all that were weighed, refused ones included; empty if they were not kept
-
-
-def write_whole(path: Path, data: bytes | str) -> Path:
-    """Write ``path`` under a temporary name beside it and rename it when whole; return ``path``."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        temporary.write_bytes(data.encode("utf-8") if isinstance(data, str) else data)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path
 
 
 def to_json(value: Any) -> str:

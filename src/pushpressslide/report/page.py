@@ -13,8 +13,9 @@ from typing import Any
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.task import Box, Cylinder, Task
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
-from pushpressslide.report.files import Run, load_run, write_whole
+from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page_style import CSS
 from pushpressslide.report.page_tables import comparison_table, figures_table, table
 from pushpressslide.report.plane import plan_figure

@@ -53,7 +53,8 @@ def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
 
 def write_plan(plan: Plan, out: Path, choices: Sequence[Choice] = ()) -> tuple[Path, Path]:
     """Write plan.json and plan.png to folder ``out``; return their paths."""
-    from pushpressslide.report.files import to_json, write_whole
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.report.files import to_json
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 

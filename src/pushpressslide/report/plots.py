@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
-from pushpressslide.report.files import write_whole
 from pushpressslide.report.metrics import robot_facts
 from pushpressslide.report.plane import path_figure
 

@@ -24,7 +24,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.sim.playback import Playback, View
+from pushpressslide.sim.playback import ASPECT, Playback, View
 
 FIELD = math.radians(40.0)  # vertical field of view
 RENDERER = "frames"
@@ -45,7 +45,7 @@ class FrameRenderer:
             default_clear_color=BACKGROUND,
             lights=[
                 LightParameter(type="directional", frame="world", direction=[-0.4, 0.5, -1.0], intensity=0.75),
-                LightParameter(type="directional", frame="camera", direction=[0.1, 0.2, 1.0], intensity=0.45),
+                LightParameter(type="directional", frame="camera", direction=[0.1, 0.2, 1.0], intensity=0.6),
             ],
         )
         try:
@@ -57,7 +57,7 @@ class FrameRenderer:
         info = CameraInfo(width, height, FIELD)
         core = RenderCameraCore(RENDERER, info, ClippingRange(0.05, 20.0), RigidTransform())
         self._camera = ColorRenderCamera(core, False)
-        self._X_WC = look_at(self.playback.view(FIELD * min(1.0, width / height)))
+        self._X_WC = look_at(self.playback.view(FIELD * min(1.0, width / height / ASPECT)))
         self._graph = graph
 
     def image(self, time: float) -> NDArray[np.uint8]:

@@ -9,7 +9,9 @@ the best that is clear of table, object and obstacles is taken.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +29,13 @@ Array = NDArray[np.float64]
 STEP = 0.015  # [m] of the tip between samples
 JOINT_MARGIN = 0.08  # [rad] kept from every joint limit
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
-CLEARANCE = 0.01  # [m] least distance of the arm to table, object and obstacles
-TILTS = (0.0, math.radians(15.0), math.radians(30.0))  # of the tool, the wrist behind the contact
+CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
+TILTS = (0.0, math.radians(12.0), math.radians(24.0), math.radians(36.0))  # of the tool, the wrist behind the contact
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
 APPROACH_SPEED = 0.6  # [rad/s] of the fastest joint in free space
 DESCENT_SPEED = 0.15  # [m/s] of the tip
 HOVER_ROOM = 0.06  # [m] above the object's top before the tip goes down beside it
-ENOUGH = 4  # clear candidates that are compared
+ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 
 
 @dataclass(frozen=True)
@@ -66,68 +68,65 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
     yaws = np.unwrap(np.array([X.yaw for X in bodies]))
     middle = bodies[len(bodies) // 2].rotate(contact.normal)
     azimuth = math.atan2(middle[1], middle[0])
-    found: list[_Candidate] = []
-    best_failure = ""
-    tilts = TILTS if kin.facts.size > 6 else (0.0,)
-    for tilt in tilts:
-        attitude = ToolAttitude(tilt, azimuth)
-        offsets = YAW_OFFSETS if kin.facts.size > 6 else np.zeros(1)
-        tool_yaws = yaws[None, :] + offsets[:, None]
-        starts = solve_ik(kin, np.tile(positions[0], (len(offsets), 1)), attitude, tool_yaws[:, 0], joint_margin=JOINT_MARGIN)
-        good = np.flatnonzero(starts.converged)
-        if len(good) == 0:
-            best_failure = best_failure or "no posture reaches the first contact"
-            continue
-        for j, path in zip(
-            good,
-            continuations(kin, positions, tool_yaws[good], starts.q[good], attitude, JOINT_MARGIN),
-            strict=True,
-        ):
-            if force or (path.ok and path.condition < CONDITION_LIMIT):
-                found.append(_Candidate(attitude, float(offsets[j]), path))
-            elif not path.ok:
-                at = positions[path.failed_at if path.failed_at is not None else 0]
-                best_failure = f"{path.status} at tip ({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f})"
-            else:
-                best_failure = f"condition number {path.condition:.0f}, allowed below {CONDITION_LIMIT:.0f}"
-        if found and max(c.score for c in found) > 0.0:
-            break
-    if not found:
-        raise InfeasibleTaskError(
-            f"{plan.task.source or plan.task.name}: robots: no joint path of the {kin.facts.name} follows the contact with "
-            f"{JOINT_MARGIN:g} rad of joint margin ({best_failure})"
-        )
-    found.sort(key=lambda c: -c.score)
     model = ClearanceModel(plan, arm)
-    least: float = -math.inf
-    where = ""
-    for candidate in found[: 3 * ENOUGH]:
-        approach_time, approach = _approach(plan, kin, candidate, positions[0], yaws[0], contact.height, bodies[0].rotate(contact.normal))
-        if approach is None or approach_time is None:
-            where = "the way down beside the object cannot be reached"
-            continue
-        X_BG = plan.task.object.X_GB.inverse()
-        poses = [X.compose(X_BG) for X in bodies]
-        move_clear, move_pair = model.least(candidate.move.q, poses)
-        way_clear, way_pair = model.least(approach[::3], [poses[0]] * len(approach[::3]))
-        clear, pair = min((move_clear, move_pair), (way_clear, way_pair))
-        if clear >= CLEARANCE or force:
-            return (
-                JointPath(
-                    approach_time, approach, s, candidate.move.q, candidate.offset, candidate.move.joint_margin,
-                    candidate.move.condition, clear,
-                ),
-                candidate.attitude,
-            )  # fmt: skip
-        if clear > least:
-            least, where = clear, pair
+    X_BG = plan.task.object.X_GB.inverse()
+    poses = [X.compose(X_BG) for X in bodies]
+    normal = bodies[0].rotate(contact.normal)
+    problem = "no posture reaches the first contact"
+    least = -math.inf
+    for tilt in TILTS if kin.facts.size > 6 else (0.0,):
+        candidates, why = _candidates(kin, positions, yaws, ToolAttitude(tilt, azimuth), force)
+        if not candidates and least == -math.inf:
+            problem = why or problem
+        for candidate in candidates[:ENOUGH]:
+            clear, pair = model.least(candidate.move.q, poses)
+            if clear >= CLEARANCE or force:
+                for times, approach in _approaches(plan, kin, candidate, positions[0], yaws[0], contact.height, normal):
+                    way_clear, way_pair = model.least(approach[::3], [poses[0]] * len(approach[::3]))
+                    if way_clear >= CLEARANCE or force:
+                        move = candidate.move
+                        path = JointPath(
+                            times, approach, s, move.q, candidate.offset, move.joint_margin, move.condition,
+                            min(clear, way_clear),
+                        )  # fmt: skip
+                        return path, candidate.attitude
+                    if way_clear > least:
+                        least, problem = way_clear, f"on the way to the object {way_pair}"
+            elif clear > least:
+                least, problem = clear, pair
+    if least > -math.inf:
+        problem = f"{problem} come as near as {least * 1e3:.0f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
     raise InfeasibleTaskError(
-        f"{plan.task.source or plan.task.name}: robots: every joint path comes too near: {where} at {least * 1e3:.0f} mm, "
-        f"allowed from {CLEARANCE * 1e3:.0f} mm"
+        f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path along the contact: {problem}"
     )
 
 
-def _approach(
+def _candidates(
+    kin: ArmKinematics, positions: Array, yaws: Array, attitude: ToolAttitude, force: bool
+) -> tuple[list[_Candidate], str]:
+    """Return the joint paths of all tool yaw offsets at one tilt, best first, and why the last of the others failed."""
+    offsets = YAW_OFFSETS if kin.facts.size > 6 else np.zeros(1)
+    tool_yaws = yaws[None, :] + offsets[:, None]
+    starts = solve_ik(
+        kin, np.tile(positions[0], (len(offsets), 1)), attitude, tool_yaws[:, 0], joint_margin=JOINT_MARGIN
+    )
+    good = np.flatnonzero(starts.converged | force)
+    if len(good) == 0:
+        return [], ""
+    found, why = [], ""
+    paths = continuations(kin, positions, tool_yaws[good], starts.q[good], attitude, JOINT_MARGIN)
+    for j, path in zip(good, paths, strict=True):
+        if force or (path.ok and path.condition < CONDITION_LIMIT):
+            found.append(_Candidate(attitude, float(offsets[j]), path))
+        elif not path.ok:
+            at = positions[path.failed_at if path.failed_at is not None else 0]
+            why = f"{path.status} at tip ({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f}), {JOINT_MARGIN:g} rad of margin asked"
+        else:
+            why = f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
+    return sorted(found, key=lambda c: -c.score), why
+
+
+def _approaches(
     plan: Plan,
     kin: ArmKinematics,
     candidate: _Candidate,
@@ -135,36 +134,47 @@ def _approach(
     yaw: float,
     height: float,
     normal: tuple[float, float],
-) -> tuple[Array | None, Array | None]:
-    """Return times (m,) and postures (m, n): home, over the place beside the object, down to it."""
+) -> Iterator[tuple[Array, Array]]:
+    """Yield times (m,) and postures (m, n) of ways from home to the place beside the object, the most careful first.
+
+    Over that place and down; from as high as the arm can; straight. Each directly, and with the base turned first.
+    """
     gap = plan.task.motion.approach_distance
     beside = first - gap * np.array([normal[0], normal[1], 0.0])
     tops = [plan.task.object.shape.height, *(o.size[2] for o in plan.task.obstacles)]
-    hover_height = max(max(tops) + HOVER_ROOM, height + 0.08)
+    hover = max(max(tops) + HOVER_ROOM, height + 0.08)
     back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - first) + first
-    up = np.linspace(beside[2], hover_height, max(4, math.ceil((hover_height - height) / 0.02)))[1:]
-    rise = np.column_stack([np.full(len(up), beside[0]), np.full(len(up), beside[1]), up])
+    levels = np.linspace(beside[2], hover, max(4, math.ceil((hover - height) / 0.02)))[1:]
+    rise = np.column_stack([np.full(len(levels), beside[0]), np.full(len(levels), beside[1]), levels])
     points = np.concatenate([back, rise])
     path = continuations(
         kin, points, np.full((1, len(points)), yaw + candidate.offset), candidate.move.q[:1], candidate.attitude, 0.03
     )[0]
-    down = path.q[::-1][: len(rise) + 1] if path.ok else None
-    if down is None:
-        # the wrist does not reach that high: come from lower, the clearance check decides whether it may
-        reached = path.failed_at if path.failed_at is not None else len(points)
-        if reached < 6:
-            return None, None
-        down = path.q[4:reached][::-1]
+    reached = len(points) if path.failed_at is None else path.failed_at
+    if reached < len(back):
+        return
     home = kin.facts.home
-    way = float(np.max(np.abs(down[0] - home)))
-    free_time = max(1.0, 1.875 * way / APPROACH_SPEED)
-    u = np.linspace(0.0, 1.0, 60)
+    for top in dict.fromkeys((reached, len(back) + (reached - len(back)) // 2, len(back))):
+        down = path.q[len(back) - 1 : top][::-1]
+        turned = home.copy()
+        if kin.facts.moving[0].kind == "revolute":
+            turned[0] = down[0][0]
+        for corners in ([home, down[0]], [home, turned, down[0]]):
+            yield _timed(corners, down, float(levels[top - len(back) - 1] - height) if top > len(back) else 0.0)
+
+
+def _timed(corners: list[Array], down: Array, drop: float) -> tuple[Array, Array]:
+    """Return times and postures: rest to rest from corner to corner, then down a height of ``drop`` [m]."""
+    u = np.linspace(0.0, 1.0, 50)
     blend = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
-    free = home + blend[:, None] * (down[0] - home)
-    length = float(hover_height - height)
-    down_time = max(0.5, 1.875 * length / DESCENT_SPEED)
-    grid = np.linspace(0.0, 1.0, len(down))
-    dense = blend
-    lowered = np.column_stack([np.interp(dense, grid, down[:, i]) for i in range(down.shape[1])])
-    times = np.concatenate([free_time * u, free_time + down_time * u[1:]])
-    return times, np.concatenate([free, lowered[1:]])
+    times, postures = [np.zeros(1)], [corners[0][None]]
+    for a, b in pairwise(corners):
+        span = max(0.5, 1.875 * float(np.max(np.abs(b - a))) / APPROACH_SPEED)
+        times.append(times[-1][-1] + span * u[1:])
+        postures.append(a + blend[1:, None] * (b - a))
+    if len(down) > 1:
+        span = max(0.5, 1.875 * drop / DESCENT_SPEED)
+        grid = np.linspace(0.0, 1.0, len(down))
+        times.append(times[-1][-1] + span * u[1:])
+        postures.append(np.column_stack([np.interp(blend[1:], grid, column) for column in down.T]))
+    return np.concatenate(times), np.concatenate(postures)

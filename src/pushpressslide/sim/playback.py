@@ -36,6 +36,7 @@ PATH_HEIGHT = 0.0010  # [m] above the support
 GOAL_COLOR = Rgba(0.0, 0.62, 0.45, 0.28)
 PATH_COLOR = Rgba(0.13, 0.13, 0.13, 1.0)
 ARM_HEIGHT = 0.75  # [m] of an arm above its base, for the camera
+ASPECT, FILL = 4.0 / 3.0, 0.85  # width over height of a picture; share of it that the scene may fill
 
 
 @dataclass(frozen=True)
@@ -105,23 +106,41 @@ def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
     """Return where a camera of vertical ``field`` of view [rad] sees all that matters: from the front, on the tips' side."""
     pose = record.arrays["object_pose"]
     height = task.object.shape.height
-    points = [(float(x), float(y), z) for x, y in pose[::20, :2] for z in (0.0, height)]
-    points += [(task.goal.x, task.goal.y, z) for z in (0.0, height)]
+    sides = (-0.5 * height, 0.5 * height)
+    places = [*pose[::20, :2].tolist(), [task.goal.x, task.goal.y]]
+    points = [(x + dx, y + dy, z) for x, y in places for dx in sides for dy in sides for z in (0.0, height)]
     for robot in task.robots:
         if robot.model != "hand":
             x, y, z = robot.base
             points += [(x, y, z), (x, y, z + ARM_HEIGHT)]
-    box = np.array(points)
-    centre = 0.5 * (box.min(axis=0) + box.max(axis=0))
-    radius = float(np.linalg.norm(box - centre, axis=1).max()) + 0.08
     left = 0.0  # how far the pushes point to +y: the tips are on the other side
     for contact in plan.choice.contacts:
         n = contact.normal
         left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
-    direction = np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62])
-    direction /= np.linalg.norm(direction)
-    position = centre + direction * radius / math.sin(0.5 * field)
-    return View((float(position[0]), float(position[1]), float(position[2])), tuple(float(v) for v in centre))  # type: ignore[arg-type]
+    return fit_view(np.array(points), np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62]), field)
+
+
+def fit_view(points: Array, direction: Array, field: float) -> View:
+    """Return the camera towards ``direction`` (3,) of the scene that just holds ``points`` (N, 3), the picture upright.
+
+    ``field`` [rad] is the vertical field of view; the picture is taken to be ``ASPECT`` wide at least.
+    """
+    z = -direction / np.linalg.norm(direction)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    y = np.cross(z, x)
+    target = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = math.tan(0.5 * field) * FILL
+    distance = float(np.linalg.norm(points - target, axis=1).max()) / reach
+    for _ in range(12):  # shift and distance decide each other; a few rounds settle both
+        ahead = (points - target) @ z + distance
+        across, down = ((points - target) @ axis / ahead for axis in (x, y))
+        middle = 0.5 * (across.max() + across.min()) * x + 0.5 * (down.max() + down.min()) * y
+        target = target + distance * middle
+        needed = max(float(np.ptp(across)) / ASPECT, float(np.ptp(down))) / (2.0 * reach)
+        distance *= needed**0.7
+    position = target - distance * z
+    return View((float(position[0]), float(position[1]), float(position[2])), (float(target[0]), float(target[1]), float(target[2])))
 
 
 def ribbon(points: Array, width: float) -> Mesh:

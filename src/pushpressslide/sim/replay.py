@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import math
-import os
 from html import escape
 from pathlib import Path
 
@@ -28,6 +27,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.playback import Playback, ribbon
 
 Array = NDArray[np.float64]
@@ -85,14 +85,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     title = escape(f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}")
     caption = CAPTION.replace("@TITLE@", title).replace("@SCALE@", f"{1e3 * marks.scale:.0f}")
     page = page.replace("</body>", f"{caption}</body>", 1) if "</body>" in page else page + caption
-    out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f".{out.name}.{os.getpid()}.part")
-    try:
-        temporary.write_text(page, "utf-8")
-        os.replace(temporary, out)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return out
+    return write_whole(out, page)
 
 
 def _quiet_meshcat() -> Meshcat:
@@ -114,11 +107,15 @@ def _look(meshcat: Meshcat) -> None:
 
 
 class _Marks:
-    """What is drawn over the scene: trace, axle marker and contact forces."""
+    """What is drawn over the scene: trace, axle marker and contact forces.
+
+    Meshcat loops each track over its own keys, so that every track needs one at the last frame, or they fall out of step.
+    """
 
     def __init__(self, meshcat: Meshcat, playback: Playback, ticks: list[int]) -> None:
         self._meshcat, self._playback = meshcat, playback
         record = playback.record
+        self._last = len(ticks) - 1
         self._contacts = playback.plan.choice.contacts
         self._height = playback.task.object.shape.height
         sizes = np.linalg.norm(np.nan_to_num(record.arrays["measured_force"]), axis=2)
@@ -159,12 +156,12 @@ class _Marks:
         middle = 0.5 * (self._height + 0.03)
         meshcat.SetTransform("marks/axle", RigidTransform([X_WV.x, X_WV.y, middle]), time_in_recording=t)
         for at, name in self._trace:
-            if frame in (0, at):
-                meshcat.SetProperty(name, "visible", frame == at, time_in_recording=t)
+            if frame in (0, at, self._last):
+                meshcat.SetProperty(name, "visible", frame >= at, time_in_recording=t)
         for i in range(len(self._contacts)):
-            self._show_force(i, tick, t)
+            self._show_force(i, tick, t, frame in (0, self._last))
 
-    def _show_force(self, i: int, tick: int, t: float) -> None:
+    def _show_force(self, i: int, tick: int, t: float, at_end: bool) -> None:
         meshcat, arrays, name = self._meshcat, self._playback.record.arrays, f"marks/force_{i}"
         force, tip = np.nan_to_num(arrays["measured_force"][tick, i]), arrays["tip_position"][tick, i]
         contact = self._contacts[i]
@@ -173,9 +170,9 @@ class _Marks:
         size = float(np.linalg.norm(drawn))
         visible = size > LEAST_FORCE
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
-        if not visible:
+        if not (visible or at_end):
             return
-        axis = drawn / size
+        axis = drawn / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
         length = self.scale * size
         # a push is drawn above the object, where neither object nor tip hides it; a press ends where it presses
         if pushing:
@@ -183,7 +180,7 @@ class _Marks:
             tail = np.array([tip[0], tip[1], self._height + 0.012]) + radius * axis
         else:
             tail = tip - length * axis
-        shaft = max(length - HEAD, 0.2 * length)
+        shaft = max(length - HEAD, 0.2 * length, 1e-4)
         R = RotationMatrix.MakeFromOneVector(axis, 2)
         meshcat.SetTransform(name, RigidTransform(R, tail), time_in_recording=t)
         meshcat.SetProperty(f"{name}/shaft", "scale", [1.0, 1.0, shaft], time_in_recording=t)
