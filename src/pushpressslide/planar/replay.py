@@ -1,4 +1,4 @@
-"""The planar engine's replay: one HTML page that plays a run seen from above; opens offline, needs no Drake."""
+"""The planar engine's replay: one HTML page that plays a run seen from above, offline, without Drake."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json. A file is there whole or not at all."""
+"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json; each whole or not at all."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Run:
     plan: Plan
     record: Record
     result: Mapping[str, Any]
-    choices: tuple[Choice, ...] = ()  # all that were weighed, refused ones included; empty if they were not kept
+    choices: tuple[Choice, ...] = ()  # all that were weighed, refused ones too; empty if not kept
 
 
 def to_json(value: Any) -> str:
@@ -46,7 +46,12 @@ def to_json(value: Any) -> str:
 
 
 def save_run(
-    out: Path, task: Task, plan: Plan, record: Record, result: Mapping[str, Any], choices: Sequence[Choice] = ()
+    out: Path,
+    task: Task,
+    plan: Plan,
+    record: Record,
+    result: Mapping[str, Any],
+    choices: Sequence[Choice] = (),
 ) -> None:
     """Write a run to folder ``out``. result.json comes last: a folder that has one is complete.
 
@@ -70,7 +75,9 @@ def load_run(folder: Path) -> Run:
         raise PushPressSlideError(f"{folder}: there is no such folder; give one that `pps run` has written")
     for name in (RESULT, TASK, PLAN, RECORD):
         if not (folder / name).is_file():
-            raise PushPressSlideError(f"{folder}: has no {name}; give a folder that a finished `pps run` has written")
+            raise PushPressSlideError(
+                f"{folder}: has no {name}; give a folder that a finished `pps run` has written"
+            )
     result = _read(folder / RESULT, lambda path: json.loads(path.read_text("utf-8")))
     stored = _read(folder / PLAN, lambda path: json.loads(path.read_text("utf-8")))
     task = load_task(folder / TASK)
@@ -84,7 +91,9 @@ def _read(path: Path, reader: Callable[[Path], T]) -> T:
     try:
         return reader(path)
     except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-        raise PushPressSlideError(f"{path}: is damaged or of another version ({type(error).__name__}: {error})") from error
+        raise PushPressSlideError(
+            f"{path}: is damaged or of another version ({type(error).__name__}: {error})"
+        ) from error
 
 
 def record_to_bytes(record: Record) -> bytes:

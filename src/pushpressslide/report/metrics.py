@@ -33,10 +33,12 @@ MOTION_FIELDS = (
 CONTACT_FIELDS = ("max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance")
 
 
-def result(task: Task, plan: Plan, record: Record, versions: Mapping[str, str | None] | None = None) -> dict[str, Any]:
-    """Return the contents of result.json: SI units and radians, null where a figure does not apply, never NaN.
+def result(
+    task: Task, plan: Plan, record: Record, versions: Mapping[str, str | None] | None = None
+) -> dict[str, Any]:
+    """Return the contents of result.json: SI units, radians, null where a figure does not apply, never NaN.
 
-    Computed from ``task``, ``plan`` and ``record`` alone; ``versions`` (default: those of this process) is copied.
+    Computed from ``task``, ``plan`` and ``record`` alone; ``versions`` defaults to those of this process.
     """
     out: dict[str, Any] = {
         "schema": SCHEMA,
@@ -111,12 +113,15 @@ def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[b
     )
     code, text = record.reason, record.reason_text
     if code == "goal_reached":
-        return within, {"code": "goal_reached" if within else "goal_missed", "text": "; ".join(filter(None, (text, place)))}
+        return within, {
+            "code": "goal_reached" if within else "goal_missed",
+            "text": "; ".join(filter(None, (text, place))),
+        }
     return False, {"code": code, "text": text or place}
 
 
 def _goal_errors(task: Task, record: Record) -> tuple[float, float, float, float]:
-    """Position [m] and yaw error [rad, >= 0], and the position error in the goal's own axes [m]: actual minus goal."""
+    """Position [m] and yaw error [rad, >= 0], then the position error along the goal's axes [m], actual minus goal."""
     x, y, yaw = (float(v) for v in record.arrays["object_pose"][-1])
     if not all(math.isfinite(v) for v in (x, y, yaw)):
         return math.nan, math.nan, math.nan, math.nan
@@ -157,7 +162,10 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "path_max_error": float(cross_track.max()) if cross_track.size else None,
         "path_length": float(way[-1]) if way.size else 0.0,
         "tracking": {
-            name: {"rms": _rms(errors[:, i]), "max": float(np.abs(errors[:, i]).max()) if len(errors) else None}
+            name: {
+                "rms": _rms(errors[:, i]),
+                "max": float(np.abs(errors[:, i]).max()) if len(errors) else None,
+            }
             for i, name in enumerate(("along", "left", "heading"))
         },
     }
@@ -184,7 +192,8 @@ def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
 
 
 def _torque_violations(task: Task, record: Record) -> float | None:
-    shares = [record.arrays[name] for i in range(len(task.robots)) if (name := f"torque_share_{i}") in record.arrays]
+    names = [f"torque_share_{i}" for i in range(len(task.robots))]
+    shares = [record.arrays[name] for name in names if name in record.arrays]
     return float((np.array(shares) > 1.0).any(axis=0).mean()) if shares else None
 
 

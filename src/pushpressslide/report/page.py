@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from html import escape
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +17,15 @@ from pushpressslide.core.task import Box, Cylinder, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
 from pushpressslide.report.files import Run, load_run
-from pushpressslide.report.page_style import CSS
 from pushpressslide.report.page_tables import comparison_table, figures_table, table
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 
 CAPTIONS = {
-    "path": "What happened: the object's footprint at even steps of the contact phase, with the measured contact force at each.",
+    "path": "What happened: footprints at even steps of the contact phase, with the measured force at each.",
     "errors": "Object against the reference at the same time, in the contact phase.",
     "tracking": "What the tracking law saw at its own tracking point.",
-    "forces": "Contact force in the contact's own axes. The band is what true friction allows the measured normal force.",
+    "forces": "Contact force in the contact's axes. The band is what friction allows the measured normal force.",
     "torques": "Joint torques as a share of the maker's limits.",
     "speeds": "Speed of the tracking point and yaw rate of the object.",
 }
@@ -34,14 +34,17 @@ CAPTIONS = {
 def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
     """Write the page of the runs in ``dirs`` and return its path; also writes each run's plots/*.png.
 
-    ``out``: the HTML file; default report.html in the run's folder, or for several runs in the folder that holds them
-    all. Several runs are compared first. Raises PushPressSlideError where a folder holds no finished run.
+    ``out``: the HTML file; default report.html in the run's folder, or for several runs in the folder that
+    holds them all. Several runs are compared first. Raises PushPressSlideError where a folder holds no
+    finished run.
     """
     if not dirs:
         raise PushPressSlideError("report: no folder given; give at least one that `pps run` has written")
     runs = [load_run(Path(folder)) for folder in dirs]
     if out is None:
-        home = runs[0].folder if len(runs) == 1 else Path(os.path.commonpath([r.folder.resolve() for r in runs]))
+        home = (
+            runs[0].folder if len(runs) == 1 else Path(os.path.commonpath([r.folder.resolve() for r in runs]))
+        )
         out = home / "report.html"
     names = _labels(runs)
     title = runs[0].task.name if len(runs) == 1 else f"{len(runs)} runs"
@@ -51,10 +54,11 @@ def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
     else:
         body.append(_comparison(runs, names))
         body += [_run_section(run, out, name) for run, name in zip(runs, names, strict=True)]
+    css = resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
     page = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)} - pushpressslide</title><style>{CSS}</style></head>\n"
+        f"<title>{escape(title)} - pushpressslide</title><style>{css}</style></head>\n"
         f"<body><main>{''.join(body)}</main></body></html>\n"
     )
     return write_whole(out, page)
@@ -73,7 +77,9 @@ def _labels(runs: Sequence[Run]) -> list[str]:
     if len(set(tasks)) == len(runs):
         return tasks
     folders = [run.folder.resolve().name for run in runs]
-    return folders if len(set(folders)) == len(runs) else [f"{i + 1}: {name}" for i, name in enumerate(folders)]
+    return (
+        folders if len(set(folders)) == len(runs) else [f"{i + 1}: {name}" for i, name in enumerate(folders)]
+    )
 
 
 def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
@@ -95,7 +101,11 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         write_whole(run.folder / "plots" / f"{key}.png", plots[key])
     links = " ".join(
         f'<a class="button" href="{escape(_link(run.folder / file, page))}">{label}</a>'
-        for file, label in (("replay.html", "Watch the replay"), ("result.json", "result.json"), ("task.yaml", "task.yaml"))
+        for file, label in (
+            ("replay.html", "Watch the replay"),
+            ("result.json", "result.json"),
+            ("task.yaml", "task.yaml"),
+        )
         if (run.folder / file).is_file()
     )
     parts = [
@@ -153,7 +163,9 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
     if (error.x, error.y, error.yaw) != (0.0, 0.0, 0.0):
         rows.insert(3, ("True start, off by", _pose(error.x, error.y, error.yaw)))
     if task.obstacles:
-        rows.append(("Obstacles", ", ".join(o.name + (" (can move)" if o.movable else "") for o in task.obstacles)))
+        rows.append(
+            ("Obstacles", ", ".join(o.name + (" (can move)" if o.movable else "") for o in task.obstacles))
+        )
     step = result.get("time_step")
     pace = f", time step {1e3 * step:g} ms" if step else ""
     rows.append(("Engine", f"{result['engine']}, seed {result['seed']}{pace}"))
@@ -175,6 +187,8 @@ def _choice_part(run: Run) -> str:
             (choice.reason, "why"),
         )
         mark = ' class="chosen"' if chosen else ' class="refused"' if not choice.feasible else ""
-        rows.append([f'<td{f" class={css}" if css else ""}>{escape(text)}</td>' for text, css in cells] + [mark])
+        rows.append(
+            [f"<td{f' class={css}' if css else ''}>{escape(text)}</td>" for text, css in cells] + [mark]
+        )
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
     return table(head, [row[:-1] for row in rows], [row[-1] for row in rows])

@@ -92,13 +92,16 @@ def shown(result: Mapping[str, Any], key: str, factor: float, unit: str, decimal
     return f"{factor * value:.{decimals}f}{space}{unit}"
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], attributes: Sequence[str] = (), numbers: int = 0) -> str:
+def table(
+    head: Sequence[str], rows: Sequence[Sequence[str]], attributes: Sequence[str] = (), numbers: int = 0
+) -> str:
     """Return an HTML table that scrolls sideways where it is too wide; ``rows`` hold finished cells.
 
     ``attributes``: of each row's tag. The last ``numbers`` columns of the head are set to the right.
     """
     cells = "".join(
-        f'<th scope="col"{" class=n" if i >= len(head) - numbers else ""}>{escape(h)}</th>' for i, h in enumerate(head)
+        f'<th scope="col"{" class=n" if i >= len(head) - numbers else ""}>{escape(h)}</th>'
+        for i, h in enumerate(head)
     )
     top = f"<thead><tr>{cells}</tr></thead>" if head else ""
     marks = attributes or [""] * len(rows)
@@ -131,8 +134,15 @@ def figures_table(result: Mapping[str, Any]) -> str:
 
 def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]]) -> str:
     """Return the figures of several runs, one column each."""
-    rows = [['<th scope="row">Engine</th>', *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results)]]
-    rows.append(['<th scope="row">Mode</th>', *(f'<td class="n">{escape(", ".join(r["modes"]))}</td>' for r in results)])
+    rows = [
+        ['<th scope="row">Engine</th>', *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results)]
+    ]
+    rows.append(
+        [
+            '<th scope="row">Mode</th>',
+            *(f'<td class="n">{escape(", ".join(r["modes"]))}</td>' for r in results),
+        ]
+    )
     rows.append(
         ['<th scope="row">Outcome</th>']
         + [
@@ -147,7 +157,10 @@ def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]])
             rows.append([f'<th colspan="{len(names) + 1}" scope="rowgroup">{escape(group)}</th>'])
             marks.append(' class="group"')
         for label, key, factor, unit, decimals in known:
-            cells = [f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>' for r in results]
+            cells = [
+                f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>'
+                for r in results
+            ]
             rows.append([f'<th scope="row">{escape(label)}</th>', *cells])
             marks.append("")
     return table(("", *names), rows, marks, numbers=len(names))

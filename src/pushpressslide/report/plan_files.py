@@ -82,7 +82,13 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "feasible": choice.feasible,
         "reason": choice.reason,
         "contacts": [
-            {"arm": c.arm, "kind": c.kind, "point": list(c.point), "normal": list(c.normal), "height": c.height}
+            {
+                "arm": c.arm,
+                "kind": c.kind,
+                "point": list(c.point),
+                "normal": list(c.normal),
+                "height": c.height,
+            }
             for c in choice.contacts
         ],
         "path_length": choice.path_length,
@@ -95,7 +101,9 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
 
 def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
     contacts = tuple(
-        Contact(c["arm"], c["kind"], (c["point"][0], c["point"][1]), (c["normal"][0], c["normal"][1]), c["height"])
+        Contact(
+            c["arm"], c["kind"], (c["point"][0], c["point"][1]), (c["normal"][0], c["normal"][1]), c["height"]
+        )
         for c in data["contacts"]
     )
     path = None if data["path"] is None else _path_from_dict(data["path"])

@@ -45,7 +45,9 @@ def plan_figure(plan: Plan) -> Figure:
     _footprint(ax, plan.task, plan.task.start, style.BLACK, "start", fill=True)
     _footprint(ax, plan.task, plan.task.goal, style.GREEN, "goal", fill=True)
     line = [plan.path.pose(s) for s in np.linspace(0.0, plan.path.length, 200)]
-    ax.plot([p.x for p in line], [p.y for p in line], color=style.BLUE, label="path of the tracking point", lw=1.8)
+    ax.plot(
+        [p.x for p in line], [p.y for p in line], color=style.BLUE, label="path of the tracking point", lw=1.8
+    )
     ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
     X_WB = plan.task.start.compose(plan.task.object.X_GB)
     ax.plot(X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass")
@@ -83,7 +85,9 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     for name, values in record.arrays.items():
         if name.startswith("body_"):
             ends = series.planar_poses(values)[[0, -1]]
-            ax.plot(ends[:, 0], ends[:, 1], color=style.PURPLE, marker="s", ms=4, label=name.removeprefix("body_"))
+            ax.plot(
+                ends[:, 0], ends[:, 1], color=style.PURPLE, marker="s", ms=4, label=name.removeprefix("body_")
+            )
     ax.plot(reference[:, 0], reference[:, 1], "--", color=style.BLACK, lw=1.6, label="reference path")
     ax.plot(tracked[at, 0], tracked[at, 1], color=style.BLUE, lw=1.6, label="tracking point")
     largest = _forces(ax, task, plan, record, picks[1:-1])
@@ -91,7 +95,12 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
         ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=f"contact force, largest {largest:.1f} N")
     corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
     corners += [(float(x), float(y)) for x, y in tracked[at][::50, :2]]
-    _frame(ax, task, corners, "The run, seen " + ("from above" if task.support.kind == "table" else "from the front"))
+    _frame(
+        ax,
+        task,
+        corners,
+        "The run, seen " + ("from above" if task.support.kind == "table" else "from the front"),
+    )
     return made
 
 
@@ -126,7 +135,9 @@ def _footprint(
     if fill:
         ax.add_patch(Polygon(corners, closed=True, facecolor=color, alpha=0.13, edgecolor="none"))
     ax.add_patch(
-        Polygon(corners, closed=True, fill=False, edgecolor=color, lw=1.5, ls="--" if dashed else "-", label=label)
+        Polygon(
+            corners, closed=True, fill=False, edgecolor=color, lw=1.5, ls="--" if dashed else "-", label=label
+        )
     )
     front = pose.rotate((1.0, 0.0))
     reach = 0.35 * max(math.dist(corner, (pose.x, pose.y)) for corner in corners)
@@ -152,7 +163,9 @@ def _surroundings(ax: Axes, task: Task) -> None:
         a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
         corners = [obstacle.pose.apply(c) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]
         label = "obstacle" if i == 0 else None
-        ax.add_patch(Polygon(corners, closed=True, facecolor="#B9BEC6", edgecolor="#6B7280", hatch="///", label=label))
+        ax.add_patch(
+            Polygon(corners, closed=True, facecolor="#B9BEC6", edgecolor="#6B7280", hatch="///", label=label)
+        )
         ax.annotate(obstacle.name, obstacle.pose.position, ha="center", va="center", fontsize=8, color=style.BLACK,
                     bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}, annotation_clip=True)  # fmt: skip
     for i, robot in enumerate(task.robots):
@@ -173,7 +186,9 @@ def _frame(ax: Axes, task: Task, corners: Sequence[tuple[float, float]], title: 
     points = list(corners)
     for obstacle in task.obstacles:
         reach = 0.5 * math.hypot(obstacle.size[0], obstacle.size[1])
-        points += [(obstacle.pose.x + dx, obstacle.pose.y + dy) for dx in (-reach, reach) for dy in (-reach, reach)]
+        points += [
+            (obstacle.pose.x + dx, obstacle.pose.y + dy) for dx in (-reach, reach) for dy in (-reach, reach)
+        ]
     if task.support.kind == "table":
         for robot in (r for r in task.robots if r.model != "hand"):
             points += [(robot.base[0] + d, robot.base[1] + e) for d in (-0.1, 0.1) for e in (-0.1, 0.1)]

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_POINTS = 20000  # of a curve; more than a figure can show
-LEAST_REACH = 0.1  # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill the panel
+LEAST_REACH = (
+    0.1  # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill the panel
+)
 
 
 def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
@@ -45,7 +47,8 @@ def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
 def write_plots(task: Task, plan: Plan, record: Record, out: Path) -> list[Path]:
     """Write every figure as a PNG into folder ``out``; return their paths."""
     return [
-        write_whole(out / f"{name}.png", style.png(figure)) for name, figure in figures(task, plan, record).items()
+        write_whole(out / f"{name}.png", style.png(figure))
+        for name, figure in figures(task, plan, record).items()
     ]
 
 
@@ -74,7 +77,11 @@ def tracking_figure(task: Task, plan: Plan, record: Record) -> Figure:
     errors = np.where(move[:, None], record.arrays["tracking_error"], np.nan)
     names = ("along the path [mm]", "left of the path [mm]", "heading [deg]")
     for ax, name, values, color in zip(
-        axes, names, (1e3 * errors[:, 0], 1e3 * errors[:, 1], np.degrees(errors[:, 2])), style.CYCLE, strict=False
+        axes,
+        names,
+        (1e3 * errors[:, 0], 1e3 * errors[:, 1], np.degrees(errors[:, 2])),
+        style.CYCLE,
+        strict=False,
     ):
         ax.plot(*_thin(time, values), color=color)
         ax.axhline(0.0, color=style.GREY, lw=0.7)
@@ -106,13 +113,23 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
         cone = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
         sampled, edge = _thin(time, cone)
         lower.fill_between(
-            sampled, -edge, edge, color=style.GREEN, alpha=0.14, lw=0, label=f"friction cone, mu = {task.contact_friction:g}"
+            sampled,
+            -edge,
+            edge,
+            color=style.GREEN,
+            alpha=0.14,
+            lw=0,
+            label=f"friction cone, mu = {task.contact_friction:g}",
         )
         first, second = ("left", "up") if contact.kind == "side" else ("x of object", "y of object")
         lower.plot(*_thin(time, tangents[:, i, 0]), color=style.BLUE, label=f"measured, {first}")
-        lower.plot(*_thin(time, asked_t[:, i, 0]), color=style.ORANGE, lw=1.0, ls="--", label=f"commanded, {first}")
+        lower.plot(
+            *_thin(time, asked_t[:, i, 0]), color=style.ORANGE, lw=1.0, ls="--", label=f"commanded, {first}"
+        )
         if np.nanmax(np.abs(tangents[:, i, 1]), initial=0.0) > 1e-6:
-            lower.plot(*_thin(time, tangents[:, i, 1]), color=style.PURPLE, lw=0.9, label=f"measured, {second}")
+            lower.plot(
+                *_thin(time, tangents[:, i, 1]), color=style.PURPLE, lw=0.9, label=f"measured, {second}"
+            )
         lower.set_ylabel(f"{which}tangential [N]")
     _time_axis(axes, record, "Contact force of the tip on the object")
     return made
@@ -132,7 +149,12 @@ def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     for ax, (i, effort) in zip(axes, limits.items(), strict=True):
         shares = 100.0 * record.arrays[f"joint_torque_{i}"] / effort
         for j in range(shares.shape[1]):
-            ax.plot(*_thin(record.arrays["time"], shares[:, j]), color=style.CYCLE[j % 7], lw=1.1, label=f"joint {j + 1}")
+            ax.plot(
+                *_thin(record.arrays["time"], shares[:, j]),
+                color=style.CYCLE[j % 7],
+                lw=1.1,
+                label=f"joint {j + 1}",
+            )
         reach = 1.1 * float(np.nanmax(np.abs(shares), initial=1.0))
         if reach > 70.0:
             for sign in (-100.0, 100.0):
@@ -163,7 +185,10 @@ def comparison_plot(runs: Sequence[tuple[str, Record, Task, Plan]], *, title: st
     """Return position and yaw error of several runs over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
     for (label, record, _, _), color, dash in zip(
-        runs, (c for _ in runs for c in style.CYCLE), (d for d in ("-", "--", ":", "-.") for _ in style.CYCLE), strict=False
+        runs,
+        (c for _ in runs for c in style.CYCLE),
+        (d for d in ("-", "--", ":", "-.") for _ in style.CYCLE),
+        strict=False,
     ):
         if series.ticks(record) < 2:
             continue

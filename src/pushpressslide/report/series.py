@@ -43,7 +43,9 @@ def planar_poses(positions: Array) -> Array:
 
 def tilt(positions: Array) -> Array:
     """Return the angle [rad] (N,) between a body's own z axis and the vertical."""
-    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * (positions[:, 1] ** 2 + positions[:, 2] ** 2), -1.0, 1.0)))
+    return np.asarray(
+        np.arccos(np.clip(1.0 - 2.0 * (positions[:, 1] ** 2 + positions[:, 2] ** 2), -1.0, 1.0))
+    )
 
 
 def ticks(record: Record) -> int:
@@ -75,7 +77,10 @@ def tracked_poses(task: Task, record: Record) -> Array:
 def tip_points(task: Task, contacts: tuple[Contact, ...]) -> list[tuple[float, float]]:
     """Return, for each contact, where in B [m] the centre of a tip that touches it is."""
     return [
-        (c.point[0] - task.robots[c.arm].tip_radius * c.normal[0], c.point[1] - task.robots[c.arm].tip_radius * c.normal[1])
+        (
+            c.point[0] - task.robots[c.arm].tip_radius * c.normal[0],
+            c.point[1] - task.robots[c.arm].tip_radius * c.normal[1],
+        )
         for c in contacts
     ]
 

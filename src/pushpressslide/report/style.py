@@ -18,7 +18,13 @@ BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 SKY, AMBER, YELLOW, BLACK = "#56B4E9", "#E69F00", "#F0E442", "#222222"
 GREY, PALE = "#8A8A8A", "#D9D9D9"
 CYCLE = (BLUE, ORANGE, GREEN, PURPLE, AMBER, SKY, BLACK)
-PHASE_COLORS = {"approach": "#F1F1F1", "touch": "#E3EEF6", "move": "#FFFFFF", "release": "#F8ECE0", "done": "#F1F1F1"}
+PHASE_COLORS = {
+    "approach": "#F1F1F1",
+    "touch": "#E3EEF6",
+    "move": "#FFFFFF",
+    "release": "#F8ECE0",
+    "done": "#F1F1F1",
+}
 DPI = 110
 WIDTH = 8.0  # [inch] of every figure
 

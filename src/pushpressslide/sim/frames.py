@@ -36,7 +36,13 @@ class FrameRenderer:
     """Renders recorded ticks of one run."""
 
     def __init__(
-        self, task: Task, plan: Plan, record: Record, width: int = 640, height: int = 480, models: str = "generated"
+        self,
+        task: Task,
+        plan: Plan,
+        record: Record,
+        width: int = 640,
+        height: int = 480,
+        models: str = "generated",
     ) -> None:
         """Set the scene up; raises SimulationError where this machine cannot render."""
         self.playback = Playback(task, plan, record, models)
@@ -44,7 +50,9 @@ class FrameRenderer:
         parameters = RenderEngineVtkParams(
             default_clear_color=BACKGROUND,
             lights=[
-                LightParameter(type="directional", frame="world", direction=[-0.4, 0.5, -1.0], intensity=0.75),
+                LightParameter(
+                    type="directional", frame="world", direction=[-0.4, 0.5, -1.0], intensity=0.75
+                ),
                 LightParameter(type="directional", frame="camera", direction=[0.1, 0.2, 1.0], intensity=0.6),
             ],
         )
@@ -119,7 +127,9 @@ def write_video(
     out.parent.mkdir(parents=True, exist_ok=True)
     temporary = out.with_name(f".{out.stem}.part{out.suffix}")
     try:
-        first.save(temporary, save_all=True, append_images=others, duration=round(1e3 / frames_per_second), loop=0)
+        first.save(
+            temporary, save_all=True, append_images=others, duration=round(1e3 / frames_per_second), loop=0
+        )
         temporary.replace(out)
     finally:
         temporary.unlink(missing_ok=True)
@@ -128,16 +138,17 @@ def write_video(
 
 def look_at(view: View) -> RigidTransform:
     """Return X_WC of a camera (z ahead, x right, y down) at ``view``, its picture upright."""
-    position, target = np.array(view.position), np.array(view.target)
-    z = (target - position) / np.linalg.norm(target - position)
+    z = (view.target - view.position) / np.linalg.norm(view.target - view.position)
     x = np.cross(z, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
-    return RigidTransform(RotationMatrix(np.column_stack([x, np.cross(z, x), z])), position)
+    return RigidTransform(RotationMatrix(np.column_stack([x, np.cross(z, x), z])), view.position)
 
 
 def _cannot_render(error: Exception) -> SimulationError:
     reason = " ".join(str(error).split())[:160]
-    return SimulationError(f"this machine cannot render pictures ({reason}); on Debian, libegl1 and libgl1 are needed")
+    return SimulationError(
+        f"this machine cannot render pictures ({reason}); on Debian, libegl1 and libgl1 are needed"
+    )
 
 
 def _pillow() -> Any:

@@ -1,4 +1,4 @@
-"""A recorded run set up again in its own scene, tick by tick, without any physics: what replay and frames look at."""
+"""A recorded run set up again in its own scene, without physics: what replay and frames look at."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from pydrake.geometry import (
     PerceptionProperties,
     Rgba,
     SceneGraph,
+    Shape,
+    SourceId,
 )
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from pushpressslide.core.errors import SimulationError
@@ -39,22 +41,24 @@ ARM_HEIGHT = 0.75  # [m] of an arm above its base, for the camera
 ASPECT, FILL = 4.0 / 3.0, 0.85  # width over height of a picture; share of it that the scene may fill
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """Where a camera stands and what it looks at, in the world [m]."""
 
-    position: tuple[float, float, float]
-    target: tuple[float, float, float]
+    position: Array  # (3,)
+    target: Array  # (3,)
 
 
 class Playback:
     """The scene of a run, with goal and planned path drawn in, that can be put at any recorded tick."""
 
     def __init__(self, task: Task, plan: Plan, record: Record, models: str = "generated") -> None:
-        """Build the scene; raises SimulationError for a record without joint positions (the planar engine's)."""
+        """Build the scene; raises SimulationError for a record without joint positions (of the planar engine)."""
         for i in range(len(task.robots)):
             if f"joint_position_{i}" not in record.arrays:
-                raise SimulationError(f"the record of engine {record.engine!r} has no joint_position_{i} to be shown")
+                raise SimulationError(
+                    f"the record of engine {record.engine!r} has no joint_position_{i} to show"
+                )
         self.task, self.plan, self.record = task, plan, record
         self.scene: Scene = build_scene(plan, models=models)
         self._draw_plan()
@@ -63,7 +67,14 @@ class Playback:
         graph, task = self.scene.scene_graph, self.task
         source = graph.RegisterSource("plan")
         height = 0.5 * task.object.shape.height
-        _anchor(graph, source, "goal", object_shape(task.object.shape), rigid_transform(task.goal, height), GOAL_COLOR)
+        _anchor(
+            graph,
+            source,
+            "goal",
+            object_shape(task.object.shape),
+            rigid_transform(task.goal, height),
+            GOAL_COLOR,
+        )
         mesh = ribbon(self.record.arrays["plan_path"][:, :2], RIBBON_WIDTH)
         _anchor(graph, source, "path", mesh, RigidTransform([0.0, 0.0, PATH_HEIGHT]), PATH_COLOR)
 
@@ -98,12 +109,12 @@ class Playback:
         return [int(i) for i in np.clip(np.searchsorted(self.record.arrays["time"], times), 0, last)]
 
     def view(self, field: float) -> View:
-        """Return a camera of vertical ``field`` [rad] that sees object, path, goal and arms, from the tips' side."""
+        """Return a camera of vertical ``field`` [rad] that sees object, path, goal and arms."""
         return camera_view(self.task, self.plan, self.record, field)
 
 
 def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
-    """Return where a camera of vertical ``field`` of view [rad] sees all that matters: from the front, on the tips' side."""
+    """Return where a camera of vertical ``field`` [rad] sees all that matters: in front, on the tips' side."""
     pose = record.arrays["object_pose"]
     height = task.object.shape.height
     sides = (-0.5 * height, 0.5 * height)
@@ -121,7 +132,7 @@ def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
 
 
 def fit_view(points: Array, direction: Array, field: float) -> View:
-    """Return the camera towards ``direction`` (3,) of the scene that just holds ``points`` (N, 3), the picture upright.
+    """Return the camera that looks from ``direction`` (3,) and just holds ``points`` (N, 3), upright.
 
     ``field`` [rad] is the vertical field of view; the picture is taken to be ``ASPECT`` wide at least.
     """
@@ -140,7 +151,7 @@ def fit_view(points: Array, direction: Array, field: float) -> View:
         needed = max(float(np.ptp(across)) / ASPECT, float(np.ptp(down))) / (2.0 * reach)
         distance *= needed**0.7
     position = target - distance * z
-    return View((float(position[0]), float(position[1]), float(position[2])), (float(target[0]), float(target[1]), float(target[2])))
+    return View(position, target)
 
 
 def ribbon(points: Array, width: float) -> Mesh:
@@ -148,7 +159,9 @@ def ribbon(points: Array, width: float) -> Mesh:
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     side = 0.5 * width * np.stack([-along[:, 1], along[:, 0]], axis=1) / size
-    lines = [f"v {x:.6f} {y:.6f} 0" for pair in zip(points - side, points + side, strict=True) for x, y in pair]
+    lines = [
+        f"v {x:.6f} {y:.6f} 0" for pair in zip(points - side, points + side, strict=True) for x, y in pair
+    ]
     lines.append("vn 0 0 1")
     for i in range(len(points) - 1):
         a, b, c, d = 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2  # right, right ahead, left ahead, left
@@ -156,12 +169,9 @@ def ribbon(points: Array, width: float) -> Mesh:
     return Mesh(InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", "ribbon.obj")))
 
 
-def upright(yaw: float, position: tuple[float, float, float]) -> RigidTransform:
-    """Return a pose that is turned about the vertical only."""
-    return RigidTransform(RollPitchYaw(0.0, 0.0, yaw), position)
-
-
-def _anchor(graph: SceneGraph, source: object, name: str, shape: object, X: RigidTransform, color: Rgba) -> None:
+def _anchor(
+    graph: SceneGraph, source: SourceId, name: str, shape: Shape, X: RigidTransform, color: Rgba
+) -> None:
     instance = GeometryInstance(X, shape, name)
     drawn, seen = IllustrationProperties(), PerceptionProperties()
     for properties in (drawn, seen):

@@ -41,8 +41,8 @@ LEAST_FORCE = 0.3  # [N] below which no arrow is shown
 SHAFT, HEAD_RADIUS, HEAD = 0.004, 0.010, 0.022  # [m] of the force arrow
 BLUE, AMBER, WHITE = Rgba(0.0, 0.45, 0.70, 1.0), Rgba(0.90, 0.62, 0.0, 1.0), Rgba(0.95, 0.95, 0.95, 1.0)
 
-CAPTION = """<div style="position:fixed;left:12px;bottom:10px;z-index:5;font:13px/1.5 system-ui,sans-serif;color:#1f2328;
-background:rgba(255,255,255,.82);padding:6px 10px;border-radius:6px;pointer-events:none">
+CAPTION = """<div style="position:fixed;left:12px;bottom:10px;z-index:5;font:13px/1.5 system-ui,sans-serif;
+color:#1f2328;background:rgba(255,255,255,.82);padding:6px 10px;border-radius:6px;pointer-events:none">
 <b>@TITLE@</b><br><span style="color:#222">&#9644;</span> planned path of the tracking point
 <span style="color:#0072b2">&#9644;</span> its trace <span style="color:#009e73">&#9632;</span> goal
 <span style="color:#e69f00">&#9644;</span> contact force, @SCALE@ mm a newton</div>"""
@@ -51,8 +51,8 @@ background:rgba(255,255,255,.82);padding:6px 10px;border-radius:6px;pointer-even
 def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str = "generated") -> Path:
     """Write the page to the file ``out``, whole or not at all, and return it.
 
-    Plays the recorded joint positions and poses at 30 frames a second. Raises SimulationError for a record without
-    joint positions. ``models``: as in ``run``.
+    Plays the recorded joint positions and poses at 30 frames a second. Raises SimulationError for a record
+    without joint positions. ``models``: as in ``run``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(f"{out}: a record of fewer than two ticks cannot be replayed")
@@ -63,8 +63,9 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     meshcat.SetCameraPose(view.position, view.target)
     parameters = MeshcatVisualizerParams()
     parameters.role = Role.kIllustration
-    visualizer = MeshcatVisualizer.AddToBuilder(playback.scene.builder, playback.scene.scene_graph, meshcat, parameters)
-    diagram = playback.scene.builder.Build()
+    builder, graph = playback.scene.builder, playback.scene.scene_graph
+    visualizer = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, parameters)
+    diagram = builder.Build()
     context = diagram.CreateDefaultContext()
     time = record.arrays["time"]
     count = max(2, math.ceil((time[-1] - time[0]) * FRAMES_PER_SECOND))
@@ -89,7 +90,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
 
 
 def _quiet_meshcat() -> Meshcat:
-    """A server comes with every Meshcat: it listens on this machine only, and nobody need be told its address."""
+    """A server comes with every Meshcat: it listens on this machine only, and nobody need know its address."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)
@@ -109,7 +110,7 @@ def _look(meshcat: Meshcat) -> None:
 class _Marks:
     """What is drawn over the scene: trace, axle marker and contact forces.
 
-    Meshcat loops each track over its own keys, so that every track needs one at the last frame, or they fall out of step.
+    Meshcat loops each track over its own keys: without one at the last frame they fall out of step.
     """
 
     def __init__(self, meshcat: Meshcat, playback: Playback, ticks: list[int]) -> None:
@@ -127,7 +128,9 @@ class _Marks:
         meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * (self._height + 0.03)]))
         for i in range(len(self._contacts)):
             meshcat.SetObject(f"marks/force_{i}/shaft", Cylinder(SHAFT, 1.0), AMBER)
-            meshcat.SetObject(f"marks/force_{i}/head/cone", MeshcatCone(HEAD, HEAD_RADIUS, HEAD_RADIUS), AMBER)
+            meshcat.SetObject(
+                f"marks/force_{i}/head/cone", MeshcatCone(HEAD, HEAD_RADIUS, HEAD_RADIUS), AMBER
+            )
             # Meshcat's cone has its tip at the origin and opens along +z
             turned = RigidTransform(RotationMatrix.MakeXRotation(math.pi))
             meshcat.SetTransform(f"marks/force_{i}/head/cone", turned)
@@ -174,7 +177,7 @@ class _Marks:
             return
         axis = drawn / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
         length = self.scale * size
-        # a push is drawn above the object, where neither object nor tip hides it; a press ends where it presses
+        # a push is drawn above the object, where neither it nor the tip hides it; a press ends where it acts
         if pushing:
             radius = self._playback.task.robots[contact.arm].tip_radius
             tail = np.array([tip[0], tip[1], self._height + 0.012]) + radius * axis
