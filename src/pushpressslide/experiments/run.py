@@ -136,4 +136,4 @@ def write_run(
 
         write_planar_replay(task, plan, record, out)
     save_run(out, task, plan, record, result)
-    write_report([out], out)
+    write_report([out])

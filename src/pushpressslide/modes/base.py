@@ -61,6 +61,6 @@ class Mode(Protocol):
         """Return ``allocate(fx, fy, tau)``: a wrench about the CoM, in B, to contact forces."""
         ...
 
-    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan from where object and contacts (points in B [m]) really are; None where there is no sensible one."""
+    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
+        """Return the plan from where object and contacts (points in B [m]) really are; None if that takes more than ``longest`` [m]."""
         ...

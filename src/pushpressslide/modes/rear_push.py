@@ -253,8 +253,8 @@ class RearPush:
             contact.point, contact.normal, friction, rho if rho is not None else 0.5 * math.hypot(*contact.point)
         )
 
-    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan from the object's true pose and the true contact; None if it would turn a loop.
+    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
+        """Return the plan from the object's true pose and the true contact; None if its path is longer than ``longest`` [m].
 
         The car's own length is kept: what changes is its heading axis, from the true contact through the CoM.
         """
@@ -269,7 +269,6 @@ class RearPush:
         X_BV = self._frame(car, figures["height_shift"])
         start = X_WB.compose(X_BV)
         goal = task.goal.compose(task.object.X_GB).compose(X_BV)
-        longest = 1.15 * plan.path.length + 0.02
         for share in (figures["curvature_share"], 0.5 * (1.0 + figures["curvature_share"])):
             for run_in in (figures["run_in"], 0.5 * figures["run_in"]):
                 path = _goal_path(start, goal, share * high, -share * low, run_in)

@@ -121,7 +121,7 @@ def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[b
 
 
 def _goal_errors(task: Task, record: Record) -> tuple[float, float, float, float]:
-    """Position [m] and yaw error [rad, >= 0], then the position error along the goal's axes [m], actual minus goal."""
+    """Position [m] and yaw error [rad], >= 0; then the position error along the goal's axes [m], signed."""
     x, y, yaw = (float(v) for v in record.arrays["object_pose"][-1])
     if not all(math.isfinite(v) for v in (x, y, yaw)):
         return math.nan, math.nan, math.nan, math.nan

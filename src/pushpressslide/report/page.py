@@ -22,10 +22,10 @@ from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 
 CAPTIONS = {
-    "path": "What happened: footprints at even steps of the contact phase, with the measured force at each.",
+    "path": "What happened: footprints at even steps of the contact phase, with the force at each.",
     "errors": "Object against the reference at the same time, in the contact phase.",
     "tracking": "What the tracking law saw at its own tracking point.",
-    "forces": "Contact force in the contact's axes. The band is what friction allows the measured normal force.",
+    "forces": "Contact force in the contact's axes. The band is what friction allows that normal force.",
     "torques": "Joint torques as a share of the maker's limits.",
     "speeds": "Speed of the tracking point and yaw rate of the object.",
 }
@@ -110,7 +110,8 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     )
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
-        f'<p class="verdict {"good" if won else "bad"}"><strong>{"Goal reached" if won else "Goal missed"}</strong> '
+        f'<p class="verdict {"good" if won else "bad"}">'
+        f"<strong>{'Goal reached' if won else 'Goal missed'}</strong> "
         f"<code>{escape(str(result['reason']['code']))}</code> {escape(str(result['reason']['text']))}</p>",
         f"<p>{escape(run.task.description)}</p>" if run.task.description else "",
         f'<p class="links">{links}</p>',

@@ -143,11 +143,12 @@ def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]])
             *(f'<td class="n">{escape(", ".join(r["modes"]))}</td>' for r in results),
         ]
     )
+    outcomes = [escape(r["reason"]["code"].replace("_", " ")) for r in results]
     rows.append(
         ['<th scope="row">Outcome</th>']
         + [
-            f'<td class="n {"ok" if r["success"] else "no"}">{escape(str(r["reason"]["code"]).replace("_", " "))}</td>'
-            for r in results
+            f'<td class="n {"ok" if r["success"] else "no"}">{outcome}</td>'
+            for r, outcome in zip(results, outcomes, strict=True)
         ]
     )
     marks = [""] * len(rows)

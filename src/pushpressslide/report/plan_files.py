@@ -34,7 +34,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
 
 
 def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
-    """Return the plan of ``plan_to_dict`` for ``task``; raises KeyError, TypeError or ValueError on other data."""
+    """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on other data."""
     if data["schema"] != SCHEMA:
         raise ValueError(f"schema {data['schema']}, this version reads {SCHEMA}")
     return Plan(

@@ -36,7 +36,7 @@ def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Return the plan seen from above: the tracking point's path, footprints, obstacles, bases and contacts."""
+    """Return the plan from above: the tracking point's path, footprints, obstacles, bases and contacts."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     poses = [plan.object_pose(plan.path.length * i / (STATIONS + 1)) for i in range(STATIONS + 2)]
@@ -67,7 +67,7 @@ def plan_figure(plan: Plan) -> Figure:
 
 
 def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
-    """Return the run seen from above: reference path, tracked point, footprints, goal and measured contact forces."""
+    """Return the run from above: reference path, tracked point, footprints, goal, measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     pose, reference = record.arrays["object_pose"], record.arrays["plan_path"]
@@ -166,8 +166,9 @@ def _surroundings(ax: Axes, task: Task) -> None:
         ax.add_patch(
             Polygon(corners, closed=True, facecolor="#B9BEC6", edgecolor="#6B7280", hatch="///", label=label)
         )
-        ax.annotate(obstacle.name, obstacle.pose.position, ha="center", va="center", fontsize=8, color=style.BLACK,
-                    bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}, annotation_clip=True)  # fmt: skip
+        box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
+        words: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 8, "color": style.BLACK}
+        ax.annotate(obstacle.name, obstacle.pose.position, bbox=box, annotation_clip=True, **words)
     for i, robot in enumerate(task.robots):
         if robot.model == "hand" or task.support.kind == "wall":
             continue

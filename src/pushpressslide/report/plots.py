@@ -93,7 +93,7 @@ def tracking_figure(task: Task, plan: Plan, record: Record) -> Figure:
 
 
 def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
-    """Return commanded and measured contact forces, normal and tangential, with the true friction cone as a band."""
+    """Return commanded and measured contact forces, normal and tangential, with the true friction cone."""
     arms = len(plan.choice.contacts)
     if not arms:
         return None

@@ -1,4 +1,4 @@
-"""Quantities that follow from a record: poses, contact forces in the contact's frame, travel along the surface."""
+"""What follows from a record: poses, contact forces in the contact's axes, travel along the surface."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def in_phase(record: Record, *names: str) -> Mask:
 
 
 def contact_phase(record: Record) -> Mask:
-    """Return which ticks (N,) lie between the first and the last of phase "move", regained contacts included."""
+    """Return which ticks (N,) lie from the first to the last of phase "move", regained contacts included."""
     (at,) = np.nonzero(in_phase(record, "move"))
     mask = np.zeros(ticks(record), dtype=bool)
     if len(at):
@@ -109,8 +109,8 @@ def contact_forces(plan: Plan, record: Record, name: str = "measured_force") -> 
 def surface_coordinates(plan: Plan, record: Record, arm: int) -> Array:
     """Return where on the object's surface tip ``arm`` touches: (N, 2) [m].
 
-    Side contact: along the face (round a cylinder: the arc) and up; top contact: x and y in B. A sphere touches a flat
-    face at the foot of its centre, whatever the force, so that the tip's centre decides.
+    Side contact: along the face (round a cylinder: the arc) and up; top contact: x and y in B. A sphere
+    touches a flat face at the foot of its centre, whatever the force, so that the tip's centre decides.
     """
     task, contact = plan.task, plan.choice.contacts[arm]
     tip, pose = record.arrays["tip_position"][:, arm], record.arrays["object_pose"]
@@ -130,8 +130,8 @@ def surface_coordinates(plan: Plan, record: Record, arm: int) -> Array:
 def travel(points: Array, play: float = 0.0) -> Array:
     """Return the way (N,) that ``points`` (N, k) have gone so far, less jitter within ``play`` [same unit].
 
-    A follower is dragged along like a stone on a string of length ``play``: what stays within that distance moves it
-    not at all, however often; a long way counts but for ``play``; each reversal costs at most twice as much.
+    A follower is dragged along like a stone on a string of length ``play``: what stays within that distance
+    moves it not at all, however often; a long way counts but for ``play``, a reversal but for twice that.
     """
     way = np.zeros(len(points))
     if len(points) == 0:
@@ -151,10 +151,10 @@ def travel(points: Array, play: float = 0.0) -> Array:
 
 
 def slip(plan: Plan, record: Record, arm: int) -> Array:
-    """Return the cumulative slip [m] (N,) of tip ``arm`` along the surface, counted in phase "move" while it touches.
+    """Return the cumulative slip [m] (N,) of tip ``arm`` along the surface, in phase "move" while it touches.
 
-    Each stretch of unbroken contact is taken by itself: where the tip lands after a loss is no slip. Jitter below
-    ``SLIP_PLAY`` is not summed (see ``travel``).
+    Each stretch of unbroken contact is taken by itself: where the tip lands after a loss is no slip. Jitter
+    below ``SLIP_PLAY`` is not summed (see ``travel``). A tip that rolls counts as one that slips.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, arm] >= CONTACT_FORCE)

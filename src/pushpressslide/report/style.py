@@ -1,8 +1,9 @@
-"""One look for every figure: colours that the colour-blind can tell apart (Okabe and Ito, 2008), sizes, PNG bytes."""
+"""One look for every figure: colours that the colour-blind can tell apart (Okabe, Ito 2008), sizes, PNG."""
 
 from __future__ import annotations
 
 from io import BytesIO
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,7 +44,7 @@ SETTINGS = {
 
 
 def figure(rows: int = 1, height: float = 4.0, *, share_x: bool = True) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``rows`` panels, ``height`` [inch] in all; no global state of matplotlib is touched."""
+    """Return a figure of ``rows`` panels, ``height`` [inch] in all; touches no global state."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -83,7 +84,7 @@ def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
         return
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(phase)]
     span = float(time[-1] - time[0]) or 1.0
-    for first, stop in zip(edges[:-1], edges[1:], strict=True):
+    for first, stop in pairwise(edges):
         name = PHASES[int(phase[first])]
         start, end = float(time[first]), float(time[min(stop, len(time) - 1)])
         axes.axvspan(start, end, color=PHASE_COLORS[name], zorder=0, linewidth=0)
@@ -91,7 +92,7 @@ def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
             axes.axvline(start, color=PALE, linewidth=0.7, zorder=0.5)
         if label and end - start > 0.06 * span:
             axes.text(
-                0.5 * (start + end), 1.02, name, transform=axes.get_xaxis_transform(), ha="center", va="bottom",
-                fontsize=8.5, color=GREY,
+                0.5 * (start + end), 1.02, name, transform=axes.get_xaxis_transform(), ha="center",
+                va="bottom", fontsize=8.5, color=GREY,
             )  # fmt: skip
     axes.set_xlim(float(time[0]), float(time[-1]) or 1.0)

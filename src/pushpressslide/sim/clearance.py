@@ -49,6 +49,8 @@ class ClearanceModel:
                 DrakeBox(*obstacle.size), obstacle.name, properties,
             )  # fmt: skip
         plant.Finalize()
+        self._object_shape = shape_id
+        self._tip = set(plant.GetCollisionGeometriesForBody(self._instance.tip_body))
         self._plant, self._height = plant, 0.5 * task.object.shape.height
         base = [plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links]
         arm_bodies = [plant.get_body(i) for i in plant.GetBodyIndices(self._instance.model_instance)]
@@ -61,9 +63,8 @@ class ClearanceModel:
             return out
 
         world = shapes([plant.world_body()])
-        # the base stands on the table, the tip touches the object on purpose, object and table belong together
+        # the base stands on the table, object and table belong together, and an arm may fold
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(base), world))
-        manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes([self._instance.tip_body]), GeometrySet(shape_id)))
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(shape_id), world))
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(arm_bodies)))
         self._diagram = builder.Build()
@@ -72,14 +73,19 @@ class ClearanceModel:
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
 
-    def least(self, postures: Array, object_poses: Sequence[Pose2]) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, and between what, over postures (k, n) and object poses X_WG (k)."""
+    def least(self, postures: Array, object_poses: Sequence[Pose2], *, touching: bool) -> tuple[float, str]:
+        """Return the least distance [m], at most 0.08, and between what, over postures (k, n) and object poses X_WG (k).
+
+        ``touching``: the tip touches the object on purpose, so that these two do not count.
+        """
         least, pair = LOOK, "nothing within reach"
         for q, pose in zip(postures, object_poses, strict=True):
             self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
             self._plant.SetFreeBodyPose(self._plant_context, self._object, rigid_transform(pose, self._height))
             query = self._query.Eval(self._plant_context)
             for found in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
+                if touching and {found.id_A, found.id_B} & self._tip and self._object_shape in (found.id_A, found.id_B):
+                    continue
                 if found.distance < least:
                     least = found.distance
                     pair = " and ".join(

@@ -184,7 +184,7 @@ def run(
         "models": models,
         "start_tips": start_tips,
     }
-    followed = state.binding.plan.path if state is not None else None
+    followed = state.reference.path if state is not None and state.reference is not None else None
     return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta, followed)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -45,6 +47,9 @@ class FrameRenderer:
         models: str = "generated",
     ) -> None:
         """Set the scene up; raises SimulationError where this machine cannot render."""
+        problem = egl_problem()
+        if problem:
+            raise _cannot_render(problem)
         self.playback = Playback(task, plan, record, models)
         graph = self.playback.scene.scene_graph
         parameters = RenderEngineVtkParams(
@@ -59,7 +64,7 @@ class FrameRenderer:
         try:
             graph.AddRenderer(RENDERER, MakeRenderEngineVtk(parameters))
         except RuntimeError as error:
-            raise _cannot_render(error) from error
+            raise _cannot_render(str(error)) from error
         self._diagram = self.playback.scene.builder.Build()
         self._context = self._diagram.CreateDefaultContext()
         info = CameraInfo(width, height, FIELD)
@@ -76,7 +81,7 @@ class FrameRenderer:
         try:
             seen = query.RenderColorImage(self._camera, self._graph.world_frame_id(), self._X_WC)
         except RuntimeError as error:
-            raise _cannot_render(error) from error
+            raise _cannot_render(str(error)) from error
         return np.array(seen.data[:, :, :3], dtype=np.uint8)
 
 
@@ -144,10 +149,34 @@ def look_at(view: View) -> RigidTransform:
     return RigidTransform(RotationMatrix(np.column_stack([x, np.cross(z, x), z])), view.position)
 
 
-def _cannot_render(error: Exception) -> SimulationError:
-    reason = " ".join(str(error).split())[:160]
+def egl_problem() -> str | None:
+    """Return why EGL has no device to render on; None if it has one, or on a system that does without EGL.
+
+    Asked beforehand, because the renderer ends the process where it finds none.
+    """
+    if sys.platform != "linux":
+        return None
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+    except OSError:
+        return "libEGL.so.1 is missing"
+    egl.eglGetProcAddress.restype = ctypes.c_void_p
+    address = egl.eglGetProcAddress(b"eglQueryDevicesEXT")
+    if not address:
+        return "EGL cannot list its devices"
+    query = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int))(
+        address
+    )
+    count = ctypes.c_int(0)
+    if not query(0, None, ctypes.byref(count)) or count.value < 1:
+        return "EGL has no device"
+    return None
+
+
+def _cannot_render(problem: str) -> SimulationError:
+    reason = " ".join(problem.split())[:160]
     return SimulationError(
-        f"this machine cannot render pictures ({reason}); on Debian, libegl1 and libgl1 are needed"
+        f"this machine cannot render pictures ({reason}); on Debian, install libegl1"
     )
 
 

@@ -79,10 +79,11 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         if not candidates and least == -math.inf:
             problem = why or problem
         for candidate in candidates[:ENOUGH]:
-            clear, pair = model.least(candidate.move.q, poses)
+            clear, pair = model.least(candidate.move.q, poses, touching=True)
             if clear >= CLEARANCE or force:
                 for times, approach in _approaches(plan, kin, candidate, positions[0], yaws[0], contact.height, normal):
-                    way_clear, way_pair = model.least(approach[::3], [poses[0]] * len(approach[::3]))
+                    way = approach[::3]
+                    way_clear, way_pair = model.least(way, [poses[0]] * len(way), touching=False)
                     if way_clear >= CLEARANCE or force:
                         move = candidate.move
                         path = JointPath(

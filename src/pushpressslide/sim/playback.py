@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,15 +46,15 @@ ASPECT, FILL = 4.0 / 3.0, 0.85  # width over height of a picture; share of it th
 class View:
     """Where a camera stands and what it looks at, in the world [m]."""
 
-    position: Array  # (3,)
-    target: Array  # (3,)
+    position: Any  # (3,); pydrake's stubs refuse every typed ndarray
+    target: Any  # (3,)
 
 
 class Playback:
     """The scene of a run, with goal and planned path drawn in, that can be put at any recorded tick."""
 
     def __init__(self, task: Task, plan: Plan, record: Record, models: str = "generated") -> None:
-        """Build the scene; raises SimulationError for a record without joint positions (of the planar engine)."""
+        """Build the scene; raises SimulationError for a record without joint positions."""
         for i in range(len(task.robots)):
             if f"joint_position_{i}" not in record.arrays:
                 raise SimulationError(
@@ -114,7 +115,7 @@ class Playback:
 
 
 def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
-    """Return where a camera of vertical ``field`` [rad] sees all that matters: in front, on the tips' side."""
+    """Return where a camera of vertical ``field`` [rad] sees all: in front, on the tips' side."""
     pose = record.arrays["object_pose"]
     height = task.object.shape.height
     sides = (-0.5 * height, 0.5 * height)

@@ -6,6 +6,7 @@ import logging
 import math
 from html import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +91,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
 
 
 def _quiet_meshcat() -> Meshcat:
-    """A server comes with every Meshcat: it listens on this machine only, and nobody need know its address."""
+    """A server comes with every Meshcat: it listens on this machine only, nobody need know its address."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)
@@ -175,12 +176,12 @@ class _Marks:
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         if not (visible or at_end):
             return
-        axis = drawn / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+        axis: Any = drawn / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
         length = self.scale * size
         # a push is drawn above the object, where neither it nor the tip hides it; a press ends where it acts
         if pushing:
             radius = self._playback.task.robots[contact.arm].tip_radius
-            tail = np.array([tip[0], tip[1], self._height + 0.012]) + radius * axis
+            tail: Any = np.array([tip[0], tip[1], self._height + 0.012]) + radius * axis
         else:
             tail = tip - length * axis
         shaft = max(length - HEAD, 0.2 * length, 1e-4)

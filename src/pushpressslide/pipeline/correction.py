@@ -1,0 +1,56 @@
+"""Re-planning on the way: a Dubins path from where the object really is costs microseconds, so that errors need not be chased."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.modes.base import Guidance, Mode
+
+SLID = 2.5e-3  # [m] of a contact along its face
+OFF_PATH = 2e-3  # [m] of the tracking point from the path
+OFF_HEADING = 0.035  # [rad] of the heading from the path's; 2 degrees
+ROOM = 0.02  # [m] of path that must be left
+PAUSE = 0.4  # [s] between two re-plans
+DETOUR = 1.1  # times the way that is left: a longer plan has turned a loop and is not taken
+SLACK = 0.005  # [m] on top of that
+
+
+def contacts_on_faces(plan: Plan, touched: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return the touched points [m] in B moved onto the lines of their faces: a tip's measured depth is not a slide."""
+    out = []
+    for p, c in zip(touched, plan.choice.contacts, strict=True):
+        across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[1]
+        out.append((c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0]))
+    return tuple(out)
+
+
+def slide(plan: Plan, touched: tuple[Point, ...]) -> float:
+    """Return how far the farthest contact has slid along its face from where the plan has it [m]."""
+    points = contacts_on_faces(plan, touched)
+    return max(math.dist(p, c.point) for p, c in zip(points, plan.choice.contacts, strict=True))
+
+
+def corrected(
+    mode: Mode, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], guidance: Guidance, left: float, since_last: float
+) -> tuple[Plan, float, float] | None:
+    """Return a better plan from here, with the progress [m] and the clock [s] to start it at speed; None if all is well.
+
+    Made when a contact has slid or the tracking point is off the path, ``left`` [m] before the end, unless that would take
+    a detour.
+    """
+    _, across, heading = guidance.error
+    off = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING or slide(plan, touched) > SLID
+    if not off or left < ROOM or since_last < PAUSE:
+        return None
+    fresh = mode.replan(plan, X_WB, contacts_on_faces(plan, touched), DETOUR * left + SLACK)
+    if fresh is None:
+        return None
+    # at speed: the new path begins with the way on which its profile would have reached it
+    v, a = plan.profile.speed, plan.profile.acceleration
+    ramp = 0.5 * v * v / a
+    path = ArcPath(advance(fresh.path.start, 0.0, -ramp), ((0.0, ramp), *fresh.path.pieces))
+    return replace(fresh, path=path, profile=SpeedProfile(path.length, v, a)), ramp, v / a

@@ -1,0 +1,116 @@
+"""A run on disk comes back as it was, or not at all."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from pushpressslide.core import whole_file
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Choice
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report.files import load_run, record_from_bytes, record_to_bytes, save_run
+from pushpressslide.report.metrics import result
+from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict, write_plan
+
+REFUSED = Choice("press_slide", False, "needs 60 N, limits.normal_force is 40 N")
+
+
+def save(run, folder):
+    choices = (run.plan.choice, REFUSED)
+    save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
+    return folder
+
+
+def same_record(a, b):
+    assert set(a.arrays) == set(b.arrays)
+    for name, values in a.arrays.items():
+        np.testing.assert_array_equal(values, b.arrays[name], err_msg=name)
+    for field in ("reason", "reason_text", "engine", "seed", "wall_time", "modes", "meta"):
+        assert getattr(a, field) == getattr(b, field), field
+
+
+def test_a_record_survives_its_file(arm_run):
+    force = arm_run.record.arrays["measured_force"].copy()
+    force[3] = np.nan
+    record = arm_run.with_arrays(measured_force=force).record
+    same_record(record, record_from_bytes(record_to_bytes(record)))
+
+
+def test_the_same_record_gives_the_same_bytes(run):
+    assert record_to_bytes(run.record) == record_to_bytes(run.record)
+
+
+def test_a_plan_survives_its_file(run):
+    data = json.loads(json.dumps(plan_to_dict(run.plan, (run.plan.choice, REFUSED)), allow_nan=False))
+    plan = plan_from_dict(data, run.task)
+    assert plan == run.plan
+    assert choices_from_dict(data) == (run.plan.choice, REFUSED)
+
+
+def test_a_saved_run_gives_the_same_figures_again(run, tmp_path):
+    back = load_run(save(run, tmp_path / "run"))
+    same_record(run.record, back.record)
+    assert back.plan.path == run.plan.path
+    assert back.choices[1] == REFUSED
+    assert result(back.task, back.plan, back.record, {}) == result(run.task, run.plan, run.record, {})
+    assert back.result == json.loads(json.dumps(result(run.task, run.plan, run.record)))
+
+
+@pytest.mark.parametrize("name", ["task.yaml", "plan.json", "record.npz", "result.json"])
+def test_a_folder_that_lacks_a_file_is_refused_with_the_files_name(run, tmp_path, name):
+    folder = save(run, tmp_path / "run")
+    (folder / name).unlink()
+    with pytest.raises(PushPressSlideError, match=name):
+        load_run(folder)
+
+
+@pytest.mark.parametrize("name", ["plan.json", "record.npz", "result.json"])
+def test_a_damaged_file_is_refused_with_the_files_name(run, tmp_path, name):
+    folder = save(run, tmp_path / "run")
+    data = (folder / name).read_bytes()
+    (folder / name).write_bytes(data[: len(data) // 2])
+    with pytest.raises(PushPressSlideError, match=name):
+        load_run(folder)
+
+
+def test_a_folder_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(PushPressSlideError, match="no such folder"):
+        load_run(tmp_path / "nowhere")
+
+
+def test_a_run_that_was_cut_off_while_saving_never_looks_whole(run, tmp_path, monkeypatch):
+    folder = save(run, tmp_path / "run")
+    replaced = []
+
+    def stop_at_the_record(source, target):
+        if str(target).endswith("record.npz"):
+            raise OSError("disk full")
+        replaced.append(target)
+        return replace(source, target)
+
+    replace = os.replace
+    monkeypatch.setattr(whole_file.os, "replace", stop_at_the_record)
+    with pytest.raises(OSError, match="disk full"):
+        save(run, folder)
+    assert replaced
+    assert not (folder / "result.json").exists()
+    assert not list(folder.glob(".*.part"))
+    with pytest.raises(PushPressSlideError, match=r"result\.json"):
+        load_run(folder)
+
+
+def test_a_failed_write_leaves_the_old_file_alone(tmp_path, monkeypatch):
+    path = write_whole(tmp_path / "a" / "file.txt", "old")
+    monkeypatch.setattr(whole_file.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("no")))
+    with pytest.raises(OSError, match="no"):
+        write_whole(path, "new")
+    assert path.read_text() == "old"
+    assert [p.name for p in path.parent.iterdir()] == ["file.txt"]
+
+
+def test_write_plan_leaves_data_and_picture(run, tmp_path):
+    data, picture = write_plan(run.plan, tmp_path, (run.plan.choice, REFUSED))
+    assert json.loads(data.read_text())["choices"][1]["reason"] == REFUSED.reason
+    assert picture.read_bytes().startswith(b"\x89PNG")

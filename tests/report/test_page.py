@@ -1,0 +1,114 @@
+"""The report page holds the numbers, needs nothing from elsewhere, and is made from the files alone."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Choice
+from pushpressslide.planar.replay import write_replay
+from pushpressslide.report.files import save_run
+from pushpressslide.report.metrics import result
+from pushpressslide.report.page import write_report
+from pushpressslide.report.plots import comparison_plot, figures
+from pushpressslide.report.style import png
+
+REFUSED = Choice("press_slide", False, "needs 60 N & more, limits.normal_force is <40> N")
+
+
+def save(run, folder):
+    choices = (run.plan.choice, REFUSED)
+    save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
+    return folder
+
+
+def off(run, dy):
+    return run.with_arrays(object_pose=run.record.arrays["object_pose"] + (0.0, dy, 0.0))
+
+
+def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
+    folder = save(off(run, 0.0123), tmp_path / "run")
+    write_replay(run.task, run.plan, run.record, folder / "replay.html")
+    page = write_report([folder])
+    text = page.read_text()
+    assert page == folder / "report.html"
+    assert "12.30 mm" in text
+    assert "Goal missed" in text
+    assert "10.00 mm" in text
+    assert "needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in text
+    assert 'href="replay.html"' in text
+
+
+def test_the_page_loads_nothing_from_elsewhere(run, tmp_path):
+    text = write_report([save(run, tmp_path / "run")]).read_text()
+    assert not re.search(r"https?://", text)
+    assert all(source.startswith("data:image/png;base64,") for source in re.findall(r'src="([^"]*)"', text))
+
+
+def test_several_runs_are_compared_first(run, tmp_path):
+    runs = [save(run, tmp_path / "with"), save(off(run, 0.002), tmp_path / "without")]
+    page = write_report(runs)
+    text = page.read_text()
+    assert page == tmp_path / "report.html"
+    assert text.index("Side by side") < text.index(">with</h2>") < text.index(">without</h2>")
+    assert 'href="with/result.json"' in text
+
+
+def test_the_page_can_be_written_anywhere(run, tmp_path):
+    page = write_report([save(run, tmp_path / "run")], tmp_path / "pages" / "one.html")
+    assert 'href="../run/result.json"' in page.read_text()
+
+
+def test_a_report_of_nothing_is_refused(tmp_path):
+    with pytest.raises(PushPressSlideError, match="no folder"):
+        write_report([])
+    with pytest.raises(PushPressSlideError, match=r"result\.json"):
+        write_report([tmp_path])
+
+
+def test_every_figure_is_made_where_the_record_has_the_data(run, arm_run):
+    common = ["path", "errors", "tracking", "forces"]
+    assert list(figures(run.task, run.plan, run.record)) == [*common, "speeds"]
+    assert list(figures(arm_run.task, arm_run.plan, arm_run.record)) == [*common, "torques", "speeds"]
+
+
+def test_two_arms_and_presses_have_their_own_panels(run):
+    first = run.plan.choice.contacts[0]
+    press = replace(first, arm=1, kind="top", point=(0.02, 0.0), normal=(0.0, 0.0), height=0.08)
+    arrays = run.record.arrays
+    doubled = {
+        n: np.concatenate([arrays[n], arrays[n]], axis=1)
+        for n in ("command_force", "measured_force", "tip_position", "tip_reference")
+    }
+    made = run.with_arrays(**doubled)
+    task = replace(run.task, robots=run.task.robots * 2)
+    plan = replace(run.plan, task=task, choice=replace(run.plan.choice, contacts=(first, press)))
+    drawn = figures(task, plan, made.record)
+    assert len(drawn["forces"].axes) == 4
+    assert result(task, plan, made.record)["success"]
+
+
+def test_the_same_figure_gives_the_same_bytes(run):
+    made = [png(comparison_plot([("a", run.record, run.task, run.plan)])) for _ in range(2)]
+    assert made[0] == made[1]
+
+
+def test_a_run_cut_short_still_has_a_page(run, tmp_path):
+    arrays = {
+        name: values if name.startswith("plan_") else values[:1] for name, values in run.record.arrays.items()
+    }
+    short = replace(
+        run, record=replace(run.record, arrays=arrays, reason="interrupted", reason_text="stopped")
+    )
+    assert "interrupted" in write_report([save(short, tmp_path / "run")]).read_text()
+
+
+def test_the_planar_replay_is_one_page_with_all_frames(run, tmp_path):
+    page = write_replay(run.task, run.plan, run.record, tmp_path / "replay.html")
+    text = page.read_text()
+    assert "@DATA@" not in text
+    assert "NaN" not in text
+    assert not re.search(r"https?://", text)
+    assert run.task.name in text

@@ -1,0 +1,126 @@
+"""Replay and frames show the recorded run, offline."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, Prism
+from pushpressslide.sim import frames
+from pushpressslide.sim.frames import look_at, render_frames, write_video
+from pushpressslide.sim.playback import Playback, fit_view, ribbon
+from pushpressslide.sim.replay import write_replay
+
+PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
+
+
+def with_shape(run, shape):
+    post = Obstacle("post", (0.1, 0.1, 0.2), Pose2(0.3, 0.3, 0.3), movable=True)
+    task = replace(run.task, object=ObjectModel(shape, 1.0, (0.0, 0.0)), obstacles=(post,))
+    return replace(run, task=task, plan=replace(run.plan, task=task))
+
+
+def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp_path):
+    page = write_replay(arm_run.task, arm_run.plan, arm_run.record, tmp_path / "replay.html")
+    text = page.read_text()
+    assert 1e6 < len(text) < 6e6
+    assert "by-hand: rear_push, goal reached" in text
+    assert "localhost" not in text.split("</script>")[-1]
+    assert "<script src=" not in text
+    assert [p.name for p in tmp_path.iterdir()] == ["replay.html"]
+
+
+@pytest.mark.parametrize("shape", [PRISM, Cylinder(0.06, 0.07)], ids=["prism", "cylinder"])
+def test_every_shape_can_be_replayed(arm_run, tmp_path, shape):
+    made = with_shape(arm_run, shape)
+    assert write_replay(made.task, made.plan, made.record, tmp_path / "replay.html").is_file()
+
+
+def test_playback_puts_everything_where_it_was(arm_run):
+    made = with_shape(arm_run, PRISM)
+    playback = Playback(made.task, made.plan, made.record)
+    diagram = playback.scene.builder.Build()
+    context = diagram.CreateDefaultContext()
+    tick = 300
+    playback.set(context, tick)
+    plant = playback.scene.plant
+    inner = plant.GetMyContextFromRoot(context)
+    X = plant.EvalBodyPoseInWorld(inner, playback.scene.object)
+    assert X.translation()[:2] == pytest.approx(made.record.arrays["object_pose"][tick, :2])
+    q = plant.GetPositions(inner, playback.scene.robots[0].model_instance)
+    assert q == pytest.approx(made.record.arrays["joint_position_0"][tick])
+    post = plant.EvalBodyPoseInWorld(inner, playback.scene.bodies["post"])
+    assert post.translation() == pytest.approx([0.3, 0.3, 0.1])
+
+
+def test_a_planar_record_with_an_arm_is_refused_in_one_line(arm_run, tmp_path):
+    arrays = {k: v for k, v in arm_run.record.arrays.items() if not k.startswith("joint_")}
+    record = replace(arm_run.record, arrays=arrays, engine="planar")
+    with pytest.raises(SimulationError, match="no joint_position_0") as caught:
+        write_replay(arm_run.task, arm_run.plan, record, tmp_path / "replay.html")
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_camera_holds_every_point_in_its_picture():
+    points = np.random.default_rng(3).uniform(-0.5, 0.7, (50, 3))
+    field = 0.7
+    view = fit_view(points, np.array([0.6, -0.8, 0.6]), field)
+    seen = (look_at(view).inverse() @ points.T).T
+    assert np.all(seen[:, 2] > 0.0)
+    assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * field)
+    assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * field) * 4.0 / 3.0
+    assert np.abs(seen[:, :2] / seen[:, 2:]).max() > 0.6 * np.tan(0.5 * field)
+
+
+def test_a_ribbon_has_the_width_that_was_asked_for():
+    text = (
+        ribbon(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 0.01).source().in_memory().mesh_file.contents()
+    )
+    rows = [line.split()[1:] for line in text.decode().splitlines() if line.startswith("v ")]
+    y = np.array(rows, dtype=float)[:, 1]
+    assert sorted(set(y)) == pytest.approx([-0.005, 0.005])
+
+
+def test_frames_show_the_object_move(arm_run, tmp_path):
+    try:
+        paths = render_frames(
+            arm_run.task, arm_run.plan, arm_run.record, (0.0, 4.0), tmp_path, width=160, height=120
+        )
+    except SimulationError as error:
+        pytest.skip(str(error))
+    from PIL import Image
+
+    first, last = (np.asarray(Image.open(path), dtype=float) for path in paths)
+    assert first.shape == (120, 160, 3)
+    assert np.abs(first - last).max() > 50.0
+
+
+def test_a_machine_that_cannot_render_says_so_in_one_line(arm_run, tmp_path, monkeypatch):
+    monkeypatch.setattr(frames, "egl_problem", lambda: "libEGL.so.1 is missing")
+    with pytest.raises(
+        SimulationError, match=r"cannot render pictures \(libEGL\.so\.1 is missing\)"
+    ) as caught:
+        render_frames(arm_run.task, arm_run.plan, arm_run.record, (0.0,), tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_video_of_an_unknown_kind_is_refused(arm_run, tmp_path):
+    with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
+        write_video(arm_run.task, arm_run.plan, arm_run.record, tmp_path / "run.mp4")
+
+
+def test_a_video_is_written_whole(arm_run, tmp_path):
+    out = tmp_path / "run.webp"
+    try:
+        write_video(
+            arm_run.task, arm_run.plan, arm_run.record, out, frames_per_second=2.0, width=80, height=60
+        )
+    except SimulationError as error:
+        pytest.skip(str(error))
+    from PIL import Image
+
+    assert Image.open(out).n_frames == 9
+    assert [p.name for p in tmp_path.iterdir()] == ["run.webp"]
