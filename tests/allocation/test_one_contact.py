@@ -41,7 +41,9 @@ def test_any_wrench_gets_a_force_inside_the_cone_and_an_honest_residual(angle, o
     assert all(abs(w - r - e) < 1e-12 for w, r, e in zip(wrench, realised, out.residual, strict=True))
 
 
-@given(angles, st.floats(-0.05, 0.05), frictions, st.tuples(*[st.floats(-1.0, 1.0)] * 2), st.floats(-0.05, 0.05))
+@given(
+    angles, st.floats(-0.05, 0.05), frictions, st.tuples(*[st.floats(-1.0, 1.0)] * 2), st.floats(-0.05, 0.05)
+)
 def test_no_force_of_the_cone_is_nearer(angle, offset, mu, force, tau):
     point, n = contact(angle, offset)
     rho = 0.05
@@ -56,7 +58,9 @@ def test_no_force_of_the_cone_is_nearer(angle, offset, mu, force, tau):
         ]
 
     out = one_contact_allocator(point, n, mu, rho)(*force, tau)
-    best = minimize(lambda k: cost(of_edges(k)), [0.3, 0.3], bounds=[(0, None)] * 2, method="L-BFGS-B", tol=1e-14)
+    best = minimize(
+        lambda k: cost(of_edges(k)), [0.3, 0.3], bounds=[(0, None)] * 2, method="L-BFGS-B", tol=1e-14
+    )
     assert cost(out.forces[0]) <= best.fun + 1e-7
 
 

@@ -112,3 +112,7 @@ def test_the_planar_replay_is_one_page_with_all_frames(run, tmp_path):
     assert "NaN" not in text
     assert not re.search(r"https?://", text)
     assert run.task.name in text
+
+
+def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
+    assert write_replay(run.task, run.plan, run.record, tmp_path) == tmp_path / "replay.html"

@@ -64,7 +64,8 @@ def test_feed_forward_removes_the_offset_on_a_curve():
     with_it = drive(law(), circle, Pose2(), 1.2)
     without = drive(law(feed_forward=False), circle, Pose2(), 1.2)
     assert abs(with_it[-1][0]) < 1e-5
-    # without it the axle runs outside, on a wider circle: |e| / (4 L) = L kappa', kappa' = kappa / (1 + kappa |e|)
+    # without it the axle runs outside, on a wider circle: |e| / (4 L) = L kappa', kappa' = kappa / (1 + kappa
+    # |e|)
     offset = without[-1][0]
     assert offset == pytest.approx(4.0 * WHEELBASE**2 * 4.0 / (1.0 + 4.0 * offset), rel=0.01)
 

@@ -1,4 +1,6 @@
-"""Allocation to one side contact: two force components for three wrench components (MECHANICS, sections 2, 3 and 8)."""
+"""Allocation to one side contact: two force components for three wrench components (MECHANICS, sections 2, 3
+and 8).
+"""
 
 from __future__ import annotations
 
@@ -11,18 +13,20 @@ Allocator = Callable[[float, float, float], Allocation]
 
 
 def one_contact_allocator(point: Point, normal: Point, friction: float, rho: float) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] with unit inward ``normal``, both in B.
+    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] with unit inward ``normal``, both
+    in B.
 
-    The wrench is about B's origin, the CoM, in B. One contact gives only wrenches with tau = point x f and f in the cone
-    of ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2), in which the error of the
-    object's twist is least for an ellipsoid of ``rho`` [m]. Status "ok" if nothing had to be changed (to 1e-9 of the wrench),
-    "projected" else, "infeasible" if even the best force is zero.
+    The wrench is about B's origin, the CoM, in B. One contact gives only wrenches with tau = point x f and f
+    in the cone of ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2), in
+    which the error of the object's twist is least for an ellipsoid of ``rho`` [m]. Status "ok" if nothing had
+    to be changed (to 1e-9 of the wrench), "projected" else, "infeasible" if even the best force is zero.
     """
     px, py = point
     nx, ny = normal
     tx, ty = turned_left(normal)
     inv_rho2 = 1.0 / (rho * rho)
-    # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f = F + a tau / rho^2, a = (-py, px)
+    # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f = F + a tau / rho^2,
+    # a = (-py, px)
     ax, ay = -py, px
     denominator = 1.0 / (1.0 + (ax * ax + ay * ay) * inv_rho2)
     edges = ((nx + friction * tx, ny + friction * ty), (nx - friction * tx, ny - friction * ty))

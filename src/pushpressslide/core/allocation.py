@@ -1,4 +1,6 @@
-"""The answer of an allocator: contact forces, how far inside their cones, and a status; never an exception."""
+"""The answer of an allocator: contact forces, how far inside their cones, and a status; never an
+exception.
+"""
 
 from __future__ import annotations
 
@@ -17,5 +19,6 @@ class Allocation:
     forces: tuple[Point, ...]  # [N] of each contact ON the object, in B
     normals: tuple[float, ...]  # [N] normal magnitude of each contact, >= 0
     margin: float  # [N] least distance of a force to its cone (mu f_n - |f_t|); negative: outside
-    status: AllocationStatus  # "projected": the nearest wrench that the contacts can give was realised instead
+    # "projected": the nearest wrench that the contacts can give was realised instead
+    status: AllocationStatus
     residual: tuple[float, float, float] = (0.0, 0.0, 0.0)  # wanted minus realised: fx, fy [N], tau [N m]

@@ -14,7 +14,9 @@ PHASES: tuple[Phase, ...] = ("approach", "touch", "move", "release", "done")
 
 @dataclass(frozen=True, slots=True)
 class TipState:
-    """One arm's tip: position [m] and velocity [m/s] of its centre in the world; force [N] of the tip ON the object."""
+    """One arm's tip: position [m] and velocity [m/s] of its centre in the world; force [N] of the tip ON the
+    object.
+    """
 
     position: Vector3
     velocity: Vector3
@@ -34,8 +36,8 @@ class Measurement:
 class TipCommand:
     """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
 
-    Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last two per
-    axis of the contact frame (n: horizontal at ``normal_yaw``; t: left of n; z: up).
+    Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last
+    two per axis of the contact frame (n: horizontal at ``normal_yaw``; t: left of n; z: up).
     """
 
     force: Vector3  # [N] world, feed-forward, ON the object

@@ -1,4 +1,6 @@
-"""A path of circular arcs and straight lines, and a trapezoidal speed along it; both closed form, in plain floats."""
+"""A path of circular arcs and straight lines, and a trapezoidal speed along it; both closed form, in plain
+floats.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from pushpressslide.core.pose import Point, Pose2
 
 
 def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
-    """Return the pose reached from ``pose`` after ``length`` [m] along its heading at constant ``curvature`` [1/m]."""
+    """Return the pose reached from ``pose`` after ``length`` [m] along its heading at constant ``curvature``
+    [1/m].
+    """
     half = 0.5 * curvature * length
     chord = length * (math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0)
     direction = pose.yaw + half
@@ -25,8 +29,8 @@ def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
 class ArcPath:
     """A forward path of a car-like point: the start pose, then (curvature [1/m], length [m] >= 0) pieces.
 
-    Poses are those of the vehicle frame V in the world: origin at the tracking point, x along the heading. The yaw
-    along the path is continuous, not wrapped.
+    Poses are those of the vehicle frame V in the world: origin at the tracking point, x along the heading.
+    The yaw along the path is continuous, not wrapped.
     """
 
     start: Pose2
@@ -59,7 +63,9 @@ class ArcPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s``; outside [0, length] the first or last piece's tangent goes on straight."""
+        """Return the pose at arc length ``s``; outside [0, length] the first or last piece's tangent goes on
+        straight.
+        """
         if s < 0.0 or not self.pieces:
             return advance(self.start, 0.0, s)
         if s > self.length:
@@ -74,7 +80,8 @@ class ArcPath:
         return self.pieces[self._piece(s)][0]
 
     def project(self, point: Point, s_guess: float, window: float = 0.05) -> float:
-        """Return the arc length, within ``window`` [m] of ``s_guess``, of the path's nearest point to ``point``.
+        """Return the arc length, within ``window`` [m] of ``s_guess``, of the path's nearest point to
+        ``point``.
 
         Newton steps on the tangential error, each bounded by the window; the result may run past the end.
         """
@@ -94,7 +101,9 @@ class ArcPath:
 
 @dataclass(frozen=True, slots=True)
 class SpeedProfile:
-    """Trapezoidal motion from rest to rest over ``length`` [m]: cruise ``speed`` [m/s], ramps of ``acceleration`` [m/s^2]."""
+    """Trapezoidal motion from rest to rest over ``length`` [m]: cruise ``speed`` [m/s], ramps of
+    ``acceleration`` [m/s^2].
+    """
 
     length: float
     speed: float

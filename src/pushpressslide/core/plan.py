@@ -59,7 +59,9 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class JointPath:
-    """Joint positions of one arm, as samples: on the way to the object by time, along the path by arc length."""
+    """Joint positions of one arm, as samples: on the way to the object by time, along the path by arc
+    length.
+    """
 
     approach_time: NDArray[np.float64]  # (m,) [s]
     approach: NDArray[np.float64]  # (m, n) [rad]

@@ -149,7 +149,8 @@ class Motion:
     force_gain: float | None = None  # on the feed-forward force; None: 1 with the servo, 1.05 without
     contact_height: float | None = None  # [m] above the support; None: chosen by the mode
     approach_distance: float = 0.05  # [m] free way before the touch
-    joint_tracking: bool = False  # add the joint impedance about the planned joint path, felt at the tip (paper, sec. IV-A)
+    # add the joint impedance about the planned joint path, felt at the tip (paper, sec. IV-A)
+    joint_tracking: bool = False
     velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
     curvature_margin: float = 0.55  # share of the friction-limited curvature that the path may use, in (0, 1]
     run_in: float = 0.10  # [m] straight end of the path

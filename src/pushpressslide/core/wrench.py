@@ -27,7 +27,9 @@ class Wrench:
 
 @dataclass(frozen=True, slots=True)
 class Twist:
-    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s], in one planar frame."""
+    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s], in one planar
+    frame.
+    """
 
     vx: float
     vy: float

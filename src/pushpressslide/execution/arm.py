@@ -1,4 +1,6 @@
-"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27, for any arm given as arrays."""
+"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27, for any arm given as
+arrays.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from pushpressslide.execution.torque import joint_torque, limited, task_torque
 Array = NDArray[np.float64]
 
 ROTATION_STIFFNESS, ROTATION_DAMPING = 60.0, 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
-POSTURE_STIFFNESS, POSTURE_DAMPING = 20.0, 8.0  # [N m/rad], [N m s/rad] of the joints, felt in the null space only
+# [N m/rad], [N m s/rad] of the joints, felt in the null space only
+POSTURE_STIFFNESS, POSTURE_DAMPING = 20.0, 8.0
 JOINT_DAMPING = 0.5  # [N m s/rad] with the joint-tracking term
 FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 
@@ -52,12 +55,16 @@ class ArmExecutor:
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self.effort, self.rate, self.dt)
 
-    def contact(self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None) -> tuple[Array, float]:
+    def contact(
+        self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None
+    ) -> tuple[Array, float]:
         """Return torque (n,) and the share of the effort limit asked for, executing a tip command."""
         force = np.array(tip_force(command, arm.position, arm.velocity))
         R_wanted = self.rotation(command.tool_yaw + self.yaw_offset)
         w_wanted = np.array([0.0, 0.0, command.tool_yaw_rate])
-        moment = tip_moment(R_wanted, arm.rotation, w_wanted, arm.angular_velocity, ROTATION_STIFFNESS, ROTATION_DAMPING)
+        moment = tip_moment(
+            R_wanted, arm.rotation, w_wanted, arm.angular_velocity, ROTATION_STIFFNESS, ROTATION_DAMPING
+        )
         error = q_ref - arm.q
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)

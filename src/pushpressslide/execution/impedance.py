@@ -16,8 +16,8 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     """Return the force [N], world axes, that the tip is to exert on what it touches.
 
     Feed-forward plus stiffness and damping about the moving reference along n, t, z of the contact frame. The
-    feed-forward is inside the friction cone already; the horizontal impedance part may leave it, since it also
-    accelerates the arm's own inertia, but is held below ``command.servo_cap``.
+    feed-forward is inside the friction cone already; the horizontal impedance part may leave it, since it
+    also accelerates the arm's own inertia, but is held below ``command.servo_cap``.
     """
     c, s = math.cos(command.normal_yaw), math.sin(command.normal_yaw)
     dx, dy = command.position[0] - position[0], command.position[1] - position[1]
@@ -38,12 +38,18 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Array:
-    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into ``R_wanted`` (3, 3); exact to 90 degrees."""
+    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into ``R_wanted`` (3, 3); exact to
+    90 degrees.
+    """
     return 0.5 * (
-        np.cross(R[:, 0], R_wanted[:, 0]) + np.cross(R[:, 1], R_wanted[:, 1]) + np.cross(R[:, 2], R_wanted[:, 2])
+        np.cross(R[:, 0], R_wanted[:, 0])
+        + np.cross(R[:, 1], R_wanted[:, 1])
+        + np.cross(R[:, 2], R_wanted[:, 2])
     )
 
 
-def tip_moment(R_wanted: Array, R: Array, w_wanted: Array, w: Array, stiffness: float, damping: float) -> Array:
+def tip_moment(
+    R_wanted: Array, R: Array, w_wanted: Array, w: Array, stiffness: float, damping: float
+) -> Array:
     """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and damper [N m s/rad]."""
     return stiffness * rotation_error(R_wanted, R) + damping * (w_wanted - w)

@@ -17,8 +17,8 @@ class NormalForceState:
 class NormalForceRegulator:
     """PI with a ramped command, a clamp, conditional integration, and a reset when contact is lost.
 
-    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated before
-    the output.
+    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated
+    before the output.
     """
 
     k_p: float = 0.3

@@ -1,4 +1,6 @@
-"""Joint torque from what the tip is to do (paper eq. 27), and the limits of a real arm (MECHANICS, section 11)."""
+"""Joint torque from what the tip is to do (paper eq. 27), and the limits of a real arm (MECHANICS, section
+11).
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,9 @@ Array = NDArray[np.float64]
 def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Array) -> Array:
     """Return tau (n,) = J^T [moment; force] + null-space part of ``posture`` + ``bias``.
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m] of a joint-space spring and damper,
-    projected so that it makes no force at the tip; ``bias`` (n,) [N m] gravity and Coriolis compensation.
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m] of a joint-space
+    spring and damper, projected so that it makes no force at the tip; ``bias`` (n,) [N m] gravity and
+    Coriolis compensation.
     """
     n = J.shape[1]
     tau = J.T @ np.concatenate([moment, force]) + bias
@@ -25,12 +28,16 @@ def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Arr
 
 
 def joint_torque(M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float) -> Array:
-    """Return the computed torque (n,) that tracks a joint reference in free space, critically damped at ``rate`` [1/s]."""
+    """Return the computed torque (n,) that tracks a joint reference in free space, critically damped at
+    ``rate`` [1/s].
+    """
     return M @ (rate * rate * (q_ref - q) + 2.0 * rate * (v_ref - v)) + bias
 
 
 def limited(tau: Array, previous: Array | None, effort: Array, rate: Array, dt: float) -> tuple[Array, float]:
-    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits, and the largest share of an effort limit asked for."""
+    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits, and the largest share of an effort
+    limit asked for.
+    """
     share = float(np.max(np.abs(tau) / effort))
     out = np.clip(tau, -effort, effort)
     if previous is not None:

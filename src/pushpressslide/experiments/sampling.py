@@ -24,7 +24,9 @@ def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, f
 
 
 def random_shape(rng: np.random.Generator) -> Shape:
-    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size; two of three are boxes."""
+    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size; two of three are
+    boxes.
+    """
     kind = rng.choice(["box", "box", "box", "box", "triangle", "hexagon"])
     height = float(rng.uniform(0.08, 0.2))
     if kind == "box":
@@ -38,9 +40,9 @@ def random_shape(rng: np.random.Generator) -> Shape:
 def random_task(base: Task, index: int, seed: int) -> Task:
     """Return a new task for ``base``'s robots: other object, mass, frictions, start and goal.
 
-    Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip friction 0.4 to 1.0, goal ahead of
-    the start by 0.12 to 0.35 m, up to 25 degrees off its x axis, and turned by up to 50 degrees, start and goal within the
-    annulus ``REACH`` in front of the robot.
+    Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip friction 0.4 to 1.0,
+    goal ahead of the start by 0.12 to 0.35 m, up to 25 degrees off its x axis, and turned by up to 50
+    degrees, start and goal within the annulus ``REACH`` in front of the robot.
     """
     rng = np.random.default_rng([seed, index])
     shape = random_shape(rng)
@@ -80,9 +82,11 @@ def random_task(base: Task, index: int, seed: int) -> Task:
 
 
 def varied_task(base: Task, index: int, seed: int) -> Task:
-    """Return ``base`` with a truth that differs from what is believed: start, friction, mass, and measurement noise.
+    """Return ``base`` with a truth that differs from what is believed: start, friction, mass, and measurement
+    noise.
 
-    Start off by up to 15 mm and 8 degrees, frictions by 15 %, mass by 20 %, pose noise 0.5 mm and 0.2 degrees.
+    Start off by up to 15 mm and 8 degrees, frictions by 15 %, mass by 20 %, pose noise 0.5 mm and 0.2
+    degrees.
     """
     rng = np.random.default_rng([seed, index])
     believed = base.believed

@@ -16,14 +16,18 @@ class Face:
     """One side face; all in B, the frame at the projected centre of mass."""
 
     index: int  # of the footprint's edge, counter-clockwise; on a cylinder, of the direction
-    foot: Point  # [m] the face's point nearest to the line through the CoM along the normal, corners kept clear
+    # [m] the face's point nearest to the line through the CoM along the normal, corners kept clear
+    foot: Point
     normal: Point  # unit, inward
-    offset: float  # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face is wide enough
+    # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face is wide enough
+    offset: float
     depth: float  # [m] distance of the CoM from the face's line, > 0
 
 
 def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
-    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's middle)."""
+    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from the corners (or at a
+    short edge's middle).
+    """
     com = body.center_of_mass
     if isinstance(body.shape, Cylinder):
         out = []
@@ -33,7 +37,13 @@ def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
             point = (-body.shape.radius * normal[0] - com[0], -body.shape.radius * normal[1] - com[1])
             side = turned_left(normal)
             out.append(
-                Face(i, point, normal, point[0] * side[0] + point[1] * side[1], -(point[0] * normal[0] + point[1] * normal[1]))
+                Face(
+                    i,
+                    point,
+                    normal,
+                    point[0] * side[0] + point[1] * side[1],
+                    -(point[0] * normal[0] + point[1] * normal[1]),
+                )
             )
         return tuple(out)
     corners = [(x - com[0], y - com[1]) for x, y in body.shape.footprint]
@@ -49,6 +59,12 @@ def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
         foot = (a[0] + place * u[0], a[1] + place * u[1])
         side = turned_left(normal)
         out.append(
-            Face(i, foot, normal, foot[0] * side[0] + foot[1] * side[1], -(foot[0] * normal[0] + foot[1] * normal[1]))
+            Face(
+                i,
+                foot,
+                normal,
+                foot[0] * side[0] + foot[1] * side[1],
+                -(foot[0] * normal[0] + foot[1] * normal[1]),
+            )
         )
     return tuple(out)

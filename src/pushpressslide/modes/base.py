@@ -1,4 +1,6 @@
-"""What a contact mode is: its contacts, its reduced model, its tracking point, what it can do, and its closed-form laws."""
+"""What a contact mode is: its contacts, its reduced model, its tracking point, what it can do, and its
+closed-form laws.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,13 @@ class Guidance:
 class Tracker(Protocol):
     """A tracking law bound to a plan; its only state is the progress, which is handed in and out."""
 
-    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float) -> Guidance:
-        """Return what the object should do at pose ``X_WB`` when the path is to be followed at ``speed`` [m/s]."""
+    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+        """Return what the object should do at pose ``X_WB`` when the path is to be followed at ``speed``
+        [m/s].
+
+        ``grip`` in (0, 1] is the share of the mode's steering that may be used: the contacts are near
+        slipping below 1.
+        """
         ...
 
 
@@ -44,7 +51,9 @@ class Mode(Protocol):
     cop_steering: bool
 
     def choices(self, task: Task) -> list[Choice]:
-        """Return every placement of the contacts that was considered, best first, each judged feasible or not."""
+        """Return every placement of the contacts that was considered, best first, each judged feasible or
+        not.
+        """
         ...
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
@@ -62,5 +71,7 @@ class Mode(Protocol):
         ...
 
     def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
-        """Return the plan from where object and contacts (points in B [m]) really are; None if that takes more than ``longest`` [m]."""
+        """Return the plan from where object and contacts (points in B [m]) really are; None if that takes
+        more than ``longest`` [m].
+        """
         ...

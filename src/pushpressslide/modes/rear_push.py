@@ -62,13 +62,13 @@ class RearPushTracker:
     lever: float  # [m] from the contact to the CoP
     rho: float  # [m]
 
-    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float) -> Guidance:
+    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
         X_WV = X_WB.compose(self.X_BV)
         progress = path.project((X_WV.x, X_WV.y), progress)
         reference = path.pose(progress)
         error = self.law.errors(reference, X_WV)
-        delta, saturated = self.law.steering(error[1], error[2], path.curvature(progress))
+        delta, saturated = self.law.steering(error[1], error[2], path.curvature(progress), grip)
         ratio = self.lever * math.sin(delta) / self.rho
         force = self.level / math.sqrt(1.0 + ratio * ratio)
         direction = self.X_BV.yaw + delta

@@ -61,6 +61,7 @@ class ControllerState:
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
+    grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
     regulator: NormalForceState = NormalForceState()
     failure: tuple[ReasonCode, str] | None = None
 

@@ -43,6 +43,8 @@ RETREAT = 0.06  # [m] drawn back on release
 HEIGHT_STIFFNESS, HEIGHT_DAMPING = 800.0, 150.0  # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
 REGRASPS = 3
+GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
+GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
@@ -61,6 +63,7 @@ class Controller:
         self.X_BG = self.X_GB.inverse()
         self.touch_force = max(0.6, TOUCH_SHARE * plan.choice.parameters["push_force"])
         self.threshold = max(0.25, 4.0 * task.sensing.force_noise)
+        self.friction = task.believed.contact_friction
         motion = task.motion
         self.damping = motion.servo_damping if motion.velocity_servo else 0.0
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
@@ -119,19 +122,22 @@ class Controller:
         speed = min(max(speed, FLOOR_SPEED), 1.5 * profile.speed, braking)
 
         started = perf_counter()
-        guidance = binding.tracker.step(path, X_WB, state.progress, speed)
+        guidance = binding.tracker.step(path, X_WB, state.progress, speed, state.grip)
         tracked = perf_counter()
         wrench = guidance.wrench
         allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
         self.ticks = (tracked - started, perf_counter() - tracked)
 
         commands = []
-        touching = True
+        touching, use = True, 0.0
         for tip, contact, inside, f_B in zip(
             measurement.tips, self.contacts, binding.tip_points, allocation.forces, strict=True
         ):
             n = X_WB.rotate(contact.normal)
-            touching = touching and tip.force[0] * n[0] + tip.force[1] * n[1] > 0.5 * self.threshold
+            normal_force = tip.force[0] * n[0] + tip.force[1] * n[1]
+            touching = touching and normal_force > 0.5 * self.threshold
+            shear = abs(tip.force[1] * n[0] - tip.force[0] * n[1])
+            use = max(use, shear / (self.friction * max(normal_force, self.threshold)))
             f = X_WB.rotate((self.force_gain * f_B[0], self.force_gain * f_B[1]))
             at_tip = guidance.twist.moved_to(inside)
             v = X_WB.rotate((at_tip.vx, at_tip.vy))
@@ -151,7 +157,9 @@ class Controller:
             )
         log = self._log(state, measurement, guidance, wrench, allocation)
         lost = None if touching else (state.lost if state.lost is not None else measurement.time)
-        next_state = replace(state, progress=guidance.progress, lost=lost, last_time=measurement.time)
+        rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
+        grip = min(1.0, max(GRIP_LEAST, state.grip + rate * (measurement.time - state.last_time)))
+        next_state = replace(state, progress=guidance.progress, lost=lost, grip=grip, last_time=measurement.time)
         return tuple(commands), log, self._after_move(next_state, measurement, X_WB, guidance)
 
     def _after_move(

@@ -10,12 +10,11 @@ from pushpressslide.modes import MODES
 from pushpressslide.pipeline.selection import select
 
 
-
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
     """Return the plan for ``choice`` (default: the best one).
 
-    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises InfeasibleTaskError with the
-    reasons, one per choice, where nothing can do the task.
+    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises InfeasibleTaskError
+    with the reasons, one per choice, where nothing can do the task.
     """
     if choice is None:
         choices = select(task)

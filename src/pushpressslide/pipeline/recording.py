@@ -40,7 +40,9 @@ class Recorder:
         ticks: Sequence[float],
         more: Mapping[str, Any] | None = None,
     ) -> None:
-        """Append one tick; ``ticks`` are track, allocate, execute and total [s]; ``more`` holds engine-specific rows."""
+        """Append one tick; ``ticks`` are track, allocate, execute and total [s]; ``more`` holds
+        engine-specific rows.
+        """
         nothing = (np.nan, np.nan, np.nan)
         row: dict[str, Any] = {
             "time": time,

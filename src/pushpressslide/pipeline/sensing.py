@@ -26,13 +26,18 @@ class Sensor:
         pose, tips = truth.object_pose, truth.tips
         if s.position_noise > 0.0 or s.yaw_noise > 0.0:
             x, y, yaw = self._random.normal(size=3)
-            pose = Pose2(pose.x + s.position_noise * x, pose.y + s.position_noise * y, pose.yaw + s.yaw_noise * yaw)
+            pose = Pose2(
+                pose.x + s.position_noise * x, pose.y + s.position_noise * y, pose.yaw + s.yaw_noise * yaw
+            )
         if s.force_noise > 0.0:
             tips = tuple(
                 TipState(
                     t.position,
                     t.velocity,
-                    tuple(f + s.force_noise * e for f, e in zip(t.force, self._random.normal(size=3), strict=True)),  # type: ignore[arg-type]
+                    tuple(
+                        f + s.force_noise * e
+                        for f, e in zip(t.force, self._random.normal(size=3), strict=True)
+                    ),  # type: ignore[arg-type]
                 )
                 for t in tips
             )

@@ -1,7 +1,9 @@
-"""Runs a plan on the quasi-static engine: the same controller, a massless tip, and the limit surface with the true load.
+"""Runs a plan on the quasi-static engine: the same controller, a massless tip, and the limit surface with the
+true load.
 
-The truth here is the task's own friction, mass and shape; the controller sees only what a robot would see. rho follows
-the direction of the contact force, from the exact surface, and the CoP moves with the force by the height term.
+The truth here is the task's own friction, mass and shape; the controller sees only what a robot would see.
+rho follows the direction of the contact force, from the exact surface, and the CoP moves with the force by
+the height term.
 """
 
 from __future__ import annotations
@@ -35,7 +37,9 @@ def rho_table(task: Task, contact: Point, height: float) -> Callable[[Point], fl
     e = (-contact[0] / lever, -contact[1] / lever)
     angles = np.linspace(0.0, 0.45 * math.pi, TABLE_POINTS)
     shift = height * task.support.friction
-    samples = support_pressure(task.object.shape, 1.0, task.object.center_of_mass, (shift * e[0], shift * e[1]))
+    samples = support_pressure(
+        task.object.shape, 1.0, task.object.center_of_mass, (shift * e[0], shift * e[1])
+    )
     values = np.array([math.sqrt(lever * exact_axle_distance(samples, contact, float(a))) for a in angles])
 
     def rho(force: Point) -> float:
@@ -57,7 +61,9 @@ def run(plan: Plan, *, seed: int = 0, progress: Callable[[float, float], None] |
     X_WB = task.true_start.compose(X_GB)
     start_B = plan.task.start.compose(X_GB)
     gap = robot.tip_radius + task.motion.approach_distance
-    tip = start_B.apply((contact.point[0] - gap * contact.normal[0], contact.point[1] - gap * contact.normal[1]))
+    tip = start_B.apply(
+        (contact.point[0] - gap * contact.normal[0], contact.point[1] - gap * contact.normal[1])
+    )
     tip_velocity: Point = (0.0, 0.0)
     force_W: Point = (0.0, 0.0)
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
@@ -99,7 +105,9 @@ def run(plan: Plan, *, seed: int = 0, progress: Callable[[float, float], None] |
         if state.phase == "done":
             reason = state.failure or ("goal_reached", "")
             break
-    return recorder.record(reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt})
+    return recorder.record(
+        reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt}
+    )
 
 
 def _cop(force: Point, height: float, load: float) -> Point:

@@ -1,8 +1,9 @@
-"""One quasi-static step of an object pushed by one point: stick, slip, separation (MECHANICS, sections 2 and 3).
+"""One quasi-static step of an object pushed by one point: stick, slip, separation (MECHANICS, sections 2 and
+3).
 
-Two ways of pushing: a prescribed contact velocity, and a compliant tip whose force falls with its speed,
-f = f_0 - B v_tip, which is what a force plus a velocity servo does. Everything in one planar frame, the body frame B;
-r is the contact relative to the CoP. Plain floats.
+Two ways of pushing: a prescribed contact velocity, and a compliant tip whose force falls with its speed, f =
+f_0 - B v_tip, which is what a force plus a velocity servo does. Everything in one planar frame, the body
+frame B; r is the contact relative to the CoP. Plain floats.
 """
 
 from __future__ import annotations
@@ -43,23 +44,32 @@ def _level(force: Point, r: Point, rho: float, limit: float) -> float:
     return math.sqrt(force[0] ** 2 + force[1] ** 2 + torque * torque) / limit
 
 
-def push_with_velocity(velocity: Point, r: Point, normal: Point, friction: float, rho: float, limit: float) -> PushOutcome:
+def push_with_velocity(
+    velocity: Point, r: Point, normal: Point, friction: float, rho: float, limit: float
+) -> PushOutcome:
     """Return what a tip that moves at the given ``velocity`` [m/s] does to the object.
 
-    ``limit`` [N] is mu_s N. Sticks where the force that this motion needs, ~ G^-1 v, is inside the cone; else slides with the
-    force on the cone's edge and the size that keeps the normal velocities equal.
+    ``limit`` [N] is mu_s N. Sticks where the force that this motion needs, ~ G^-1 v, is inside the cone; else
+    slides with the force on the cone's edge and the size that keeps the normal velocities equal.
     """
     approach = velocity[0] * normal[0] + velocity[1] * normal[1]
     if approach <= 0.0:
         return PushOutcome("free", (0.0, 0.0), Twist(0.0, 0.0, 0.0), velocity)
     gxx, gxy, gyy = _mobility(r, rho)
     determinant = gxx * gyy - gxy * gxy
-    f = ((gyy * velocity[0] - gxy * velocity[1]) / determinant, (gxx * velocity[1] - gxy * velocity[0]) / determinant)
+    f = (
+        (gyy * velocity[0] - gxy * velocity[1]) / determinant,
+        (gxx * velocity[1] - gxy * velocity[0]) / determinant,
+    )
     tangent = (-normal[1], normal[0])
     fn, ft = f[0] * normal[0] + f[1] * normal[1], f[0] * tangent[0] + f[1] * tangent[1]
     status: ContactStatus = "stick"
     if abs(ft) > friction * fn:
-        sign = math.copysign(1.0, ft) if fn > 0.0 else math.copysign(1.0, velocity[0] * tangent[0] + velocity[1] * tangent[1])
+        sign = (
+            math.copysign(1.0, ft)
+            if fn > 0.0
+            else math.copysign(1.0, velocity[0] * tangent[0] + velocity[1] * tangent[1])
+        )
         edge = (normal[0] + sign * friction * tangent[0], normal[1] + sign * friction * tangent[1])
         moved = (gxx * edge[0] + gxy * edge[1], gxy * edge[0] + gyy * edge[1])
         along = moved[0] * normal[0] + moved[1] * normal[1]
@@ -79,10 +89,12 @@ def push_with_compliance(
     limit: float,
     tip_radius: float = 0.0,
 ) -> PushOutcome:
-    """Return what a massless tip in contact does whose force on the object is ``force`` - diag(damping) v_tip.
+    """Return what a massless tip in contact does whose force on the object is ``force`` - diag(damping)
+    v_tip.
 
-    ``damping`` [N s/m] along the normal and the tangent, both > 0. v_tip is that of the tip's centre, ``tip_radius`` [m]
-    outside the contact; the tip turns with the object, so that it does not roll along the face.
+    ``damping`` [N s/m] along the normal and the tangent, both > 0. v_tip is that of the tip's centre,
+    ``tip_radius`` [m] outside the contact; the tip turns with the object, so that it does not roll along the
+    face.
     """
     tangent = (-normal[1], normal[0])
     an, at = force[0] * normal[0] + force[1] * normal[1], force[0] * tangent[0] + force[1] * tangent[1]
@@ -123,7 +135,8 @@ def push_with_compliance(
         twist = _twist(alpha, f, r, rho)
         v_tip = _in_plane((an - fn) / bn, (at - ft) / bt, normal, tangent)
         return PushOutcome("stick" if alpha > 0.0 else "rest", f, twist, v_tip)
-    # slipping: the force is on the edge of the cone, its size m either what the tip presses with or what slides the object
+    # slipping: the force is on the edge of the cone, its size m either what the tip presses with or what
+    # slides the object
     sign = math.copysign(1.0, ft if fn > 0.0 else at)
     edge_t = sign * friction
     m_slide = 1.0 / size(1.0, edge_t)

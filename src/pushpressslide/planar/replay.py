@@ -25,11 +25,11 @@ ROUND_SIDES = 48
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
-    """Write the page to the file ``out``, whole or not at all, and return it."""
+    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not at all; return it."""
     data = json.dumps(replay_data(task, plan, record), separators=(",", ":"), allow_nan=False)
     template = resources.files("pushpressslide.planar").joinpath("replay_page.html").read_text("utf-8")
     page = template.replace("@TITLE@", escape(task.name)).replace('"@DATA@"', data.replace("</", "<\\/"))
-    return write_whole(out, page)
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
 def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.core.whole_file import write_whole
+from pushpressslide.core.whole_file import write_whole as write_whole
 from pushpressslide.report.metrics import plain
 from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict
 

@@ -1,4 +1,6 @@
-"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that the controller knows only its robot."""
+"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that the controller knows
+only its robot.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""How near an arm comes to table, object, obstacles and itself: signed distances in a plant made for planning only."""
+"""How near an arm comes to table, object, obstacles and itself: signed distances in a plant made for planning
+only.
+"""
 
 from __future__ import annotations
 
@@ -35,13 +37,18 @@ class ClearanceModel:
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
         self._instance = add_robot(plant, task.robots[arm], arm, collision=True)
         self._object = plant.AddRigidBody(
-            "object", default_model_instance(), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1))
+            "object", default_model_instance(), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
+        )
         properties = ProximityProperties()
         shape_id = plant.RegisterCollisionGeometry(
             self._object, RigidTransform(), object_shape(task.object.shape), "object", properties
         )
         plant.RegisterCollisionGeometry(
-            plant.world_body(), RigidTransform([0.0, 0.0, TABLE_LEVEL - 0.5]), DrakeBox(6.0, 6.0, 1.0), "table", properties
+            plant.world_body(),
+            RigidTransform([0.0, 0.0, TABLE_LEVEL - 0.5]),
+            DrakeBox(6.0, 6.0, 1.0),
+            "table",
+            properties,
         )
         for obstacle in task.obstacles:
             plant.RegisterCollisionGeometry(
@@ -52,7 +59,9 @@ class ClearanceModel:
         self._object_shape = shape_id
         self._tip = set(plant.GetCollisionGeometriesForBody(self._instance.tip_body))
         self._plant, self._height = plant, 0.5 * task.object.shape.height
-        base = [plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links]
+        base = [
+            plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links
+        ]
         arm_bodies = [plant.get_body(i) for i in plant.GetBodyIndices(self._instance.model_instance)]
         manager = scene_graph.collision_filter_manager()
 
@@ -74,17 +83,24 @@ class ClearanceModel:
         self._inspector = scene_graph.model_inspector()
 
     def least(self, postures: Array, object_poses: Sequence[Pose2], *, touching: bool) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, and between what, over postures (k, n) and object poses X_WG (k).
+        """Return the least distance [m], at most 0.08, and between what, over postures (k, n) and object
+        poses X_WG (k).
 
         ``touching``: the tip touches the object on purpose, so that these two do not count.
         """
         least, pair = LOOK, "nothing within reach"
         for q, pose in zip(postures, object_poses, strict=True):
             self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
-            self._plant.SetFreeBodyPose(self._plant_context, self._object, rigid_transform(pose, self._height))
+            self._plant.SetFreeBodyPose(
+                self._plant_context, self._object, rigid_transform(pose, self._height)
+            )
             query = self._query.Eval(self._plant_context)
             for found in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
-                if touching and {found.id_A, found.id_B} & self._tip and self._object_shape in (found.id_A, found.id_B):
+                if (
+                    touching
+                    and {found.id_A, found.id_B} & self._tip
+                    and self._object_shape in (found.id_A, found.id_B)
+                ):
                     continue
                 if found.distance < least:
                     least = found.distance

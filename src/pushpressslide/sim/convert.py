@@ -27,15 +27,17 @@ def planar_pose(X: RigidTransform) -> Pose2:
 
 
 def planar_pose_from_positions(q: NDArray[np.float64]) -> Pose2:
-    """Return the planar pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z [m]."""
+    """Return the planar pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z
+    [m].
+    """
     w, x, y, z = q[0], q[1], q[2], q[3]
-    return Pose2(
-        float(q[4]), float(q[5]), math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    )
+    return Pose2(float(q[4]), float(q[5]), math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
-    """Return the spatial pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z [m]."""
+    """Return the spatial pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z
+    [m].
+    """
     return RigidTransform(RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7])
 
 

@@ -121,8 +121,10 @@ def write_video(
 ) -> Path:
     """Write the run as an animated picture in real time, .webp or .gif by ``out``'s name; return ``out``.
 
-    Raises SimulationError where this machine cannot render or the name asks for another format.
+    A folder gets run.webp. Raises SimulationError where this machine cannot render or the name asks for
+    another format.
     """
+    out = out / "run.webp" if out.is_dir() else out
     if out.suffix not in VIDEO_FORMATS:
         raise SimulationError(f"{out}: an animation is written as {' or '.join(VIDEO_FORMATS)}")
     time = record.arrays["time"]
@@ -175,9 +177,7 @@ def egl_problem() -> str | None:
 
 def _cannot_render(problem: str) -> SimulationError:
     reason = " ".join(problem.split())[:160]
-    return SimulationError(
-        f"this machine cannot render pictures ({reason}); on Debian, install libegl1"
-    )
+    return SimulationError(f"this machine cannot render pictures ({reason}); on Debian, install libegl1")
 
 
 def _pillow() -> Any:

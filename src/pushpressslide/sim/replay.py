@@ -50,7 +50,7 @@ color:#1f2328;background:rgba(255,255,255,.82);padding:6px 10px;border-radius:6p
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str = "generated") -> Path:
-    """Write the page to the file ``out``, whole or not at all, and return it.
+    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not at all; return it.
 
     Plays the recorded joint positions and poses at 30 frames a second. Raises SimulationError for a record
     without joint positions. ``models``: as in ``run``.
@@ -87,7 +87,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     title = escape(f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}")
     caption = CAPTION.replace("@TITLE@", title).replace("@SCALE@", f"{1e3 * marks.scale:.0f}")
     page = page.replace("</body>", f"{caption}</body>", 1) if "</body>" in page else page + caption
-    return write_whole(out, page)
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
 def _quiet_meshcat() -> Meshcat:

@@ -1,4 +1,6 @@
-"""A task as a Drake scene: support, object, obstacles and robots, with the measured remedies for hydroelastic contact."""
+"""A task as a Drake scene: support, object, obstacles and robots, with the measured remedies for hydroelastic
+contact.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +58,9 @@ def rest_height(body: model.ObjectModel) -> float:
 
 
 def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
-    """Return the inertia of a solid of uniform density about its frame (G in the plane, half height), its CoM moved as asked."""
+    """Return the inertia of a solid of uniform density about its frame (G in the plane, half height), its CoM
+    moved as asked.
+    """
     shape, mass = body.shape, body.mass
     if isinstance(shape, model.Box):
         unit = UnitInertia.SolidBox(*shape.size)
@@ -72,14 +76,18 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
         centroid = np.einsum("k,ki->i", areas / 3.0, a + b) / areas.sum()
         second = second / areas.sum() - np.outer(centroid, centroid)
         h2 = shape.height**2 / 12.0
-        unit = UnitInertia(second[1, 1] + h2, second[0, 0] + h2, second[0, 0] + second[1, 1], -second[0, 1], 0.0, 0.0)
+        unit = UnitInertia(
+            second[1, 1] + h2, second[0, 0] + h2, second[0, 0] + second[1, 1], -second[0, 1], 0.0, 0.0
+        )
     central = SpatialInertia(mass, [0.0, 0.0, 0.0], unit)
     com = body.center_of_mass
     return central.Shift([-com[0], -com[1], 0.0])
 
 
 def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
-    """Return x_min, x_max, y_min, y_max [m] of where the planned object goes, with room for errors; anchored to a lattice."""
+    """Return x_min, x_max, y_min, y_max [m] of where the planned object goes, with room for errors; anchored
+    to a lattice.
+    """
     shape = plan.task.object.shape
     if isinstance(shape, model.Cylinder):
         reach = shape.radius
@@ -107,8 +115,8 @@ def tile_size(shape: model.Shape) -> float:
 def obstacle_friction(support_pair: float, obstacle_pair: float) -> float:
     """Return the surface friction of an obstacle whose pair with the support is to be ``obstacle_pair``.
 
-    The support's own surface follows from its pair with the object. Where no surface is rough enough, the roughest
-    that is sensible is taken.
+    The support's own surface follows from its pair with the object. Where no surface is rough enough, the
+    roughest that is sensible is taken.
     """
     support = partner_friction(support_pair)
     return partner_friction(obstacle_pair, support) if obstacle_pair < 1.9 * support else 20.0 * support
@@ -135,7 +143,11 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
         rigid_properties(partner_friction(task.support.friction)),
     )  # fmt: skip
     plant.RegisterVisualGeometry(
-        plant.world_body(), RigidTransform([0.45, 0.0, -0.0101]), DrakeBox(1.7, 1.8, 0.02), "table", TABLE_COLOR
+        plant.world_body(),
+        RigidTransform([0.45, 0.0, -0.0101]),
+        DrakeBox(1.7, 1.8, 0.02),
+        "table",
+        TABLE_COLOR,
     )
     bodies: dict[str, RigidBody] = {}
     for obstacle in task.obstacles:
@@ -150,14 +162,26 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
             bodies[obstacle.name] = part
             plant.SetDefaultFloatingBaseBodyPose(part, X)
             plant.RegisterCollisionGeometry(
-                part, RigidTransform(), box, obstacle.name, compliant_properties(friction, 0.25 * min(obstacle.size))
+                part,
+                RigidTransform(),
+                box,
+                obstacle.name,
+                compliant_properties(friction, 0.25 * min(obstacle.size)),
             )
-            plant.RegisterVisualGeometry(part, RigidTransform(), box, obstacle.name + "_visual", OBSTACLE_COLOR)
+            plant.RegisterVisualGeometry(
+                part, RigidTransform(), box, obstacle.name + "_visual", OBSTACLE_COLOR
+            )
         else:
             plant.RegisterCollisionGeometry(
-                plant.world_body(), X, box, obstacle.name, rigid_properties(friction, 0.5 * min(obstacle.size))
+                plant.world_body(),
+                X,
+                box,
+                obstacle.name,
+                rigid_properties(friction, 0.5 * min(obstacle.size)),
             )
-            plant.RegisterVisualGeometry(plant.world_body(), X, box, obstacle.name + "_visual", OBSTACLE_COLOR)
+            plant.RegisterVisualGeometry(
+                plant.world_body(), X, box, obstacle.name + "_visual", OBSTACLE_COLOR
+            )
     robots = tuple(
         add_robot(
             plant, robot, index,
@@ -168,4 +192,3 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     )  # fmt: skip
     plant.Finalize()
     return Scene(builder, plant, scene_graph, thing, bodies, robots)
-

@@ -2,8 +2,9 @@
 
 Inputs   joint_torque_<i>    (n,) [N m]
 Outputs  joint_state_<i>     (2 n,) positions, velocities
-         contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force sensor in the tip's mount, less the tip's weight
-         object_pose         (7,) quaternion (w, x, y, z) and position of the object
+         contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force sensor in the tip's
+         mount, less the tip's weight object_pose         (7,) quaternion (w, x, y, z) and position of the
+         object
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, LeafSystem
 
 from pushpressslide.core.plan import Plan
+from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
-from pushpressslide.sim.convert import rigid_transform
 
 Array = NDArray[np.float64]
 
@@ -71,12 +72,18 @@ class Station:
         self.context = self.simulator.get_mutable_context()
         self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
         plant.SetFreeBodyPose(
-            self.plant_context, self.scene.object, rigid_transform(plan.task.true_start, rest_height(plan.task.object))
+            self.plant_context,
+            self.scene.object,
+            rigid_transform(plan.task.true_start, rest_height(plan.task.object)),
         )
-        self._torques = [self.diagram.GetInputPort(f"joint_torque_{i}") for i in range(len(self.scene.robots))]
+        self._torques = [
+            self.diagram.GetInputPort(f"joint_torque_{i}") for i in range(len(self.scene.robots))
+        ]
         for port in self._torques:
             port.FixValue(self.context, np.zeros(port.size()))
-        self._forces = [self.diagram.GetOutputPort(f"contact_force_{i}") for i in range(len(self.scene.robots))]
+        self._forces = [
+            self.diagram.GetOutputPort(f"contact_force_{i}") for i in range(len(self.scene.robots))
+        ]
 
     def state_vector(self) -> Array:
         """Return a copy of the plant's discrete state: all positions, then all velocities."""

@@ -1,4 +1,6 @@
-"""Meshes made in memory, hydroelastic properties, and surface frictions that give the asked-for friction of each PAIR."""
+"""Meshes made in memory, hydroelastic properties, and surface frictions that give the asked-for friction of
+each PAIR.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ OBJECT_FRICTION = 1.0  # of the object's own surface; its partners' follow from 
 
 
 def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
-    """Return the surface friction b that gives the pair mu = 2 a b / (a + b) against a surface of friction a = ``own``.
+    """Return the surface friction b that gives the pair mu = 2 a b / (a + b) against a surface of friction a
+    = ``own``.
 
     Raises ValueError where no such surface exists (pair >= 2 own).
     """
@@ -43,19 +46,27 @@ def rigid_properties(friction: float, resolution: float | None = None) -> Proxim
         AddRigidHydroelasticProperties(properties)
     else:
         AddRigidHydroelasticProperties(resolution, properties)
-    AddContactMaterial(dissipation=DISSIPATION, friction=CoulombFriction(friction, friction), properties=properties)
+    AddContactMaterial(
+        dissipation=DISSIPATION, friction=CoulombFriction(friction, friction), properties=properties
+    )
     return properties
 
 
 def compliant_properties(friction: float, resolution: float) -> ProximityProperties:
-    """Return the properties of a compliant hydroelastic surface with surface (not pair) friction ``friction``."""
+    """Return the properties of a compliant hydroelastic surface with surface (not pair) friction
+    ``friction``.
+    """
     properties = ProximityProperties()
     AddCompliantHydroelasticProperties(resolution, HYDROELASTIC_MODULUS, properties)
-    AddContactMaterial(dissipation=DISSIPATION, friction=CoulombFriction(friction, friction), properties=properties)
+    AddContactMaterial(
+        dissipation=DISSIPATION, friction=CoulombFriction(friction, friction), properties=properties
+    )
     return properties
 
 
-def _obj_mesh(vertices: list[tuple[float, float, float]], faces: list[tuple[int, ...]], name: str) -> InMemoryMesh:
+def _obj_mesh(
+    vertices: list[tuple[float, float, float]], faces: list[tuple[int, ...]], name: str
+) -> InMemoryMesh:
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     lines += ["f " + " ".join(str(i + 1) for i in face) for face in faces]
     return InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", name))
@@ -64,8 +75,8 @@ def _obj_mesh(vertices: list[tuple[float, float, float]], faces: list[tuple[int,
 def support_grid(bounds: tuple[float, float, float, float], tile: float) -> Mesh:
     """Return a flat triangle mesh in the plane z = 0, normal up, that covers x_min, x_max, y_min, y_max [m].
 
-    Friction acts at the centroids of the contact polygons, so that ``tile`` [m], the edge of a grid cell, decides how
-    well torsion is resolved: a third of the object's width gives about 1 %.
+    Friction acts at the centroids of the contact polygons, so that ``tile`` [m], the edge of a grid cell,
+    decides how well torsion is resolved: a third of the object's width gives about 1 %.
     """
     x_min, x_max, y_min, y_max = bounds
     nx, ny = max(1, math.ceil((x_max - x_min) / tile)), max(1, math.ceil((y_max - y_min) / tile))

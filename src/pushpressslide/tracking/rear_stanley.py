@@ -1,9 +1,9 @@
 """Rear-wheel Stanley law at the virtual front axle (MECHANICS, section 3).
 
-Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref - p_vfa), positive when the path is to
-the left. Steering delta > 0 is a force to the left of the heading axis and turns the car to the right:
-w = -(v / wheelbase) tan(delta). Of the four sign combinations only this one converges. (The paper's eq. 15 with
-errors taken actual minus reference is the unstable one.)
+Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref - p_vfa), positive when
+the path is to the left. Steering delta > 0 is a force to the left of the heading axis and turns the car to
+the right: w = -(v / wheelbase) tan(delta). Of the four sign combinations only this one converges. (The
+paper's eq. 15 with errors taken actual minus reference is the unstable one.)
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from pushpressslide.core.pose import Pose2, wrap_angle
 class RearStanley:
     """The law for one car.
 
-    ``gain`` is k in units of the largest value without overshoot, v / (4 wheelbase): in these units the law does not
-    depend on the speed. Steering is held inside ``steering_bounds`` [rad].
+    ``gain`` is k in units of the largest value without overshoot, v / (4 wheelbase): in these units the law
+    does not depend on the speed. Steering is held inside ``steering_bounds`` [rad].
     """
 
     wheelbase: float  # [m] from the CoP to the virtual front axle, rho^2 / d
@@ -35,16 +35,19 @@ class RearStanley:
         cr, sr = math.cos(reference.yaw), math.sin(reference.yaw)
         return (c * dx + s * dy, -sr * dx + cr * dy, wrap_angle(reference.yaw - actual.yaw))
 
-    def steering(self, left_error: float, heading_error: float, curvature: float) -> tuple[float, bool]:
+    def steering(
+        self, left_error: float, heading_error: float, curvature: float, grip: float = 1.0
+    ) -> tuple[float, bool]:
         """Return the steering angle delta [rad] and whether it had to be clipped.
 
-        ``left_error`` [m], ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path there.
+        ``left_error`` [m], ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path
+        there; ``grip`` narrows the bounds.
         """
         cross_track = self.gain * left_error / (4.0 * self.wheelbase)  # k e / v
         delta = -heading_error - math.atan(cross_track)
         if self.feed_forward:
             delta -= math.atan(self.wheelbase * curvature)
-        low, high = self.steering_bounds
+        low, high = grip * self.steering_bounds[0], grip * self.steering_bounds[1]
         if delta < low:
             return low, True
         if delta > high:
