@@ -18,7 +18,7 @@ def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Arr
     Coriolis compensation.
     """
     n = J.shape[1]
-    tau = J.T @ np.concatenate([moment, force]) + bias
+    tau: Array = J.T @ np.concatenate([moment, force]) + bias
     if n > 6:
         # I - J^T (J J^T + eps)^-1 J: keeps what the tip does not feel
         JJt = J @ J.T

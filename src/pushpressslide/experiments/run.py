@@ -1,4 +1,6 @@
-"""One task through the whole pipeline: select, plan, run on an engine, measure, write everything that a user looks at."""
+"""One task through the whole pipeline: select, plan, run on an engine, measure, write everything that a user
+looks at.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,9 @@ def simulate(
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run; the choices come back with the reasons why better-ranked ones were passed over.
 
-    On Drake a choice must also have a joint path: the first that has one is run. ``force`` runs the best choice that has a
-    path even where it was judged infeasible. Raises InfeasibleTaskError where nothing can do the task.
+    On Drake a choice must also have a joint path: the first that has one is run. ``force`` runs the best
+    choice that has a path even where it was judged infeasible. Raises InfeasibleTaskError where nothing can
+    do the task.
     """
     choices = select(task) if choices is None else choices
     usable = [c for c in choices if c.path is not None and (c.feasible or force)]
@@ -92,13 +95,16 @@ def run_task(
 ) -> dict[str, Any]:
     """Run ``task`` and return its result; with ``out`` also leave all files of a run there.
 
-    ``mode`` restricts the choice to one mode. Raises InfeasibleTaskError before anything moves where nothing can do the task.
+    ``mode`` restricts the choice to one mode. Raises InfeasibleTaskError before anything moves where nothing
+    can do the task.
     """
     from pushpressslide.report.metrics import result as measure
 
     if mode is not None:
         task = replace(task, modes=(mode,))
-    plan, record, choices = simulate(task, engine=engine, seed=seed, force=force, progress=progress, models=models)
+    plan, record, choices = simulate(
+        task, engine=engine, seed=seed, force=force, progress=progress, models=models
+    )
     result = measure(task, plan, record, versions())
     if out is not None:
         write_run(out, task, plan, record, result, choices, models=models, video=video)
@@ -135,5 +141,5 @@ def write_run(
         from pushpressslide.planar.replay import write_replay as write_planar_replay
 
         write_planar_replay(task, plan, record, out)
-    save_run(out, task, plan, record, result)
+    save_run(out, task, plan, record, result, choices)
     write_report([out])

@@ -23,7 +23,7 @@ def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, f
     return cx / (3.0 * area), cy / (3.0 * area)
 
 
-def random_shape(rng: np.random.Generator) -> Shape:
+def random_shape(rng: np.random.Generator) -> Box | Prism:
     """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size; two of three are
     boxes.
     """
@@ -60,7 +60,9 @@ def random_task(base: Task, index: int, seed: int) -> Task:
         r, azimuth = rng.uniform(*REACH), rng.uniform(-AZIMUTH, AZIMUTH) + robot.base_yaw
         yaw = rng.uniform(-math.pi, math.pi)
         start = Pose2(
-            float(robot.base[0] + r * math.cos(azimuth)), float(robot.base[1] + r * math.sin(azimuth)), float(yaw)
+            float(robot.base[0] + r * math.cos(azimuth)),
+            float(robot.base[1] + r * math.sin(azimuth)),
+            float(yaw),
         )
         distance, bearing = rng.uniform(0.12, 0.35), rng.uniform(-math.radians(25.0), math.radians(25.0))
         turn = rng.uniform(-math.radians(50.0), math.radians(50.0))

@@ -1,4 +1,6 @@
-"""Single-arm rear push: one side contact, a rear-steer car tracked at its virtual front axle (MECHANICS, section 3)."""
+"""Single-arm rear push: one side contact, a rear-steer car tracked at its virtual front axle (MECHANICS,
+section 3).
+"""
 
 from __future__ import annotations
 
@@ -23,19 +25,23 @@ from pushpressslide.tracking.rear_stanley import RearStanley
 
 GRAVITY = 9.81  # [m/s^2]
 
-STEERING_RESERVE = 0.12  # share of the friction cone's half angle kept between the steering and its edge: the servo and the model need it
+# share of the friction cone's half angle kept between the steering and its edge: the servo and the model need
+# it
+STEERING_RESERVE = 0.12
 OVERHEAD = 6.0  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
-# From comfortable to hard: factors on the run-in and on the share of the friction-limited curvature that the path uses.
+# From comfortable to hard: factors on the run-in and on the share of the friction-limited curvature that the
+# path uses.
 COMFORT = ((1.0, 1.0), (0.6, 1.0), (0.6, 1.2), (0.35, 1.2), (0.35, 1.35), (0.15, 1.35))
 
 
 def contact_height(task: Task, face: Face) -> float:
     """Return the height of the contact above the support [m]: low, but with the arm's wrist above the object.
 
-    Low, because a push at height h moves the CoP by h mu_s; the tool must be long enough to reach down beside the object.
+    Low, because a push at height h moves the CoP by h mu_s; the tool must be long enough to reach down beside
+    the object.
     """
     if task.motion.contact_height is not None:
         return task.motion.contact_height
@@ -91,12 +97,13 @@ class RearPush:
     cop_steering = False
 
     def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
-        """Return the reduced model of a push on ``face`` at ``height`` [m], and the CoP's advance by the height term [m].
+        """Return the reduced model of a push on ``face`` at ``height`` [m], and the CoP's advance by the
+        height term [m].
 
-        On the exact limit surface, under the load shifted by the height term, the axle's distance grows with the force
-        angle. The car has the distance of the angle at which the path turns, ``curvature_margin`` times the cone's half
-        angle; its friction is lowered by the ratio of that distance to the one at the cone's edge, so that its
-        tightest curve is the object's.
+        On the exact limit surface, under the load shifted by the height term, the axle's distance grows with
+        the force angle. The car has the distance of the angle at which the path turns, ``curvature_margin``
+        times the cone's half angle; its friction is lowered by the ratio of that distance to the one at the
+        cone's edge, so that its tightest curve is the object's.
         """
         belief = task.believed
         shift, mu = height * belief.support_friction, belief.contact_friction
@@ -128,7 +135,9 @@ class RearPush:
             )
         tip_over = TIPPING_SHARE * self._room_ahead(task, face) / belief.support_friction
         if height > tip_over:
-            return refused(f"the object tips when pushed above {tip_over * 1e3:.0f} mm, contact at {height * 1e3:.0f} mm")
+            return refused(
+                f"the object tips when pushed above {tip_over * 1e3:.0f} mm, contact at {height * 1e3:.0f} mm"
+            )
         if level > task.limits.normal_force:
             return refused(f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N")
         car, shift = self.car(task, face, height)
@@ -146,7 +155,9 @@ class RearPush:
             tried.append((run_in, use, _goal_path(start, goal, high * use, -low * use, run_in)))
             if tried[-1][2].length <= longest:
                 break
-        run_in, use, path = tried[-1] if tried[-1][2].length <= longest else min(tried, key=lambda t: t[2].length)
+        run_in, use, path = (
+            tried[-1] if tried[-1][2].length <= longest else min(tried, key=lambda t: t[2].length)
+        )
         steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
         bounds = car.steering_limits
         margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)
@@ -171,13 +182,22 @@ class RearPush:
         looped = path.length > longest
         reason = (
             f"face {face.index}: path {path.length:.3f} m, tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
-            f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone" + (", with a loop" if looped else "")
+            f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone"
+            + (", with a loop" if looped else "")
         )
         choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
         problem = self._problem(task, choice)
         if problem:
             return Choice(
-                self.name, False, f"face {face.index}: {problem}", (contact,), path.length, time, margin, parameters, path
+                self.name,
+                False,
+                f"face {face.index}: {problem}",
+                (contact,),
+                path.length,
+                time,
+                margin,
+                parameters,
+                path,
             )
         return choice
 
@@ -230,7 +250,9 @@ class RearPush:
         return sorted(judged, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: origin at the virtual front axle, x along the heading axis from the contact through the CoM."""
+        """Return X_BV: origin at the virtual front axle, x along the heading axis from the contact through
+        the CoM.
+        """
         p, reach = choice.contacts[0].point, choice.parameters["axle_from_com"]
         yaw = math.atan2(-p[1], -p[0])
         return Pose2(reach * math.cos(yaw), reach * math.sin(yaw), yaw)
@@ -247,20 +269,28 @@ class RearPush:
         return RearPushTracker(law, plan.X_BV, contact.point, figures["push_force"], car.lever, car.rho)
 
     def allocator(self, contacts: Sequence[Contact], friction: float, rho: float | None = None) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about the CoM; ``rho`` [m] weighs torque errors (default: half the lever)."""
+        """Return ``allocate(fx, fy, tau)`` about the CoM; ``rho`` [m] weighs torque errors (default: half the
+        lever).
+        """
         (contact,) = contacts
         return one_contact_allocator(
-            contact.point, contact.normal, friction, rho if rho is not None else 0.5 * math.hypot(*contact.point)
+            contact.point,
+            contact.normal,
+            friction,
+            rho if rho is not None else 0.5 * math.hypot(*contact.point),
         )
 
     def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
-        """Return the plan from the object's true pose and the true contact; None if its path is longer than ``longest`` [m].
+        """Return the plan from the object's true pose and the true contact; None if its path is longer than
+        ``longest`` [m].
 
         The car's own length is kept: what changes is its heading axis, from the true contact through the CoM.
         """
         task, figures, old = plan.task, plan.choice.parameters, plan.choice.contacts[0]
         try:
-            car = RearSteerCar(touched[0], old.normal, (0.0, 0.0), figures["rho"], figures["effective_friction"])
+            car = RearSteerCar(
+                touched[0], old.normal, (0.0, 0.0), figures["rho"], figures["effective_friction"]
+            )
         except ValueError:
             return None
         low, high = car.curvature_limits

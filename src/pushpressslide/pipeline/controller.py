@@ -1,11 +1,12 @@
 """The controller: the paper's Algorithm 1, for any mode and any engine, top to bottom.
 
     touch    line the tips up with their contacts, advance until they feel the object, settle the normal force
-    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the wanted contact motion
-    release  draw the tips back; then done
+    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the wanted contact
+    motion release  draw the tips back; then done
 
-State in, state out: ``init(measurement) -> state``, ``step(state, measurement) -> (commands, log, state)``. It sees what a
-robot would see: object pose, tip state, contact force. It never raises; what went wrong is in ``state.failure``.
+State in, state out: ``init(measurement) -> state``, ``step(state, measurement) -> (commands, log, state)``.
+It sees what a robot would see: object pose, tip state, contact force. It never raises; what went wrong is in
+``state.failure``.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
-HEIGHT_STIFFNESS, HEIGHT_DAMPING = 800.0, 150.0  # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
+# [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
+HEIGHT_STIFFNESS, HEIGHT_DAMPING = 800.0, 150.0
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
@@ -100,7 +102,9 @@ class Controller:
             fresh = self.mode.replan(plan, X_WB, touched, longest)
             next_state = self._begin(next_state, "move", measurement)
             if fresh is not None:
-                next_state = replace(next_state, binding=bind(fresh), progress=0.0, clock_start=measurement.time)
+                next_state = replace(
+                    next_state, binding=bind(fresh), progress=0.0, clock_start=measurement.time
+                )
             elif state.reference is None:
                 next_state = replace(next_state, clock_start=measurement.time)
             else:
@@ -159,7 +163,9 @@ class Controller:
         lost = None if touching else (state.lost if state.lost is not None else measurement.time)
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
         grip = min(1.0, max(GRIP_LEAST, state.grip + rate * (measurement.time - state.last_time)))
-        next_state = replace(state, progress=guidance.progress, lost=lost, grip=grip, last_time=measurement.time)
+        next_state = replace(
+            state, progress=guidance.progress, lost=lost, grip=grip, last_time=measurement.time
+        )
         return tuple(commands), log, self._after_move(next_state, measurement, X_WB, guidance)
 
     def _after_move(
@@ -225,7 +231,9 @@ class Controller:
         )  # fmt: skip
 
     def _joint_progress(self, state: ControllerState) -> float:
-        """Where on the PLANNED path the joint reference is taken: as far from the end as the object is on its own path."""
+        """Where on the PLANNED path the joint reference is taken: as far from the end as the object is on its
+        own path.
+        """
         left = state.binding.plan.path.length - state.progress
         return max(0.0, self.plan.path.length - left)
 
@@ -234,7 +242,9 @@ class Controller:
         out = []
         for tip, contact, robot in zip(measurement.tips, self.contacts, self.plan.task.robots, strict=True):
             p = X_WB.unapply((tip.position[0], tip.position[1]))
-            out.append((p[0] + robot.tip_radius * contact.normal[0], p[1] + robot.tip_radius * contact.normal[1]))
+            out.append(
+                (p[0] + robot.tip_radius * contact.normal[0], p[1] + robot.tip_radius * contact.normal[1])
+            )
         return tuple(out)
 
     def _log(

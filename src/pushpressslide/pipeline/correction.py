@@ -1,4 +1,6 @@
-"""Re-planning on the way: a Dubins path from where the object really is costs microseconds, so that errors need not be chased."""
+"""Re-planning on the way: a Dubins path from where the object really is costs microseconds, so that errors
+need not be chased.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ SLACK = 0.005  # [m] on top of that
 
 
 def contacts_on_faces(plan: Plan, touched: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the touched points [m] in B moved onto the lines of their faces: a tip's measured depth is not a slide."""
+    """Return the touched points [m] in B moved onto the lines of their faces: a tip's measured depth is not a
+    slide.
+    """
     out = []
     for p, c in zip(touched, plan.choice.contacts, strict=True):
         across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[1]
@@ -35,12 +39,19 @@ def slide(plan: Plan, touched: tuple[Point, ...]) -> float:
 
 
 def corrected(
-    mode: Mode, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], guidance: Guidance, left: float, since_last: float
+    mode: Mode,
+    plan: Plan,
+    X_WB: Pose2,
+    touched: tuple[Point, ...],
+    guidance: Guidance,
+    left: float,
+    since_last: float,
 ) -> tuple[Plan, float, float] | None:
-    """Return a better plan from here, with the progress [m] and the clock [s] to start it at speed; None if all is well.
+    """Return a better plan from here, with the progress [m] and the clock [s] to start it at speed; None if
+    all is well.
 
-    Made when a contact has slid or the tracking point is off the path, ``left`` [m] before the end, unless that would take
-    a detour.
+    Made when a contact has slid or the tracking point is off the path, ``left`` [m] before the end, unless
+    that would take a detour.
     """
     _, across, heading = guidance.error
     off = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING or slide(plan, touched) > SLID

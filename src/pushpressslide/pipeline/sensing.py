@@ -6,7 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.control import Measurement, TipState, Vector3
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
 
@@ -31,16 +31,12 @@ class Sensor:
             )
         if s.force_noise > 0.0:
             tips = tuple(
-                TipState(
-                    t.position,
-                    t.velocity,
-                    tuple(
-                        f + s.force_noise * e
-                        for f, e in zip(t.force, self._random.normal(size=3), strict=True)
-                    ),  # type: ignore[arg-type]
-                )
-                for t in tips
+                TipState(t.position, t.velocity, self._noisy(t.force)) for t in tips
             )
         self._line.append(Measurement(truth.time, pose, tips))
         seen = self._line[0]
         return Measurement(truth.time, seen.object_pose, seen.tips)
+
+    def _noisy(self, force: Vector3) -> Vector3:
+        x, y, z = self._sensing.force_noise * self._random.normal(size=3)
+        return (force[0] + float(x), force[1] + float(y), force[2] + float(z))

@@ -1,4 +1,6 @@
-"""Phase touch: line the tips up with their contacts, advance until they feel the object, settle the normal force."""
+"""Phase touch: line the tips up with their contacts, advance until they feel the object, settle the normal
+force.
+"""
 
 from __future__ import annotations
 
@@ -37,20 +39,29 @@ def touch(
 ) -> tuple[tuple[TipCommand, ...], ControllerState, bool]:
     """Return the commands, the next state, and whether the touch is complete.
 
-    ``touch_force`` [N] is pressed before the motion begins, ``threshold`` [N] counts as contact, ``gap`` [m] is the free
-    way before the face.
+    ``touch_force`` [N] is pressed before the motion begins, ``threshold`` [N] counts as contact, ``gap`` [m]
+    is the free way before the face.
     """
     dt = measurement.time - state.last_time
     elapsed = measurement.time - state.since
-    inside, tip, start, contact = state.binding.tip_points[0], measurement.tips[0], state.tip_start[0], contacts[0]
+    inside, tip, start, contact = (
+        state.binding.tip_points[0],
+        measurement.tips[0],
+        state.tip_start[0],
+        contacts[0],
+    )
     n = X_WB.rotate(contact.normal)
     before = X_WB.apply((inside[0] - gap * contact.normal[0], inside[1] - gap * contact.normal[1]))
     align_time = ramp_time(math.dist((*before, contact.height), start)) + 0.1 if state.align else 0.0
-    planned = state.binding.plan.object_pose(state.progress).yaw if state.align else measurement.object_pose.yaw
+    planned = (
+        state.binding.plan.object_pose(state.progress).yaw if state.align else measurement.object_pose.yaw
+    )
     turned = smooth(elapsed / align_time) if align_time > 0.0 else 1.0
     tool_yaw = planned + turned * wrap_angle(measurement.object_pose.yaw - planned)
 
-    def command(position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), force: float | None = None) -> TipCommand:
+    def command(
+        position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), force: float | None = None
+    ) -> TipCommand:
         pushing = force is not None
         push = force if force is not None else 0.0
         return TipCommand(

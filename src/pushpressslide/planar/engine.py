@@ -28,6 +28,7 @@ from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.planar.pushing import PushOutcome, push_with_compliance
 
 GRAVITY = 9.81
+CONTACT_PLAY = 1e-6  # [m] of gap that still counts as touching: what integration leaves
 TABLE_POINTS = 25  # force angles at which rho is tabulated
 
 
@@ -145,7 +146,7 @@ def _step(
     depth = (tip_B[0] - contact[0]) * normal[0] + (tip_B[1] - contact[1]) * normal[1] + radius
     pressing = f_B[0] * normal[0] + f_B[1] * normal[1]
     tangent = (-normal[1], normal[0])
-    if depth < 0.0 and depth + dt * pressing / bn < 0.0:
+    if depth < -CONTACT_PLAY and depth + dt * pressing / bn < 0.0:
         across = f_B[0] * tangent[0] + f_B[1] * tangent[1]
         v = (
             pressing / bn * normal[0] + across / bt * tangent[0],

@@ -1,4 +1,6 @@
-"""Runs a plan in Drake: reads the station's ports, steps the controller, writes joint torques, records everything."""
+"""Runs a plan in Drake: reads the station's ports, steps the controller, writes joint torques, records
+everything.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ NO_LOG_ERROR = (0.0, 0.0, 0.0)
 
 
 class _Arm:
-    """One arm at run time: its model, executor, joint path, and where its numbers are in the plant's state."""
+    """One arm at run time: its model, executor, joint path, and where its numbers are in the plant's
+    state.
+    """
 
     def __init__(self, plan: Plan, index: int, station: Station, path: JointPath, attitude: ToolAttitude, dt: float, models: str) -> None:  # noqa: E501
         self.model = ArmModel(plan.task.robots[index], models=models)
@@ -80,10 +84,11 @@ def run(
     paths: tuple[tuple[JointPath, ToolAttitude], ...] | None = None,
     stop: Callable[[], bool] = lambda: False,
 ) -> Record:
-    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind of machine.
+    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind
+    of machine.
 
-    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint paths made
-    before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
+    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint
+    paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
     """
     task = plan.task
     dt = time_step or task.motion.time_step
@@ -157,9 +162,14 @@ def run(
             reason = state.failure or ("goal_reached", "")
             break
         force = max(math.hypot(*f) for f in forces)
-        overrun = overrun + dt if force > FORCE_OVERRUN * task.limits.normal_force and state is not None else 0.0
+        overrun = (
+            overrun + dt if force > FORCE_OVERRUN * task.limits.normal_force and state is not None else 0.0
+        )
         if overrun > FORCE_TIME:
-            reason = ("force_limit", f"{force:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N")
+            reason = (
+                "force_limit",
+                f"{force:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N",
+            )
             break
         if not np.isfinite(x).all() or math.hypot(pose.x - task.start.x, pose.y - task.start.y) > FAR:
             reason = ("diverged", f"the object is at ({pose.x:.2f}, {pose.y:.2f})")
@@ -185,7 +195,9 @@ def run(
         "start_tips": start_tips,
     }
     followed = state.reference.path if state is not None and state.reference is not None else None
-    return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta, followed)
+    return recorder.record(
+        reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta, followed
+    )
 
 
 def _waiting(plan: Plan) -> ControlLog:

@@ -1,9 +1,10 @@
-"""Joint paths: the object's planned path, with the arm attached to it at the contact, as motion of the joints.
+"""Joint paths: the object's planned path, with the arm attached to it at the contact, as motion of the
+joints.
 
-The tip must follow its contact point, the tool's yaw must follow the object (a tip that does not turn with the face rolls
-along it), and the tool's axis keeps a constant direction. What is free is the tool's yaw relative to the object, the
-tilt, and the elbow. All combinations of a grid are followed by continuation, with the elbow kept away from the joint limits;
-the best that is clear of table, object and obstacles is taken.
+The tip must follow its contact point, the tool's yaw must follow the object (a tip that does not turn with
+the face rolls along it), and the tool's axis keeps a constant direction. What is free is the tool's yaw
+relative to the object, the tilt, and the elbow. All combinations of a grid are followed by continuation, with
+the elbow kept away from the joint limits; the best that is clear of table, object and obstacles is taken.
 """
 
 from __future__ import annotations
@@ -30,9 +31,10 @@ STEP = 0.015  # [m] of the tip between samples
 JOINT_MARGIN = 0.08  # [rad] kept from every joint limit
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
-TILTS = (0.0, math.radians(12.0), math.radians(24.0), math.radians(36.0))  # of the tool, the wrist behind the contact
+# of the tool, the wrist behind the contact
+TILTS = (0.0, math.radians(12.0), math.radians(24.0), math.radians(36.0))
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
-APPROACH_SPEED = 0.6  # [rad/s] of the fastest joint in free space
+APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 DESCENT_SPEED = 0.15  # [m/s] of the tip
 HOVER_ROOM = 0.06  # [m] above the object's top before the tip goes down beside it
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
@@ -43,15 +45,20 @@ class _Candidate:
     attitude: ToolAttitude
     offset: float
     move: Continuation
+    way: float  # [rad] of the joint that has to turn most on the way from home
 
     @property
     def score(self) -> float:
-        """The least of joint margin and distance from singularity, saturated where more is of no use; upright preferred."""
-        return min(self.move.joint_margin, 0.5) - 0.01 * min(self.move.condition, 40.0) - 0.15 * self.attitude.tilt
+        """Joint margin and distance from singularity, saturated where more is of no use; upright and near
+        home preferred.
+        """
+        safe = min(self.move.joint_margin, 0.4) - 0.01 * min(self.move.condition, 40.0)
+        return safe - 0.15 * self.attitude.tilt - 0.05 * self.way
 
 
 def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointPath, ToolAttitude]:
-    """Return the joint path of one arm and how its tool is held; ``force`` takes the best there is, however bad.
+    """Return the joint path of one arm and how its tool is held; ``force`` takes the best there is, however
+    bad.
 
     Raises InfeasibleTaskError, with the figure that decides, where no tried posture does it.
     """
@@ -81,7 +88,9 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         for candidate in candidates[:ENOUGH]:
             clear, pair = model.least(candidate.move.q, poses, touching=True)
             if clear >= CLEARANCE or force:
-                for times, approach in _approaches(plan, kin, candidate, positions[0], yaws[0], contact.height, normal):
+                for times, approach in _approaches(
+                    plan, kin, candidate, positions[0], yaws[0], contact.height, normal
+                ):
                     way = approach[::3]
                     way_clear, way_pair = model.least(way, [poses[0]] * len(way), touching=False)
                     if way_clear >= CLEARANCE or force:
@@ -96,7 +105,7 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
             elif clear > least:
                 least, problem = clear, pair
     if least > -math.inf:
-        problem = f"{problem} come as near as {least * 1e3:.0f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
+        problem = f"{problem} come as near as {least * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
     raise InfeasibleTaskError(
         f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path along the contact: {problem}"
     )
@@ -105,7 +114,9 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
 def _candidates(
     kin: ArmKinematics, positions: Array, yaws: Array, attitude: ToolAttitude, force: bool
 ) -> tuple[list[_Candidate], str]:
-    """Return the joint paths of all tool yaw offsets at one tilt, best first, and why the last of the others failed."""
+    """Return the joint paths of all tool yaw offsets at one tilt, best first, and why the last of the others
+    failed.
+    """
     offsets = YAW_OFFSETS if kin.facts.size > 6 else np.zeros(1)
     tool_yaws = yaws[None, :] + offsets[:, None]
     starts = solve_ik(
@@ -118,12 +129,15 @@ def _candidates(
     paths = continuations(kin, positions, tool_yaws[good], starts.q[good], attitude, JOINT_MARGIN)
     for j, path in zip(good, paths, strict=True):
         if force or (path.ok and path.condition < CONDITION_LIMIT):
-            found.append(_Candidate(attitude, float(offsets[j]), path))
+            way = float(np.max(np.abs(path.q[0] - kin.facts.home)))
+            found.append(_Candidate(attitude, float(offsets[j]), path, way))
         elif not path.ok:
             at = positions[path.failed_at if path.failed_at is not None else 0]
             why = f"{path.status} at tip ({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f}), {JOINT_MARGIN:g} rad of margin asked"
         else:
-            why = f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
+            why = (
+                f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
+            )
     return sorted(found, key=lambda c: -c.score), why
 
 
@@ -136,9 +150,11 @@ def _approaches(
     height: float,
     normal: tuple[float, float],
 ) -> Iterator[tuple[Array, Array]]:
-    """Yield times (m,) and postures (m, n) of ways from home to the place beside the object, the most careful first.
+    """Yield times (m,) and postures (m, n) of ways from home to the place beside the object, the most careful
+    first.
 
-    Over that place and down; from as high as the arm can; straight. Each directly, and with the base turned first.
+    Over that place and down; from as high as the arm can; straight. Each directly, and with the base turned
+    first.
     """
     gap = plan.task.motion.approach_distance
     beside = first - gap * np.array([normal[0], normal[1], 0.0])
@@ -149,7 +165,12 @@ def _approaches(
     rise = np.column_stack([np.full(len(levels), beside[0]), np.full(len(levels), beside[1]), levels])
     points = np.concatenate([back, rise])
     path = continuations(
-        kin, points, np.full((1, len(points)), yaw + candidate.offset), candidate.move.q[:1], candidate.attitude, 0.03
+        kin,
+        points,
+        np.full((1, len(points)), yaw + candidate.offset),
+        candidate.move.q[:1],
+        candidate.attitude,
+        0.03,
     )[0]
     reached = len(points) if path.failed_at is None else path.failed_at
     if reached < len(back):
@@ -161,7 +182,9 @@ def _approaches(
         if kin.facts.moving[0].kind == "revolute":
             turned[0] = down[0][0]
         for corners in ([home, down[0]], [home, turned, down[0]]):
-            yield _timed(corners, down, float(levels[top - len(back) - 1] - height) if top > len(back) else 0.0)
+            yield _timed(
+                corners, down, float(levels[top - len(back) - 1] - height) if top > len(back) else 0.0
+            )
 
 
 def _timed(corners: list[Array], down: Array, drop: float) -> tuple[Array, Array]:

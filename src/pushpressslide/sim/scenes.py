@@ -71,8 +71,9 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
         following = np.roll(corners, -1, axis=0)
         areas = 0.5 * (corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0])
         a, b = corners, following
-        second = np.einsum("k,kij->ij", areas / 12.0, 2 * (a[:, :, None] * a[:, None, :] + b[:, :, None] * b[:, None, :])
-                           + a[:, :, None] * b[:, None, :] + b[:, :, None] * a[:, None, :])  # fmt: skip
+        aa, bb = a[:, :, None] * a[:, None, :], b[:, :, None] * b[:, None, :]
+        ab, ba = a[:, :, None] * b[:, None, :], b[:, :, None] * a[:, None, :]
+        second = np.einsum("k,kij->ij", areas / 12.0, 2.0 * (aa + bb) + ab + ba)
         centroid = np.einsum("k,ki->i", areas / 3.0, a + b) / areas.sum()
         second = second / areas.sum() - np.outer(centroid, centroid)
         h2 = shape.height**2 / 12.0
