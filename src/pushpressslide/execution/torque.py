@@ -1,4 +1,4 @@
-"""Joint torque from what the tip is to do (paper eq. 27), and the limits of a real arm (MECHANICS, section
+"""Joint torque from what the tip is to do (paper eq. 26), and the limits of a real arm (MECHANICS, section
 11).
 """
 

@@ -80,6 +80,29 @@ def simulate(
     raise InfeasibleTaskError(refusal(task, judged))
 
 
+def run(
+    what: Task | Plan,
+    *,
+    engine: Engine = "drake",
+    seed: int = 0,
+    progress: Progress | None = None,
+    models: str = "generated",
+) -> Record:
+    """Run a plan, or select, plan and run a task, and return the record of what happened.
+
+    Raises InfeasibleTaskError before anything moves where it cannot be done.
+    """
+    if isinstance(what, Task):
+        return simulate(what, engine=engine, seed=seed, progress=progress, models=models)[1]
+    if engine == "planar":
+        from pushpressslide.planar.engine import run as run_planar
+
+        return run_planar(what, seed=seed, progress=progress)
+    from pushpressslide.sim.engine import run as run_drake
+
+    return run_drake(what, seed=seed, progress=progress, models=models)
+
+
 def run_task(
     task: Task,
     *,

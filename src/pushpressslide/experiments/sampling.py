@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Box, ObjectModel, Prism, Shape, Task
+from pushpressslide.core.task import Belief, Box, ObjectModel, Prism, Task
 
 REACH = (0.35, 0.72)  # [m] of the object's centre from the first robot's base, where new tasks are drawn
 AZIMUTH = math.radians(80.0)  # either side of the base's forward direction

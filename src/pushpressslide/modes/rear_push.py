@@ -130,8 +130,9 @@ class RearPush:
 
         if abs(face.offset) >= belief.contact_friction * face.depth:
             return refused(
-                f"a straight push needs the contact within {belief.contact_friction * face.depth * 1e3:.0f} mm of the "
-                f"line through the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
+                "a straight push needs the contact within "
+                f"{belief.contact_friction * face.depth * 1e3:.0f} mm of the line through the CoM, "
+                f"it is {abs(face.offset) * 1e3:.0f} mm off"
             )
         tip_over = TIPPING_SHARE * self._room_ahead(task, face) / belief.support_friction
         if height > tip_over:
@@ -181,7 +182,8 @@ class RearPush:
         }
         looped = path.length > longest
         reason = (
-            f"face {face.index}: path {path.length:.3f} m, tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
+            f"face {face.index}: path {path.length:.3f} m, "
+            f"tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
             f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone"
             + (", with a loop" if looped else "")
         )

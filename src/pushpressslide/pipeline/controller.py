@@ -1,8 +1,8 @@
 """The controller: the paper's Algorithm 1, for any mode and any engine, top to bottom.
 
     touch    line the tips up with their contacts, advance until they feel the object, settle the normal force
-    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the wanted contact
-    motion release  draw the tips back; then done
+    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the contact motion
+    release  draw the tips back; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) -> (commands, log, state)``.
 It sees what a robot would see: object pose, tip state, contact force. It never raises; what went wrong is in

@@ -13,8 +13,8 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.modes.base import Guidance, Mode
 
 SLID = 2.5e-3  # [m] of a contact along its face
-OFF_PATH = 2e-3  # [m] of the tracking point from the path
-OFF_HEADING = 0.035  # [rad] of the heading from the path's; 2 degrees
+OFF_PATH = 1e-3  # [m] of the tracking point from the path
+OFF_HEADING = 0.0175  # [rad] of the heading from the path's; 1 degree
 ROOM = 0.02  # [m] of path that must be left
 PAUSE = 0.4  # [s] between two re-plans
 DETOUR = 1.1  # times the way that is left: a longer plan has turned a loop and is not taken

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.control import ControlLog, Measurement, TipCommand, TipState
 from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode, Record
 from pushpressslide.execution.arm import ArmExecutor, ArmState
-from pushpressslide.pipeline.controller import Controller, ControllerState
+from pushpressslide.pipeline.control_state import ControllerState
+from pushpressslide.pipeline.controller import Controller
 from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
@@ -39,12 +39,23 @@ class _Arm:
     state.
     """
 
-    def __init__(self, plan: Plan, index: int, station: Station, path: JointPath, attitude: ToolAttitude, dt: float, models: str) -> None:  # noqa: E501
+    def __init__(
+        self,
+        plan: Plan,
+        index: int,
+        station: Station,
+        path: JointPath,
+        attitude: ToolAttitude,
+        dt: float,
+        models: str,
+    ) -> None:
         self.model = ArmModel(plan.task.robots[index], models=models)
         facts = self.model.instance.facts
         instance, plant = station.scene.robots[index].model_instance, station.plant
-        self.q_at = np.array([plant.get_joint(j).position_start() for j in plant.GetJointIndices(instance) if plant.get_joint(j).num_positions() == 1])  # noqa: E501
-        self.v_at = plant.num_positions() + np.array([plant.get_joint(j).velocity_start() for j in plant.GetJointIndices(instance) if plant.get_joint(j).num_velocities() == 1])  # noqa: E501
+        joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
+        moving = [joint for joint in joints if joint.num_positions() == 1]
+        self.q_at = np.array([joint.position_start() for joint in moving])
+        self.v_at = plant.num_positions() + np.array([joint.velocity_start() for joint in moving])
         self.executor = ArmExecutor(
             facts.effort_limit, facts.torque_rate_limit, attitude.rotation, path.tool_yaw_offset,
             plan.task.motion.joint_stiffness if plan.task.motion.joint_tracking else 0.0, dt,
@@ -100,11 +111,10 @@ def run(
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
     approach_time = max(float(arm.path.approach_time[-1]) for arm in arms) + 0.2
     expected = approach_time + plan.profile.duration + 4.0
-    plant, context = station.plant, station.plant_context
+    plant = station.plant
     object_q = station.scene.object.floating_positions_start()
     object_v = station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
     bodies = {name: body.floating_positions_start() for name, body in station.scene.bodies.items()}
-    X_BG = controller.X_BG
     state: ControllerState | None = None
     reason: tuple[ReasonCode, str] = ("time_limit", f"limits.time of {task.limits.time:g} s is over")
     overrun = 0.0
@@ -148,6 +158,7 @@ def run(
                 arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
                 references.append(q_ref)
         for i, arm in enumerate(arms):
+            assert arm.torque is not None
             station.set_torque(i, arm.torque)
         executed += perf_counter() - executing
         total = perf_counter() - tick
@@ -161,14 +172,13 @@ def run(
         if state is not None and state.phase == "done":
             reason = state.failure or ("goal_reached", "")
             break
-        force = max(math.hypot(*f) for f in forces)
-        overrun = (
-            overrun + dt if force > FORCE_OVERRUN * task.limits.normal_force and state is not None else 0.0
-        )
+        largest = max(math.hypot(*f) for f in forces)
+        over = largest > FORCE_OVERRUN * task.limits.normal_force and state is not None
+        overrun = overrun + dt if over else 0.0
         if overrun > FORCE_TIME:
             reason = (
                 "force_limit",
-                f"{force:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N",
+                f"{largest:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N",
             )
             break
         if not np.isfinite(x).all() or math.hypot(pose.x - task.start.x, pose.y - task.start.y) > FAR:
@@ -205,7 +215,15 @@ def _waiting(plan: Plan) -> ControlLog:
     return ControlLog("approach", 0.0, plan.task.start, NO_LOG_ERROR, NO_LOG_ERROR, NO_LOG_ERROR, 0.0, "ok")
 
 
-def _rows(x: Array, object_q: int, arms: list[_Arm], references: list[Array], forces: list[Any], bodies: dict[str, int]) -> dict[str, Any]:  # noqa: E501
+def _rows(
+    x: Array,
+    object_q: int,
+    arms: list[_Arm],
+    references: list[Array],
+    forces: list[tuple[float, float, float]],
+    bodies: dict[str, int],
+) -> dict[str, Any]:
+    """What only this engine records of a tick."""
     rows: dict[str, Any] = {"object_pose_3d": x[object_q : object_q + 7].copy()}
     points = []
     for i, (arm, q_ref, force) in enumerate(zip(arms, references, forces, strict=True)):

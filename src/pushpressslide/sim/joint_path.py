@@ -107,7 +107,8 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
     if least > -math.inf:
         problem = f"{problem} come as near as {least * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
     raise InfeasibleTaskError(
-        f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path along the contact: {problem}"
+        f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path "
+        f"along the contact: {problem}"
     )
 
 
@@ -133,7 +134,8 @@ def _candidates(
             found.append(_Candidate(attitude, float(offsets[j]), path, way))
         elif not path.ok:
             at = positions[path.failed_at if path.failed_at is not None else 0]
-            why = f"{path.status} at tip ({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f}), {JOINT_MARGIN:g} rad of margin asked"
+            where = f"({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f})"
+            why = f"{path.status} at tip {where}, {JOINT_MARGIN:g} rad of margin asked"
         else:
             why = (
                 f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"

@@ -3,7 +3,7 @@
 Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref - p_vfa), positive when
 the path is to the left. Steering delta > 0 is a force to the left of the heading axis and turns the car to
 the right: w = -(v / wheelbase) tan(delta). Of the four sign combinations only this one converges. (The
-paper's eq. 15 with errors taken actual minus reference is the unstable one.)
+paper's eq. 14 with errors taken actual minus reference is the unstable one.)
 """
 
 from __future__ import annotations
