@@ -1,5 +1,5 @@
-"""Allocation to one side contact: two force components for three wrench components (MECHANICS, sections 2, 3
-and 8).
+"""Allocation to one side contact: two force components for three wrench components (docs/mechanics.md,
+sections 2, 3 and 8).
 """
 
 from __future__ import annotations

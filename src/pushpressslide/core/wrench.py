@@ -11,7 +11,7 @@ from pushpressslide.core.pose import Point, cross
 class Wrench:
     """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m] about the point ``about``.
 
-    All in one planar frame, the body frame B unless said otherwise (MECHANICS, section 0).
+    All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md, section 0).
     """
 
     fx: float

@@ -30,11 +30,15 @@ GRAVITY = 9.81  # [m/s^2]
 STEERING_RESERVE = 0.12
 OVERHEAD = 6.0  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
+TURNING_LIMIT = math.radians(200.0)  # of all arcs together: in longer spirals the model's error adds up
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
-TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
-# From comfortable to hard: factors on the run-in and on the share of the friction-limited curvature that the
-# path uses.
-COMFORT = ((1.0, 1.0), (0.6, 1.0), (0.6, 1.2), (0.35, 1.2), (0.35, 1.35), (0.15, 1.35))
+# of the height at which the object would tip: beyond, the load piles up at its leading edge
+TIPPING_SHARE = 0.5
+# From comfortable to hard: factors on the run-in, on the share of the friction-limited curvature that the
+# path uses, and
+# on the speed: near the edge of the friction cone the contact's sideways jumps, which grow with speed, must
+# be smaller.
+COMFORT = ((1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.6), (0.35, 1.35, 0.6), (0.15, 1.35, 0.5))
 
 
 def contact_height(task: Task, face: Face) -> float:
@@ -151,18 +155,19 @@ class RearPush:
         straight = math.hypot(goal.x - start.x, goal.y - start.y)
         longest = LOOP_RATIO * straight + 0.02
         tried = []
-        for run_share, harder in COMFORT:
+        for run_share, harder, slower in COMFORT:
             run_in, use = run_share * task.motion.run_in, min(1.0, harder * task.motion.curvature_margin)
-            tried.append((run_in, use, _goal_path(start, goal, high * use, -low * use, run_in)))
-            if tried[-1][2].length <= longest:
+            path = _goal_path(start, goal, high * use, -low * use, run_in)
+            tried.append((run_in, use, slower * task.motion.speed, path))
+            if path.length <= longest:
                 break
-        run_in, use, path = (
-            tried[-1] if tried[-1][2].length <= longest else min(tried, key=lambda t: t[2].length)
-        )
+        run_in, use, speed, path = tried[-1]
+        if path.length > longest:
+            run_in, use, speed, path = min(tried, key=lambda t: t[3].length)
         steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
         bounds = car.steering_limits
         margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)
-        time = SpeedProfile(path.length, task.motion.speed, task.motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
         parameters = {
             "face": float(face.index),
             "lever": car.lever,
@@ -178,6 +183,7 @@ class RearPush:
             "curvature_share": use,
             "effective_friction": car.mu,
             "run_in": run_in,
+            "speed": speed,
             "push_force": level,
         }
         looped = path.length > longest
@@ -222,6 +228,9 @@ class RearPush:
         path = choice.path
         if path is None:
             return "no path"
+        turning = sum(abs(curvature) * length for curvature, length in path.pieces)
+        if turning > TURNING_LIMIT:
+            return f"the path turns by {math.degrees(turning):.0f} deg, allowed {math.degrees(TURNING_LIMIT):.0f} deg"
         if choice.time is not None and choice.time > task.limits.time:
             return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
         X_VB = self.vehicle_frame(choice).inverse()

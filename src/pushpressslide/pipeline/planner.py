@@ -24,7 +24,9 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
         choice = usable[0]
     if choice.path is None or not (choice.feasible or force):
         raise InfeasibleTaskError(refusal(task, [choice]))
-    profile = SpeedProfile(choice.path.length, task.motion.speed, task.motion.acceleration)
+    profile = SpeedProfile(
+        choice.path.length, choice.parameters.get("speed", task.motion.speed), task.motion.acceleration
+    )
     return Plan(task, choice, choice.path, profile, MODES[choice.mode].vehicle_frame(choice))
 
 

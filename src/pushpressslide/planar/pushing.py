@@ -1,5 +1,5 @@
-"""One quasi-static step of an object pushed by one point: stick, slip, separation (MECHANICS, sections 2 and
-3).
+"""One quasi-static step of an object pushed by one point: stick, slip, separation (docs/mechanics.md,
+sections 2 and 3).
 
 Two ways of pushing: a prescribed contact velocity, and a compliant tip whose force falls with its speed, f =
 f_0 - B v_tip, which is what a force plus a velocity servo does. Everything in one planar frame, the body

@@ -33,6 +33,7 @@ from pushpressslide.sim.surfaces import (
     support_grid,
 )
 
+ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
@@ -113,14 +114,28 @@ def tile_size(shape: model.Shape) -> float:
     return width / TILES_PER_WIDTH
 
 
-def obstacle_friction(support_pair: float, obstacle_pair: float) -> float:
-    """Return the surface friction of an obstacle whose pair with the support is to be ``obstacle_pair``.
+def object_friction(task: model.Task) -> float:
+    """Return the friction of the object's own surface, from which those of all its partners follow.
 
-    The support's own surface follows from its pair with the object. Where no surface is rough enough, the
-    roughest that is sensible is taken.
+    The usual one, unless a movable obstacle is to have more friction on the support than the support's surface
+    could then give. Then between the least that lets the tips have their pair with the object and the most that
+    leaves the support rough enough.
     """
-    support = partner_friction(support_pair)
-    return partner_friction(obstacle_pair, support) if obstacle_pair < 1.9 * support else 20.0 * support
+    pairs = [o.friction for o in task.obstacles if o.movable]
+    support = task.support.friction
+    if not pairs or max(pairs) <= max(support, ROUGHEST * partner_friction(support)):
+        return OBJECT_FRICTION
+    least, rough = 0.51 * max(task.contact_friction, support), 0.5 * max(pairs)
+    return math.sqrt(least * max(least, support * rough / (2.0 * rough - support)))
+
+
+def obstacle_friction(support: float, pair: float) -> float:
+    """Return the surface friction of an obstacle whose pair with the support is to be ``pair``.
+
+    ``support`` is the friction of the support's own surface. Where no obstacle is rough enough, since the pairs
+    of tip, object, support and obstacle cannot all be had, the roughest that is sensible is taken.
+    """
+    return partner_friction(pair, support) if pair < ROUGHEST * support else 200.0 * support
 
 
 def build_scene(plan: Plan, *, models: str = "generated", time_step: float | None = None) -> Scene:
@@ -130,18 +145,19 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step or task.motion.time_step)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
     plant.set_contact_model(ContactModel.kHydroelastic)
-    body = task.object
+    body, own = task.object, object_friction(task)
+    ground = partner_friction(task.support.friction, own)
     thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
     shape = object_shape(body.shape)
     size = min(body.shape.height, 4.0 * tile_size(body.shape))
     plant.RegisterCollisionGeometry(
-        thing, RigidTransform(), shape, "object", compliant_properties(OBJECT_FRICTION, 0.25 * size)
+        thing, RigidTransform(), shape, "object", compliant_properties(own, 0.25 * size)
     )
     plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
     grid = support_grid(grid_bounds(plan), tile_size(body.shape))
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), grid, "support",
-        rigid_properties(partner_friction(task.support.friction)),
+        rigid_properties(ground),
     )  # fmt: skip
     plant.RegisterVisualGeometry(
         plant.world_body(),
@@ -154,7 +170,7 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     for obstacle in task.obstacles:
         X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK)
         box = DrakeBox(*obstacle.size)
-        friction = obstacle_friction(task.support.friction, obstacle.friction)
+        friction = obstacle_friction(ground, obstacle.friction)
         if obstacle.movable:
             instance = plant.AddModelInstance(f"obstacle_{obstacle.name}")
             part = plant.AddRigidBody(
@@ -186,7 +202,7 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     robots = tuple(
         add_robot(
             plant, robot, index,
-            tip_properties=rigid_properties(partner_friction(task.contact_friction), 0.3 * robot.tip_radius),
+            tip_properties=rigid_properties(partner_friction(task.contact_friction, own), 0.3 * robot.tip_radius),
             models=models,
         )
         for index, robot in enumerate(task.robots)

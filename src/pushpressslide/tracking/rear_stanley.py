@@ -1,4 +1,4 @@
-"""Rear-wheel Stanley law at the virtual front axle (MECHANICS, section 3).
+"""Rear-wheel Stanley law at the virtual front axle (docs/mechanics.md, section 3).
 
 Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref - p_vfa), positive when
 the path is to the left. Steering delta > 0 is a force to the left of the heading axis and turns the car to
