@@ -20,6 +20,7 @@ from pushpressslide.cli.options import (
     Sets,
     TaskName,
 )
+from pushpressslide.core.errors import TaskError
 from pushpressslide.cli.shell import part, progress_bar, results_folder
 
 
@@ -27,7 +28,13 @@ from pushpressslide.cli.shell import part, progress_bar, results_folder
 def sweep(
     task: TaskName,
     samples: Annotated[int, typer.Option("--samples", min=1, max=1_000_000, help="Number of variations.")],
-    engine: EngineName = Engine.planar,
+    engine: EngineName = Engine.drake,
+    vary: Annotated[
+        str, typer.Option("--vary", help="truth: what is true of the task; tasks: new tasks for its robots.")
+    ] = "truth",
+    check_refusals: Annotated[
+        int, typer.Option("--check-refusals", min=0, help="Run this many refused samples all the same.")
+    ] = 0,
     mode: ModeName = None,
     jobs: Annotated[int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")] = 0,
     seed: Seed = 0,
@@ -41,11 +48,14 @@ def sweep(
 
     In parallel; with the same --out it goes on where it was interrupted.
     """
+    if vary not in ("truth", "tasks"):
+        raise TaskError("pps sweep", "--vary", vary, "allowed: truth, tasks")
     loaded = task_of(task, sets, mode)
     work = part("experiments.sweep", "sweep", "sweep")
     folder = results_folder(out, f"sweep-{loaded.name}", force)
     with progress_bar(f"{samples} samples on {engine.value}", not quiet) as progress:
         options = {"engine": engine.value, "jobs": jobs, "seed": seed, "force": force}
+        options |= {"vary": vary, "check_refusals": check_refusals}
         result = work(loaded, samples=samples, out=folder, progress=progress, **options)
     print_outcome(result, folder, as_json, quiet)
 

@@ -1,0 +1,256 @@
+"""Every mode of the library keeps the contract; a new mode is tested by being there."""
+
+import importlib
+import math
+import random
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide import load_task
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.pose import Pose2, cross
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, Task
+from pushpressslide.core.wrench import Wrench
+from pushpressslide.experiments.sampling import random_task
+from pushpressslide.mechanics.contacts import wrench_of_forces
+from pushpressslide.mechanics.friction import cone_margin
+from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+from pushpressslide.modes import MODES
+from pushpressslide.modes.base import Mode
+from pushpressslide.pipeline.planner import plan
+from pushpressslide.pipeline.selection import select
+
+BASE = load_task("rear-push-rear")
+every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))
+
+
+def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
+    base = replace(BASE, modes=(mode.name,), robots=tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms)))
+    return [random_task(base, index, seed=7) for index in range(count)]
+
+
+def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
+    """Return the feasible choices of some random tasks, with their plans."""
+    out = []
+    for task in random_tasks(mode, count):
+        for choice in mode.choices(task):
+            if choice.feasible:
+                out.append((choice, plan(task, choice)))
+    assert out, "none of the random tasks can be done"
+    return out
+
+
+def guided(mode: Mode, made: Plan, rng: random.Random):
+    """Return what the mode's tracker asks for near some point of the plan's path, and the pose of B there."""
+    s = rng.uniform(0.0, made.path.length)
+    X_WV = made.path.pose(s).compose(
+        Pose2(0.0, rng.uniform(-0.01, 0.01), rng.uniform(-0.1, 0.1)) if rng.random() < 0.8 else Pose2()
+    )
+    X_WB = X_WV.compose(made.X_BV.inverse())
+    grip = rng.choice([1.0, 0.6])
+    return mode.tracker(made).step(made.path, X_WB, s, rng.uniform(0.005, 0.1), grip), X_WB
+
+
+@every_mode
+def test_a_mode_says_what_it_is(mode: Mode) -> None:
+    module = importlib.import_module(f"pushpressslide.modes.{mode.name}")
+    assert module.MODE is mode
+    assert module.allocator == mode.allocator
+    assert mode.arms in (1, 2)
+    assert isinstance(mode.cop_steering, bool)
+    assert mode.reduced_model
+    assert mode.tracking_point
+
+
+@every_mode
+@pytest.mark.parametrize("robot", ["hand", "panda"])
+def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(mode: Mode, robot: str) -> None:
+    for task in random_tasks(mode, 24 if robot == "hand" else 8, robot):
+        choices = mode.choices(task)
+        assert choices
+        for choice in choices:
+            assert choice.mode == mode.name
+            assert choice.reason
+            assert "\n" not in choice.reason
+            if choice.feasible:
+                assert choice.path is not None
+                assert choice.path_length == pytest.approx(choice.path.length)
+                assert 0.0 < choice.path_length < math.inf
+                assert 0.0 < (choice.time or 0.0) <= task.limits.time
+                assert (choice.friction_margin or 0.0) > 0.0
+                assert len(choice.contacts) == mode.arms
+                assert all(math.isfinite(value) for value in choice.parameters.values())
+
+
+@every_mode
+def test_a_task_with_another_number_of_arms_is_refused_with_the_numbers(mode: Mode) -> None:
+    robots = tuple(Robot("hand", (0.0, 0.2 * i, 0.0)) for i in range(3))
+    (choice,) = select(replace(BASE, modes=(mode.name,), robots=robots))
+    assert not choice.feasible
+    assert f"needs {mode.arms}" in choice.reason
+
+
+@every_mode
+def test_the_plan_leads_from_the_start_to_the_goal(mode: Mode) -> None:
+    for _, made in planned(mode, 12):
+        for s, wanted in ((0.0, made.task.start), (made.path.length, made.task.goal)):
+            pose = made.object_pose(s)
+            assert math.hypot(pose.x - wanted.x, pose.y - wanted.y) < 1e-7
+            assert abs(math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)) < 1e-7
+
+
+@every_mode
+def test_allocated_forces_add_up_to_the_wrench_that_the_tracker_asked_for(mode: Mode) -> None:
+    rng = random.Random(1)
+    for choice, made in planned(mode, 12):
+        friction = made.task.believed.contact_friction
+        allocate = mode.allocator(choice.contacts, friction, choice.parameters.get("rho"))
+        for _ in range(20):
+            wanted = guided(mode, made, rng)[0].wrench
+            allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
+            total = wrench_of_forces([c.point for c in choice.contacts], allocation.forces)
+            assert allocation.status == "ok"
+            assert (total.fx, total.fy) == pytest.approx((wanted.fx, wanted.fy), abs=1e-9)
+            assert total.tau == pytest.approx(wanted.tau, abs=1e-10)
+
+
+@every_mode
+def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside_the_cones(mode: Mode) -> None:
+    rng = random.Random(2)
+    for choice, made in planned(mode, 6):
+        friction = made.task.believed.contact_friction
+        allocate = mode.allocator(choice.contacts, friction)
+        for _ in range(200):
+            wanted = (rng.gauss(0.0, 5.0), rng.gauss(0.0, 5.0), rng.gauss(0.0, 0.5))
+            allocation = allocate(*wanted)
+            total = wrench_of_forces([c.point for c in choice.contacts], allocation.forces)
+            given = (total.fx, total.fy, total.tau)
+            for asked, got, missing in zip(wanted, given, allocation.residual, strict=True):
+                assert got + missing == pytest.approx(asked, abs=1e-9)
+            assert len(allocation.forces) == len(allocation.normals) == mode.arms
+            for contact, force in zip(choice.contacts, allocation.forces, strict=True):
+                if contact.kind == "side":
+                    assert cone_margin(force, contact.normal, friction) >= -1e-9
+
+
+@every_mode
+def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(mode: Mode) -> None:
+    rng = random.Random(3)
+    for choice, made in planned(mode, 12):
+        surface = EllipsoidLimitSurface(choice.parameters["push_force"], choice.parameters["rho"])
+        friction = made.task.believed.contact_friction
+        allocate = mode.allocator(choice.contacts, friction, choice.parameters["rho"])
+        for _ in range(20):
+            wanted = guided(mode, made, rng)[0].wrench
+            assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
+            allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
+            assert allocation.margin > 0.0
+
+
+@every_mode
+def test_the_tracking_point_does_not_slip_sideways(mode: Mode) -> None:
+    rng = random.Random(4)
+    for _, made in planned(mode, 12):
+        for _ in range(20):
+            guidance, _ = guided(mode, made, rng)
+            at_point = guidance.twist.moved_to(made.X_BV.position)
+            along, across = made.X_BV.unrotate((at_point.vx, at_point.vy))
+            assert along > 0.0
+            assert across == pytest.approx(0.0, abs=1e-12)
+
+
+@every_mode
+def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
+    rng = random.Random(5)
+    for choice, made in planned(mode, 12):
+        surface = EllipsoidLimitSurface(choice.parameters["push_force"], choice.parameters["rho"])
+        shift = choice.parameters.get("height_shift", 0.0)
+        forward = (math.cos(made.X_BV.yaw), math.sin(made.X_BV.yaw))
+        for _ in range(10):
+            guidance, _ = guided(mode, made, rng)
+            direction = surface.twist_direction(guidance.wrench)
+            # the model's axle is moved ahead with the CoP by the height term: compare about that CoP
+            twist = guidance.twist.moved_to((shift * forward[0], shift * forward[1]))
+            assert direction.w * forward_speed(twist, forward) == pytest.approx(
+                twist.w * forward_speed(direction, forward), abs=1e-9
+            )
+
+
+def forward_speed(twist, forward) -> float:
+    return twist.vx * forward[0] + twist.vy * forward[1]
+
+
+@every_mode
+def test_no_allocator_ever_raises(mode: Mode) -> None:
+    choice, _ = planned(mode, 6)[0]
+    numbers = [0.0, -0.0, 1e-300, -1e-12, 1.0, -3.0, 1e6, -1e12]
+    for friction in (1e-6, 0.3, 1.0, 1.99):
+        allocate = mode.allocator(choice.contacts, friction)
+        for fx in numbers:
+            for fy in numbers:
+                for tau in numbers:
+                    allocation = allocate(fx, fy, tau)
+                    assert allocation.status in ("ok", "projected", "infeasible")
+                    assert all(math.isfinite(value) for force in allocation.forces for value in force)
+
+
+def mirrored(task: Task) -> Task:
+    """Return the task seen in a mirror that exchanges left and right (y to -y)."""
+    body = task.object
+    shape = body.shape
+    if isinstance(shape, Prism):
+        shape = Prism(tuple((x, -y) for x, y in reversed(shape.polygon)), shape.height)
+    assert isinstance(shape, Box | Prism | Cylinder)
+    com = (body.center_of_mass[0], -body.center_of_mass[1])
+
+    def flip(pose: Pose2) -> Pose2:
+        return Pose2(pose.x, -pose.y, -pose.yaw)
+
+    robots = tuple(
+        replace(r, base=(r.base[0], -r.base[1], r.base[2]), base_yaw=-r.base_yaw) for r in reversed(task.robots)
+    )
+    return replace(
+        task, object=ObjectModel(shape, body.mass, com), start=flip(task.start), goal=flip(task.goal), robots=robots
+    )
+
+
+@every_mode
+def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
+    for task in random_tasks(mode, 12):
+        own, other = mode.choices(task), mode.choices(mirrored(task))
+        assert len(own) == len(other)
+
+        def figures(choice: Choice, sign: float):
+            contacts = [(c.point[0], sign * c.point[1]) for c in choice.contacts]
+            return contacts, choice.feasible, choice.path_length, choice.friction_margin
+
+        for choice in own:
+            wanted = figures(choice, 1.0)
+            twin = min(
+                (figures(c, -1.0) for c in other),
+                key=lambda f: sum(math.dist(a, b) for a, b in zip(f[0], wanted[0], strict=True)),
+            )
+            assert twin[1] == wanted[1]
+            for got, asked in zip(twin[2:], wanted[2:], strict=True):
+                assert (got is None) == (asked is None)
+                assert got is None or got == pytest.approx(asked, rel=1e-6)
+
+
+@every_mode
+def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_old(mode: Mode) -> None:
+    for choice, made in planned(mode, 12):
+        X_WB = made.task.start.compose(made.task.object.X_GB)
+        touched = tuple(c.point for c in choice.contacts)
+        fresh = mode.replan(made, X_WB, touched, 1.01 * made.path.length)
+        assert fresh is not None
+        assert fresh.path.length <= 1.01 * made.path.length
+        goal = fresh.object_pose(fresh.path.length)
+        assert math.hypot(goal.x - made.task.goal.x, goal.y - made.task.goal.y) < 1e-7
+        assert mode.replan(made, X_WB, touched, 0.5 * made.path.length) is None
+
+
+def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:
+    """What the sums above rest on."""
+    total = wrench_of_forces([(0.1, -0.2)], [(1.0, 2.0)])
+    assert total == Wrench(1.0, 2.0, cross((0.1, -0.2), (1.0, 2.0)))

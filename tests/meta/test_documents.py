@@ -1,0 +1,117 @@
+"""The documents do not lie: links, functions, tests, commands, fields, examples."""
+
+import importlib
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+import typer
+import yaml
+
+from pushpressslide.cli import app
+from pushpressslide.core.task import Motion
+from pushpressslide.modes import MODES
+from pushpressslide.pipeline.task_file import task_from_data
+
+ROOT = Path(__file__).parents[2]
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *DOCS]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+every_page = pytest.mark.parametrize("page", PAGES, ids=[p.name for p in PAGES])
+
+
+@every_page
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        if not target.startswith(("http://", "https://", "#")):
+            assert (page.parent / target.split("#")[0]).exists(), target
+
+
+@every_page
+def test_no_page_names_a_place_on_somebodys_machine(page: Path) -> None:
+    assert not re.search(r"(/home/|/work/|/Users/|/tmp/)", page.read_text(encoding="utf-8"))
+
+
+def test_every_page_of_docs_is_linked_from_another() -> None:
+    words = {p.name: p.read_text(encoding="utf-8") for p in PAGES}
+    for page in DOCS:
+        assert any(f"{page.name})" in text for name, text in words.items() if name != page.name), page.name
+
+
+def rows_of_the_paper_map():
+    text = (ROOT / "docs" / "paper-map.md").read_text(encoding="utf-8")
+    return re.findall(r"\| `([a-z_.A-Z]+)` \| `([a-z_/]+\.py)` \|", text)
+
+
+def test_the_paper_map_has_rows() -> None:
+    assert len(rows_of_the_paper_map()) >= 20
+
+
+@pytest.mark.parametrize(("function", "test"), rows_of_the_paper_map())
+def test_the_paper_map_names_real_functions_and_tests(function: str, test: str) -> None:
+    parts = function.split(".")
+    at = next(i for i, part in enumerate(parts) if not part.islower() or i == 2)
+    thing = importlib.import_module(".".join(["pushpressslide", *parts[:at]]))
+    for part in parts[at:]:
+        thing = getattr(thing, part)
+    assert (ROOT / "tests" / test).exists()
+
+
+def commands() -> set[str]:
+    return set(typer.main.get_command(app).commands)
+
+
+def test_every_command_of_the_readme_exists_and_every_command_is_there() -> None:
+    named = set(re.findall(r"\bpps ([a-z]+)", README))
+    assert named == commands()
+
+
+@every_page
+def test_every_command_of_the_documents_exists(page: Path) -> None:
+    assert set(re.findall(r"(?:`|/|    )pps ([a-z]+)", page.read_text(encoding="utf-8"))) <= commands()
+
+
+def test_every_target_of_make_in_the_documents_exists() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for page in PAGES:
+        for target in re.findall(r"(?:`|    )make ([a-z-]+)", page.read_text(encoding="utf-8")):
+            assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"{page.name}: make {target}"
+
+
+def test_every_field_of_a_motion_is_documented() -> None:
+    page = (ROOT / "docs" / "task-file.md").read_text(encoding="utf-8")
+    for field in fields(Motion):
+        assert f"`motion.{field.name}`" in page
+
+
+@every_page
+def test_every_field_of_a_motion_that_is_named_exists(page: Path) -> None:
+    names = {field.name for field in fields(Motion)}
+    assert set(re.findall(r"`motion\.([a-z_]+)", page.read_text(encoding="utf-8"))) <= names
+
+
+def test_the_readmes_task_loads() -> None:
+    example = README.split("```yaml\n")[1].split("```")[0]
+    assert task_from_data(yaml.safe_load(example), "README").name == "my-push"
+
+
+def test_the_readmes_python_runs() -> None:
+    exec(compile(README.split("```python\n")[1].split("```")[0], "README", "exec"), {})
+
+
+def test_every_mode_is_in_the_page_on_choosing_one() -> None:
+    page = (ROOT / "docs" / "choosing-a-mode.md").read_text(encoding="utf-8")
+    for name in MODES:
+        assert f"| `{name}` |" in page
+
+
+def test_the_mechanics_keep_their_section_numbers() -> None:
+    page = (ROOT / "docs" / "mechanics.md").read_text(encoding="utf-8")
+    assert re.findall(r"^## (\d+)\.", page, re.MULTILINE) == [str(i) for i in range(13)]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "src").rglob("*.py")), ids=lambda p: p.stem)
+def test_documents_that_the_code_cites_exist(path: Path) -> None:
+    for name in re.findall(r"docs/([a-z-]+\.md)", path.read_text(encoding="utf-8")):
+        assert (ROOT / "docs" / name).exists()

@@ -1,0 +1,46 @@
+"""Track and allocate stay closed form and cheap: a fixed multiple of an empty function call, timed here."""
+
+import statistics
+from time import perf_counter
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.pose import Pose2
+from pushpressslide.modes import MODES
+
+MOST_CALLS = 40.0  # empty function calls that one track plus allocate may cost
+RUNS, REPEATS = 60, 400
+
+
+def empty() -> None:
+    """Do nothing."""
+
+
+def median_time(work) -> float:
+    """Return the median over RUNS of the mean time of one call [s]."""
+    times = []
+    for _ in range(RUNS):
+        started = perf_counter()
+        for _ in range(REPEATS):
+            work()
+        times.append((perf_counter() - started) / REPEATS)
+    return statistics.median(times)
+
+
+@pytest.mark.parametrize("name", ["rear-push-rear", "rear-push-left"])
+def test_track_and_allocate_cost_at_most_forty_empty_calls(name: str) -> None:
+    task = pps.load_task(name)
+    plan = pps.plan(task)
+    mode, choice = MODES[plan.choice.mode], plan.choice
+    tracker = mode.tracker(plan)
+    allocate = mode.allocator(choice.contacts, task.believed.contact_friction, choice.parameters.get("rho"))
+    s = 0.3 * plan.path.length
+    X_WB = plan.path.pose(s).compose(Pose2(0.0, 0.002, 0.02)).compose(plan.X_BV.inverse())
+
+    def tick() -> None:
+        wrench = tracker.step(plan.path, X_WB, s, 0.05, 1.0).wrench
+        allocate(wrench.fx, wrench.fy, wrench.tau)
+
+    ratio = median_time(tick) / median_time(empty)
+    assert ratio <= MOST_CALLS, f"track and allocate cost {ratio:.0f} empty function calls"
