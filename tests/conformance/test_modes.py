@@ -26,7 +26,9 @@ every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))
 
 
 def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
-    base = replace(BASE, modes=(mode.name,), robots=tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms)))
+    base = replace(
+        BASE, modes=(mode.name,), robots=tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms))
+    )
     return [random_task(base, index, seed=7) for index in range(count)]
 
 
@@ -65,7 +67,9 @@ def test_a_mode_says_what_it_is(mode: Mode) -> None:
 
 @every_mode
 @pytest.mark.parametrize("robot", ["hand", "panda"])
-def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(mode: Mode, robot: str) -> None:
+def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
+    mode: Mode, robot: str
+) -> None:
     for task in random_tasks(mode, 24 if robot == "hand" else 8, robot):
         choices = mode.choices(task)
         assert choices
@@ -116,7 +120,9 @@ def test_allocated_forces_add_up_to_the_wrench_that_the_tracker_asked_for(mode: 
 
 
 @every_mode
-def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside_the_cones(mode: Mode) -> None:
+def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside_the_cones(
+    mode: Mode,
+) -> None:
     rng = random.Random(2)
     for choice, made in planned(mode, 6):
         friction = made.task.believed.contact_friction
@@ -208,10 +214,15 @@ def mirrored(task: Task) -> Task:
         return Pose2(pose.x, -pose.y, -pose.yaw)
 
     robots = tuple(
-        replace(r, base=(r.base[0], -r.base[1], r.base[2]), base_yaw=-r.base_yaw) for r in reversed(task.robots)
+        replace(r, base=(r.base[0], -r.base[1], r.base[2]), base_yaw=-r.base_yaw)
+        for r in reversed(task.robots)
     )
     return replace(
-        task, object=ObjectModel(shape, body.mass, com), start=flip(task.start), goal=flip(task.goal), robots=robots
+        task,
+        object=ObjectModel(shape, body.mass, com),
+        start=flip(task.start),
+        goal=flip(task.goal),
+        robots=robots,
     )
 
 

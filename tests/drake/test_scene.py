@@ -1,4 +1,6 @@
-"""The scene's physics against integrals: drag of every shape, friction of every pair, inertia, repeatability."""
+"""The scene's physics against integrals: drag of every shape, friction of every pair, inertia,
+repeatability.
+"""
 
 import math
 from dataclasses import replace
@@ -13,7 +15,7 @@ from pydrake.systems.analysis import Simulator
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, Obstacle, ObjectModel, Prism, Robot, Support, Task
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism, Robot, Support, Task
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import support_pressure
@@ -144,7 +146,9 @@ def sliding_acceleration(scene, simulator, context, body) -> float:
     speeds = []
     for t in (0.1, 0.3):
         simulator.AdvanceTo(t)
-        speeds.append(np.linalg.norm(scene.plant.EvalBodySpatialVelocityInWorld(context, body).translational()[:2]))
+        speeds.append(
+            np.linalg.norm(scene.plant.EvalBodySpatialVelocityInWorld(context, body).translational()[:2])
+        )
     return float(speeds[1] - speeds[0]) / 0.2
 
 
@@ -172,7 +176,9 @@ def test_with_a_rough_obstacle_object_and_support_keep_the_friction_of_their_pai
 
 
 def test_tip_and_object_have_the_friction_of_their_pair() -> None:
-    """A tip that holds its place beside a face while the object slides past feels mu times its normal force."""
+    """A tip that holds its place beside a face while the object slides past feels mu times its normal
+    force.
+    """
     for pair in (0.3, 0.8):
         assert measured_tip_friction(pair) == pytest.approx(pair, rel=0.05)
 
@@ -209,7 +215,10 @@ def measured_tip_friction(pair: float) -> float:
         X = scene.plant.EvalBodyPoseInWorld(context, scene.object)
         force = ExternallyAppliedSpatialForce()
         force.body_index, force.p_BoBq_B = scene.object.index(), np.array([0.0, 0.0, height - 0.075])
-        slide, side = 400.0 * (0.03 - V.translational()[0]), -2e4 * X.translation()[1] - 300.0 * V.translational()[1]
+        slide, side = (
+            400.0 * (0.03 - V.translational()[0]),
+            -2e4 * X.translation()[1] - 300.0 * V.translational()[1],
+        )
         turn = -50.0 * X.rotation().matrix()[1, 0] - 2.0 * V.rotational()[2]
         force.F_Bq_W = SpatialForce(tau=np.array([0.0, 0.0, turn]), f=np.array([slide, side, 0.0]))
         applied.FixValue(context, [force])

@@ -99,7 +99,7 @@ def test_importing_pydrake_all_is_nowhere_in_tests_either() -> None:
 @pytest.mark.parametrize("section", [Motion, Limits, Sensing, Tolerance, Support])
 def test_the_defaults_of_task_files_are_those_of_the_data(section: type) -> None:
     task = pushpressslide.load_task(
-        "rear-push-rear", ["motion=null", "limits=null", "sensing=null", "tolerance=null", "support=null"]
+        "rear-push-rear", ["motion={}", "limits={}", "sensing={}", "tolerance={}", "support={}"]
     )
     loaded = getattr(task, section.__name__.lower())
     for field in fields(section):

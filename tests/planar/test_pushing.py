@@ -1,4 +1,6 @@
-"""Laws of one quasi-static push: limit surface, normality, Coulomb, agreement of its forms, mirror symmetry."""
+"""Laws of one quasi-static push: limit surface, normality, Coulomb, agreement of its forms, mirror
+symmetry.
+"""
 
 import math
 
@@ -46,7 +48,9 @@ def contact_velocity(twist: Twist, r):
 def check_sliding_law(outcome, r, rho) -> None:
     """The force is on the surface and the twist along its normal."""
     assert level(outcome.force, r, rho) == pytest.approx(1.0, rel=1e-6)
-    direction = EllipsoidLimitSurface(LIMIT, rho).twist_direction(Wrench(*outcome.force, cross(r, outcome.force)))
+    direction = EllipsoidLimitSurface(LIMIT, rho).twist_direction(
+        Wrench(*outcome.force, cross(r, outcome.force))
+    )
     twist = outcome.twist
     size = math.sqrt(twist.vx**2 + twist.vy**2 + (rho * twist.w) ** 2)
     assert (twist.vx, twist.vy, rho * twist.w) == pytest.approx(
@@ -76,7 +80,9 @@ def test_a_velocity_controlled_tip_does_what_the_motion_cone_says(r, rho, mu, be
 
 
 @given(levers, rhos, frictions, bearings, vectors)
-def test_a_pushed_contact_keeps_the_normal_velocity_and_sticks_or_is_on_the_edge(r, rho, mu, bearing, velocity) -> None:
+def test_a_pushed_contact_keeps_the_normal_velocity_and_sticks_or_is_on_the_edge(
+    r, rho, mu, bearing, velocity
+) -> None:
     n = unit(bearing)
     assume(dot(velocity, n) > 1e-3)
     outcome = push_with_velocity(velocity, r, n, mu, rho, LIMIT)
@@ -91,7 +97,9 @@ def test_a_pushed_contact_keeps_the_normal_velocity_and_sticks_or_is_on_the_edge
 
 
 @given(levers, rhos, frictions, bearings, vectors, dampings)
-def test_a_compliant_tip_keeps_the_force_law_the_cone_and_the_surface(r, rho, mu, bearing, pull, damping) -> None:
+def test_a_compliant_tip_keeps_the_force_law_the_cone_and_the_surface(
+    r, rho, mu, bearing, pull, damping
+) -> None:
     n, radius = unit(bearing), 0.02
     t = left_of(n)
     force = (6.0 * pull[0], 6.0 * pull[1])

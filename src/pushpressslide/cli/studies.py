@@ -20,8 +20,8 @@ from pushpressslide.cli.options import (
     Sets,
     TaskName,
 )
-from pushpressslide.core.errors import TaskError
 from pushpressslide.cli.shell import part, progress_bar, results_folder
+from pushpressslide.core.errors import TaskError
 
 
 @app.command()

@@ -1,8 +1,11 @@
-"""Many runs: one task under random variations, or many random tasks; in parallel, resumable, one table at the end."""
+"""Many runs: one task under random variations, or many random tasks; in parallel, resumable, one table at the
+end.
+"""
 
 from __future__ import annotations
 
 import json
+import math
 import multiprocessing
 import os
 from collections.abc import Callable
@@ -42,7 +45,8 @@ def run_sample(task: Task, vary: Vary, index: int, seed: int, engine: Engine, an
     measured = measure(sample, plan, record, versions())
     kept = (
         "final_position_error", "final_yaw_error", "duration", "rms_position_error", "rms_yaw_error",
-        "max_normal_force", "slip_distance", "cone_violation_fraction", "torque_limit_violation_fraction", "realtime_factor",
+        "max_normal_force", "slip_distance", "cone_violation_fraction", "torque_limit_violation_fraction",
+        "realtime_factor",
     )  # fmt: skip
     return {
         **row,
@@ -66,11 +70,12 @@ def sweep(
     vary: Vary = "truth",
     check_refusals: int = 0,
 ) -> dict[str, Any]:
-    """Run ``samples`` variations of ``task`` and return the summary; every finished sample is kept in ``out``/samples.
+    """Run ``samples`` variations of ``task`` and return the summary; every finished sample is kept in
+    ``out``/samples.
 
-    ``vary``: "truth" keeps the task and changes what is true of it, "tasks" draws new tasks for the same robots. The first
-    ``check_refusals`` refused samples are run all the same: a refusal is true if that run misses the goal. Samples that are
-    already there are not run again, unless ``force``.
+    ``vary``: "truth" keeps the task and changes what is true of it, "tasks" draws new tasks for the same
+    robots. The first ``check_refusals`` refused samples are run all the same: a refusal is true if that run
+    misses the goal. Samples that are already there are not run again, unless ``force``.
     """
     folder = out / "samples"
     folder.mkdir(parents=True, exist_ok=True)
@@ -119,7 +124,11 @@ def summarise(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> dict[
         values = sorted(float(r[name]) for r in accepted if r.get(name) is not None)
         if not values:
             return None
-        return {"median": values[len(values) // 2], "p95": values[int(0.95 * (len(values) - 1))], "max": values[-1]}
+        return {
+            "median": values[len(values) // 2],
+            "p95": values[int(0.95 * (len(values) - 1))],
+            "max": values[-1],
+        }
 
     return {
         "accepted": len(accepted),
@@ -141,11 +150,14 @@ def table(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> str:
 
     def line(r: dict[str, Any]) -> str:
         position, yaw, time = (r.get(n) for n in ("final_position_error", "final_yaw_error", "duration"))
-        figures = f"{1e3 * position:.1f} | {57.29578 * yaw:.2f} | {time:.1f}" if position is not None else " | | "
+        figures = " | | "
+        if position is not None and yaw is not None and time is not None:
+            figures = f"{1e3 * position:.1f} | {math.degrees(yaw):.2f} | {time:.1f}"
         why = r.get("choice") if r["status"] == "reached" else r["reason"]
         return f"| {r['index']} | {r['status']} | {figures} | {str(why).replace('|', '/')[:160]} |"
 
-    head = "| sample | outcome | position error [mm] | yaw error [deg] | time [s] | why |\n|---|---|---|---|---|---|\n"
+    head = "| sample | outcome | position error [mm] | yaw error [deg] | time [s] | why |\n"
+    head += "|---|---|---|---|---|---|\n"
     text = head + "\n".join(line(r) for r in rows) + "\n"
     if forced:
         text += "\nRefused, but run anyway:\n\n" + head + "\n".join(line(r) for r in forced) + "\n"

@@ -20,6 +20,7 @@ from pushpressslide.mechanics.virtual_axle import exact_axle_distance
 from pushpressslide.modes.base import Guidance
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.robots.reach import reach_problem
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import RearStanley
 
@@ -30,7 +31,7 @@ GRAVITY = 9.81  # [m/s^2]
 STEERING_RESERVE = 0.12
 OVERHEAD = 6.0  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
-TURNING_LIMIT = math.radians(200.0)  # of all arcs together: in longer spirals the model's error adds up
+TURNING_LIMIT = math.radians(270.0)  # of all arcs together: in longer spirals the model's error adds up
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 # of the height at which the object would tip: beyond, the load piles up at its leading edge
 TIPPING_SHARE = 0.5
@@ -38,7 +39,14 @@ TIPPING_SHARE = 0.5
 # path uses, and
 # on the speed: near the edge of the friction cone the contact's sideways jumps, which grow with speed, must
 # be smaller.
-COMFORT = ((1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.6), (0.35, 1.35, 0.6), (0.15, 1.35, 0.5))
+COMFORT = (
+    (1.0, 1.0, 1.0),
+    (0.6, 1.0, 1.0),
+    (0.6, 1.2, 0.8),
+    (0.35, 1.2, 0.6),
+    (0.35, 1.35, 0.6),
+    (0.15, 1.35, 0.5),
+)
 
 
 def contact_height(task: Task, face: Face) -> float:
@@ -110,7 +118,8 @@ class RearPush:
         cone's edge, so that its tightest curve is the object's.
         """
         belief = task.believed
-        shift, mu = height * belief.support_friction, belief.contact_friction
+        mu = belief.contact_friction
+        shift = min(height * belief.support_friction, 0.8 * self._room_ahead(task, face))
         if belief.rho is not None:
             return RearSteerCar(face.foot, face.normal, (0.0, 0.0), belief.rho, mu), shift
         lever = math.hypot(*face.foot)
@@ -122,6 +131,24 @@ class RearPush:
         rho = math.sqrt(lever * turning)
         return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, mu * min(1.0, turning / tightest)), shift
 
+    def _contact_problem(self, task: Task, face: Face, height: float, level: float) -> str | None:
+        """What stands against pushing there at all: the contact's place, tipping, the force."""
+        mu = task.believed.contact_friction
+        if abs(face.offset) >= mu * face.depth:
+            return (
+                f"a straight push needs the contact within {mu * face.depth * 1e3:.0f} mm of the line through "
+                f"the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
+            )
+        highest = TIPPING_SHARE * self._room_ahead(task, face) / task.believed.support_friction
+        if height > highest:
+            return (
+                f"contact at {height * 1e3:.0f} mm, allowed up to {highest * 1e3:.0f} mm, "
+                f"{TIPPING_SHARE:g} of the height at which the object tips"
+            )
+        if level > task.limits.normal_force:
+            return f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N"
+        return None
+
     def _judge(self, task: Task, face: Face) -> Choice:
         belief = task.believed
         height = contact_height(task, face)
@@ -129,26 +156,15 @@ class RearPush:
         weight = belief.mass * GRAVITY
         level = belief.support_friction * weight
 
-        def refused(reason: str) -> Choice:
-            return Choice(self.name, False, f"face {face.index}: {reason}", (contact,))
-
-        if abs(face.offset) >= belief.contact_friction * face.depth:
-            return refused(
-                "a straight push needs the contact within "
-                f"{belief.contact_friction * face.depth * 1e3:.0f} mm of the line through the CoM, "
-                f"it is {abs(face.offset) * 1e3:.0f} mm off"
-            )
-        tip_over = TIPPING_SHARE * self._room_ahead(task, face) / belief.support_friction
-        if height > tip_over:
-            return refused(
-                f"the object tips when pushed above {tip_over * 1e3:.0f} mm, contact at {height * 1e3:.0f} mm"
-            )
-        if level > task.limits.normal_force:
-            return refused(f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N")
-        car, shift = self.car(task, face, height)
+        problem = self._contact_problem(task, face, height, level)
+        try:
+            car, shift = self.car(task, face, height)
+        except ValueError as error:
+            return Choice(self.name, False, f"face {face.index}: {problem or error}", (contact,))
         low, high = car.curvature_limits
         if not low < 0.0 < high:
-            return refused(f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m")
+            straight_only = f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
+            return Choice(self.name, False, f"face {face.index}: {problem or straight_only}", (contact,))
         X_BV = self._frame(car, shift)
         X_GB = task.object.X_GB
         start, goal = (X.compose(X_GB).compose(X_BV) for X in (task.start, task.goal))
@@ -194,7 +210,7 @@ class RearPush:
             + (", with a loop" if looped else "")
         )
         choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        problem = self._problem(task, choice)
+        problem = problem or self._path_problem(task, choice)
         if problem:
             return Choice(
                 self.name,
@@ -223,14 +239,15 @@ class RearPush:
         X = car.X_BV
         return Pose2(X.x + shift * math.cos(X.yaw), X.y + shift * math.sin(X.yaw), X.yaw)
 
-    def _problem(self, task: Task, choice: Choice) -> str | None:
+    def _path_problem(self, task: Task, choice: Choice) -> str | None:
         """What stands against the choice's path: time, workspace, reach."""
         path = choice.path
         if path is None:
             return "no path"
         turning = sum(abs(curvature) * length for curvature, length in path.pieces)
         if turning > TURNING_LIMIT:
-            return f"the path turns by {math.degrees(turning):.0f} deg, allowed {math.degrees(TURNING_LIMIT):.0f} deg"
+            allowed = math.degrees(TURNING_LIMIT)
+            return f"the path turns by {math.degrees(turning):.0f} deg, allowed {allowed:.0f} deg"
         if choice.time is not None and choice.time > task.limits.time:
             return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
         X_VB = self.vehicle_frame(choice).inverse()
@@ -250,7 +267,14 @@ class RearPush:
             contact.point[1] - robot.tip_radius * contact.normal[1],
         )
         points = [(*X_WB.apply(tip), contact.height) for X_WB in bodies]
-        return reach_problem(robot, points)
+        middle = bodies[len(bodies) // 2].rotate(contact.normal)
+        azimuth = math.atan2(middle[1], middle[0])
+        problem = reach_problem(robot, points)
+        if problem is not None and any(
+            reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]
+        ):
+            return None
+        return problem
 
     def choices(self, task: Task) -> list[Choice]:
         """Return one choice per face, feasible ones first, the quickest first."""

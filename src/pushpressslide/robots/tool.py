@@ -20,6 +20,10 @@ Array = NDArray[np.float64]
 Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
+# that are tried, the wrist behind the contact
+TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
+
+
 @dataclass(frozen=True)
 class ToolAttitude:
     """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning towards ``azimuth``.

@@ -22,7 +22,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
-from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 from pushpressslide.sim.clearance import ClearanceModel
 
 Array = NDArray[np.float64]
@@ -32,7 +32,6 @@ JOINT_MARGIN = 0.08  # [rad] kept from every joint limit
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
 # of the tool, the wrist behind the contact
-TILTS = (0.0, math.radians(12.0), math.radians(24.0), math.radians(36.0))
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 DESCENT_SPEED = 0.15  # [m/s] of the tip
@@ -81,7 +80,7 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
     normal = bodies[0].rotate(contact.normal)
     problem = "no posture reaches the first contact"
     least = -math.inf
-    for tilt in TILTS if kin.facts.size > 6 else (0.0,):
+    for tilt in TOOL_TILTS if kin.facts.size > 6 else (0.0,):
         candidates, why = _candidates(kin, positions, yaws, ToolAttitude(tilt, azimuth), force)
         if not candidates and least == -math.inf:
             problem = why or problem

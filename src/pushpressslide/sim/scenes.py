@@ -117,9 +117,9 @@ def tile_size(shape: model.Shape) -> float:
 def object_friction(task: model.Task) -> float:
     """Return the friction of the object's own surface, from which those of all its partners follow.
 
-    The usual one, unless a movable obstacle is to have more friction on the support than the support's surface
-    could then give. Then between the least that lets the tips have their pair with the object and the most that
-    leaves the support rough enough.
+    The usual one, unless a movable obstacle is to have more friction on the support than the support's
+    surface could then give. Then between the least that lets the tips have their pair with the object and the
+    most that leaves the support rough enough.
     """
     pairs = [o.friction for o in task.obstacles if o.movable]
     support = task.support.friction
@@ -132,8 +132,8 @@ def object_friction(task: model.Task) -> float:
 def obstacle_friction(support: float, pair: float) -> float:
     """Return the surface friction of an obstacle whose pair with the support is to be ``pair``.
 
-    ``support`` is the friction of the support's own surface. Where no obstacle is rough enough, since the pairs
-    of tip, object, support and obstacle cannot all be had, the roughest that is sensible is taken.
+    ``support`` is the friction of the support's own surface. Where no obstacle is rough enough, since the
+    pairs of tip, object, support and obstacle cannot all be had, the roughest that is sensible is taken.
     """
     return partner_friction(pair, support) if pair < ROUGHEST * support else 200.0 * support
 
@@ -199,10 +199,11 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
             plant.RegisterVisualGeometry(
                 plant.world_body(), X, box, obstacle.name + "_visual", OBSTACLE_COLOR
             )
+    tip = partner_friction(task.contact_friction, own)
     robots = tuple(
         add_robot(
             plant, robot, index,
-            tip_properties=rigid_properties(partner_friction(task.contact_friction, own), 0.3 * robot.tip_radius),
+            tip_properties=rigid_properties(tip, 0.3 * robot.tip_radius),
             models=models,
         )
         for index, robot in enumerate(task.robots)
