@@ -68,3 +68,11 @@ def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
             )
         )
     return tuple(out)
+
+
+def room_ahead(body: ObjectModel, face: Face) -> float:
+    """Return the distance [m] from the CoM to the leading edge when ``face`` is pushed along its normal."""
+    com, shape = body.center_of_mass, body.shape
+    if isinstance(shape, Cylinder):
+        return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
+    return max((x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1] for x, y in shape.footprint)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.core.wrench import Wrench
+from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.limit_surface import exact_level, exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
@@ -89,3 +89,35 @@ def axle_with_height(
     twist = exact_twist_direction(samples, wrench).moved_to(cop)
     reach = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
     return (cop[0] - reach * e[0], cop[1] - reach * e[1])
+
+
+def pushed_twist(
+    pressure_at: Callable[[Point], PressureSamples],
+    mu: float,
+    contact: Point,
+    height: float,
+    force_angle: float,
+) -> Twist:
+    """Return the twist of B's origin, the CoM, under a push at ``height`` [m], on the exact surface; only its
+    direction counts.
+
+    The force acts at ``contact`` [m] in B, ``force_angle`` [rad] from the axis contact to CoM, and moves the
+    CoP from the CoM by h F / N, sideways too; |F| is what slides, found by iteration. ``pressure_at(p)``
+    gives the distribution whose CoP is p. Raises ValueError when the CoP leaves the base: the object tips.
+    """
+    d = math.hypot(contact[0], contact[1])
+    axle_distance(1.0, d)
+    e = (-contact[0] / d, -contact[1] / d)
+    c, s = math.cos(force_angle), math.sin(force_angle)
+    f = (c * e[0] - s * e[1], c * e[1] + s * e[0])
+    ratio = mu  # |F| / N
+    for _ in range(6):
+        cop = (height * ratio * f[0], height * ratio * f[1])
+        samples = pressure_at(cop)
+        wrench = Wrench(f[0], f[1], cross((contact[0] - cop[0], contact[1] - cop[1]), f), cop)
+        new_ratio = 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
+        converged = abs(new_ratio - ratio) < 1e-4
+        ratio = new_ratio
+        if converged or height == 0.0:
+            break
+    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))

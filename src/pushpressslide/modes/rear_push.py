@@ -12,11 +12,11 @@ from pushpressslide.allocation.one_contact import Allocator, one_contact_allocat
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.faces import Face, faces
-from pushpressslide.mechanics.pressure import support_pressure
-from pushpressslide.mechanics.virtual_axle import exact_axle_distance
+from pushpressslide.mechanics.faces import Face, faces, room_ahead
+from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
+from pushpressslide.mechanics.virtual_axle import pushed_twist
 from pushpressslide.modes.base import Guidance
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.robots.reach import reach_problem
@@ -26,27 +26,21 @@ from pushpressslide.tracking.rear_stanley import RearStanley
 
 GRAVITY = 9.81  # [m/s^2]
 
-# share of the friction cone's half angle kept between the steering and its edge: the servo and the model need
-# it
-STEERING_RESERVE = 0.12
+STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
 OVERHEAD = 6.0  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 TURNING_LIMIT = math.radians(270.0)  # of all arcs together: in longer spirals the model's error adds up
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
-# of the height at which the object would tip: beyond, the load piles up at its leading edge
-TIPPING_SHARE = 0.5
+TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
+PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 mm
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited curvature that the
-# path uses, and
-# on the speed: near the edge of the friction cone the contact's sideways jumps, which grow with speed, must
-# be smaller.
+# path
+# uses, and on the speed: near the cone's edge the contact's sideways jumps, which grow with it, must be
+# smaller.
 COMFORT = (
-    (1.0, 1.0, 1.0),
-    (0.6, 1.0, 1.0),
-    (0.6, 1.2, 0.8),
-    (0.35, 1.2, 0.6),
-    (0.35, 1.35, 0.6),
-    (0.15, 1.35, 0.5),
-)
+    (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8),
+    (0.35, 1.2, 0.6), (0.35, 1.35, 0.6), (0.15, 1.35, 0.5),
+)  # fmt: skip
 
 
 def contact_height(task: Task, face: Face) -> float:
@@ -109,37 +103,51 @@ class RearPush:
     cop_steering = False
 
     def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
-        """Return the reduced model of a push on ``face`` at ``height`` [m], and the CoP's advance by the
-        height term [m].
+        """Return the reduced model of a push on ``face`` at ``height`` [m], and how far ahead of the CoM its
+        CoP is [m].
 
-        On the exact limit surface, under the load shifted by the height term, the axle's distance grows with
-        the force angle. The car has the distance of the angle at which the path turns, ``curvature_margin``
-        times the cone's half angle; its friction is lowered by the ratio of that distance to the one at the
-        cone's edge, so that its tightest curve is the object's.
+        On the exact limit surface, under the load that the push itself shifts, both the axle's place and the
+        ratio of tan(force angle) to curvature change with the force angle. The car has those of the angle at
+        which the path turns, ``curvature_margin`` times the cone's half angle; its friction is lowered by the
+        ratio's growth up to the cone's edge, so that its tightest curve is the object's. Raises ValueError
+        where the object tips.
         """
         belief = task.believed
         mu = belief.contact_friction
-        shift = min(height * belief.support_friction, 0.8 * self._room_ahead(task, face))
         if belief.rho is not None:
-            return RearSteerCar(face.foot, face.normal, (0.0, 0.0), belief.rho, mu), shift
+            return RearSteerCar(
+                face.foot, face.normal, (0.0, 0.0), belief.rho, mu
+            ), height * belief.support_friction
         lever = math.hypot(*face.foot)
-        cop = (-shift * face.foot[0] / lever, -shift * face.foot[1] / lever)
-        samples = support_pressure(task.object.shape, 1.0, task.object.center_of_mass, cop)
+        e = (-face.foot[0] / lever, -face.foot[1] / lever)
+        body = task.object
+
+        def pressure_at(cop: Point) -> PressureSamples:
+            return support_pressure(body.shape, 1.0, body.center_of_mass, cop, PRESSURE_RESOLUTION)
+
+        def car_like(angle: float) -> tuple[float, float]:
+            """Distance of the axle from the CoM, and tan(angle) / curvature."""
+            twist = pushed_twist(pressure_at, belief.support_friction, face.foot, height, angle)
+            along, across = twist.vx * e[0] + twist.vy * e[1], e[0] * twist.vy - e[1] * twist.vx
+            return -across / twist.w, -math.tan(angle) * along / twist.w
+
         edge = math.atan(mu)
-        turning = exact_axle_distance(samples, face.foot, task.motion.curvature_margin * edge)
-        tightest = exact_axle_distance(samples, face.foot, edge)
-        rho = math.sqrt(lever * turning)
-        return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, mu * min(1.0, turning / tightest)), shift
+        axle, turning = car_like(task.motion.curvature_margin * edge)
+        _, tightest = car_like(edge)
+        car = RearSteerCar(
+            face.foot, face.normal, (0.0, 0.0), math.sqrt(lever * turning), mu * min(1.0, turning / tightest)
+        )
+        return car, axle - turning
 
     def _contact_problem(self, task: Task, face: Face, height: float, level: float) -> str | None:
         """What stands against pushing there at all: the contact's place, tipping, the force."""
         mu = task.believed.contact_friction
         if abs(face.offset) >= mu * face.depth:
             return (
-                f"a straight push needs the contact within {mu * face.depth * 1e3:.0f} mm of the line through "
-                f"the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
+                f"a straight push needs the contact within {mu * face.depth * 1e3:.0f} mm of the line "
+                f"through the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
             )
-        highest = TIPPING_SHARE * self._room_ahead(task, face) / task.believed.support_friction
+        highest = TIPPING_SHARE * room_ahead(task.object, face) / task.believed.support_friction
         if height > highest:
             return (
                 f"contact at {height * 1e3:.0f} mm, allowed up to {highest * 1e3:.0f} mm, "
@@ -224,14 +232,6 @@ class RearPush:
                 path,
             )
         return choice
-
-    @staticmethod
-    def _room_ahead(task: Task, face: Face) -> float:
-        """Distance from the CoM to the leading edge along the push direction [m]."""
-        com, shape = task.object.center_of_mass, task.object.shape
-        if isinstance(shape, Cylinder):
-            return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
-        return max((x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1] for x, y in shape.footprint)
 
     @staticmethod
     def _frame(car: RearSteerCar, shift: float) -> Pose2:
