@@ -15,10 +15,10 @@ def drive(law, path, start, length, signs=(1.0, 1.0), step=2e-4):
     """Follow ``path`` from ``start``; the axle moves along its heading with w/v = -tan(delta)/wheelbase."""
     pose, s, errors = start, 0.0, []
     for _ in range(int(length / step)):
-        s = path.project((pose.x, pose.y), s)
-        _, left, heading = law.errors(path.pose(s), pose)
+        s, left, direction, curvature = path.nearest(pose.x, pose.y, s)
+        heading = math.remainder(direction - pose.yaw, 2.0 * math.pi)
         errors.append((left, heading))
-        delta, _ = law.steering(signs[0] * left, signs[1] * heading, path.curvature(s))
+        delta, _ = law.steering(signs[0] * left, signs[1] * heading, curvature)
         pose = advance(pose, -math.tan(delta) / WHEELBASE, step)
     return errors
 

@@ -4,16 +4,14 @@ exception.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point
 
 AllocationStatus = Literal["ok", "projected", "infeasible"]
 
 
-@dataclass(frozen=True, slots=True)
-class Allocation:
+class Allocation(NamedTuple):
     """Forces that realise a wanted wrench."""
 
     forces: tuple[Point, ...]  # [N] of each contact ON the object, in B

@@ -7,8 +7,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from math import atan2, remainder, sqrt
 
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
+
+TURN = 2.0 * math.pi
 
 
 def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
@@ -79,24 +82,44 @@ class ArcPath:
             return 0.0
         return self.pieces[self._piece(s)][0]
 
-    def project(self, point: Point, s_guess: float, window: float = 0.05) -> float:
-        """Return the arc length, within ``window`` [m] of ``s_guess``, of the path's nearest point to
-        ``point``.
-
-        Newton steps on the tangential error, each bounded by the window; the result may run past the end.
-        """
-        s = s_guess
-        for _ in range(4):
-            pose = self.pose(s)
-            dx, dy = point[0] - pose.x, point[1] - pose.y
+    @cached_property
+    def _table(self) -> tuple[tuple[float, ...], ...]:
+        """Per piece, and for the straight line after the end: s_0, s_1, x_0, y_0, yaw_0, curvature, then cos and sin of
+        yaw_0 of a line, the centre of an arc."""
+        rows = []
+        pieces = (*self.pieces, (0.0, math.inf))
+        for (curvature, length), (s, pose) in zip(pieces, self.starts, strict=True):
             c, si = math.cos(pose.yaw), math.sin(pose.yaw)
-            along, left = c * dx + si * dy, -si * dx + c * dy
-            scale = 1.0 - self.curvature(s) * left
-            step = along / max(scale, 0.3)
-            s = min(max(s + step, s_guess - window), s_guess + window)
-            if abs(step) < 1e-9:
-                break
-        return s
+            last = (c, si) if curvature == 0.0 else (pose.x - si / curvature, pose.y + c / curvature)
+            rows.append((s, s + length, pose.x, pose.y, pose.yaw, curvature, *last))
+        return tuple(rows)
+
+    def nearest(self, x: float, y: float, s: float) -> tuple[float, float, float, float]:
+        """Return of the path's nearest point to (x, y) [m], on the piece of arc length ``s`` or the ones after it:
+
+        its arc length [m], its offset to the left of (x, y) [m], its heading [rad], and the curvature there [1/m]. Closed
+        form, no iteration; past the end the path goes on straight.
+        """
+        for s_0, s_1, x_0, y_0, yaw_0, curvature, a, b in self._table:
+            if s > s_1:
+                continue
+            if curvature == 0.0:
+                dx, dy = x - x_0, y - y_0
+                near = s_0 + a * dx + b * dy
+                if near <= s_1:
+                    return near, b * dx - a * dy, yaw_0, 0.0
+            else:
+                dx, dy = x - a, y - b
+                radius = sqrt(dx * dx + dy * dy)
+                if curvature < 0.0:
+                    dx, dy, radius = -dx, -dy, -radius
+                guess = (s - s_0) * curvature
+                turned = guess + remainder(atan2(dx, -dy) - yaw_0 - guess, TURN)
+                near = s_0 + turned / curvature
+                if near <= s_1:
+                    return near, radius - 1.0 / curvature, yaw_0 + turned, curvature
+            s = s_1  # go on with the next piece
+        raise AssertionError("the last piece has no end")
 
 
 @dataclass(frozen=True, slots=True)

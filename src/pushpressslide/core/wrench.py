@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, cross
 
 
-@dataclass(frozen=True, slots=True)
-class Wrench:
+class Wrench(NamedTuple):
     """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m] about the point ``about``.
 
     All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md, section 0).
@@ -25,8 +24,7 @@ class Wrench:
         return Wrench(self.fx, self.fy, self.tau - cross(arm, (self.fx, self.fy)), point)
 
 
-@dataclass(frozen=True, slots=True)
-class Twist:
+class Twist(NamedTuple):
     """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s], in one planar
     frame.
     """

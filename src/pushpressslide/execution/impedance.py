@@ -41,11 +41,8 @@ def rotation_error(R_wanted: Array, R: Array) -> Array:
     """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into ``R_wanted`` (3, 3); exact to
     90 degrees.
     """
-    return 0.5 * (
-        np.cross(R[:, 0], R_wanted[:, 0])
-        + np.cross(R[:, 1], R_wanted[:, 1])
-        + np.cross(R[:, 2], R_wanted[:, 2])
-    )
+    E = R_wanted @ R.T
+    return np.array([0.5 * (E[2, 1] - E[1, 2]), 0.5 * (E[0, 2] - E[2, 0]), 0.5 * (E[1, 0] - E[0, 1])])
 
 
 def tip_moment(

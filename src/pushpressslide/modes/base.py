@@ -5,8 +5,7 @@ closed-form laws.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import ArcPath
@@ -16,8 +15,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
 
 
-@dataclass(frozen=True, slots=True)
-class Guidance:
+class Guidance(NamedTuple):
     """What a mode's tracking law asks of the object at one tick."""
 
     progress: float  # [m] arc length of the path's nearest point

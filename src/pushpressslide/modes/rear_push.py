@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from math import cos, remainder, sin, sqrt
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.path import TURN, ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
-from pushpressslide.core.pose import Point, Pose2, cross
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
@@ -63,34 +64,40 @@ def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: flo
     return ArcPath(start, tuple(piece for piece in pieces if piece[1] > 0.0))
 
 
-@dataclass(frozen=True, slots=True)
 class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
-    law: RearStanley
-    X_BV: Pose2
-    contact: Point
-    level: float  # [N] friction force of a pure translation, mu_s N
-    lever: float  # [m] from the contact to the CoP
-    rho: float  # [m]
+    def __init__(self, law: RearStanley, X_BV: Pose2, contact: Point, level: float, lever: float, rho: float) -> None:
+        """Bind the law to the frame X_BV, the ``contact`` [m] in B, mu_s N = ``level`` [N], ``lever`` [m] and ``rho`` [m]."""
+        self._steering = law.steering
+        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, cos(X_BV.yaw), sin(X_BV.yaw))
+        self._figures = (level, (lever / rho) ** 2, lever / (rho * rho), *contact)
 
     def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
-        X_WV = X_WB.compose(self.X_BV)
-        progress = path.project((X_WV.x, X_WV.y), progress)
-        reference = path.pose(progress)
-        error = self.law.errors(reference, X_WV)
-        delta, saturated = self.law.steering(error[1], error[2], path.curvature(progress), grip)
-        ratio = self.lever * math.sin(delta) / self.rho
-        force = self.level / math.sqrt(1.0 + ratio * ratio)
-        direction = self.X_BV.yaw + delta
-        fx, fy = force * math.cos(direction), force * math.sin(direction)
-        wrench = Wrench(fx, fy, cross(self.contact, (fx, fy)))
-        c, s = math.cos(self.X_BV.yaw), math.sin(self.X_BV.yaw)
-        w = -speed * self.lever / (self.rho * self.rho) * math.tan(delta)
+        qx, qy, axis, ex, ey = self._axle
+        level, ratio, per_wheelbase, px, py = self._figures
+        yaw = X_WB.yaw
+        c, s = cos(yaw), sin(yaw)
+        progress, left, heading, curvature = path.nearest(
+            X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy, progress
+        )
+        heading_error = remainder(heading - yaw - axis, TURN)
+        delta, saturated = self._steering(left, heading_error, curvature, grip)
+        along, across = cos(delta), sin(delta)
+        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2) at angle delta from the axis
+        size = level / sqrt(1.0 + ratio * across * across)
+        fx, fy = size * (along * ex - across * ey), size * (across * ex + along * ey)
+        w = -speed * per_wheelbase * across / along
         # the axle moves along the heading; the CoM is B's origin: v = v_V + w J (0 - q)
-        twist = Twist(speed * c + w * self.X_BV.y, speed * s - w * self.X_BV.x, w)
-        return Guidance(progress, wrench, twist, delta, error, saturated)
+        return Guidance(
+            progress,
+            Wrench(fx, fy, px * fy - py * fx),
+            Twist(speed * ex + w * qy, speed * ey - w * qx, w),
+            delta,
+            (0.0, left, heading_error),
+            saturated,
+        )
 
 
 class RearPush:

@@ -21,6 +21,7 @@ Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[f
 
 
 # that are tried, the wrist behind the contact
+UPRIGHT_WS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 
 
@@ -34,7 +35,7 @@ class ToolAttitude:
 
     tilt: float = 0.0  # [rad] in [0, pi/2)
     azimuth: float = 0.0  # [rad] about z_S from x_S
-    R_WS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))  # rows; the default is a table
+    R_WS: Rotation = UPRIGHT_WS  # rows; the default is a table
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt < 0.5 * math.pi:
@@ -58,6 +59,19 @@ class ToolAttitude:
         R_ST = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
         out: Array = np.array(self.R_WS) @ R_ST
         return out
+
+    def rotation_at(self, tool_yaw: float) -> Array:
+        """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats, for a control loop."""
+        s, cz = math.sin(self.tilt), -math.cos(self.tilt)
+        zx, zy = s * math.cos(self.azimuth), s * math.sin(self.azimuth)
+        x, y = math.cos(tool_yaw), math.sin(tool_yaw)
+        up = -(zx * x + zy * y) / cz
+        size = math.sqrt(1.0 + up * up)
+        x, y, up = x / size, y / size, up / size
+        R_ST = np.array(
+            [[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]]
+        )
+        return R_ST if self.R_WS is UPRIGHT_WS else np.array(self.R_WS) @ R_ST
 
     def yaw(self, R_WT: Array) -> Array:
         """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""

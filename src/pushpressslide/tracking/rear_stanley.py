@@ -8,10 +8,9 @@ paper's eq. 14 with errors taken actual minus reference is the unstable one.)
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import atan
 
-from pushpressslide.core.pose import Pose2, wrap_angle
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +26,6 @@ class RearStanley:
     gain: float = 1.0
     feed_forward: bool = True  # remove the steady offset on a curve
 
-    def errors(self, reference: Pose2, actual: Pose2) -> tuple[float, float, float]:
-        """Return (along [m], left [m], heading [rad]) of the reference as seen from the actual axle pose."""
-        c, s = math.cos(actual.yaw), math.sin(actual.yaw)
-        dx, dy = reference.x - actual.x, reference.y - actual.y
-        # e is measured along the PATH's normal, so that it is the cross-track error at any heading error
-        cr, sr = math.cos(reference.yaw), math.sin(reference.yaw)
-        return (c * dx + s * dy, -sr * dx + cr * dy, wrap_angle(reference.yaw - actual.yaw))
-
     def steering(
         self, left_error: float, heading_error: float, curvature: float, grip: float = 1.0
     ) -> tuple[float, bool]:
@@ -43,13 +34,13 @@ class RearStanley:
         ``left_error`` [m], ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path
         there; ``grip`` narrows the bounds.
         """
-        cross_track = self.gain * left_error / (4.0 * self.wheelbase)  # k e / v
-        delta = -heading_error - math.atan(cross_track)
-        if self.feed_forward:
-            delta -= math.atan(self.wheelbase * curvature)
-        low, high = grip * self.steering_bounds[0], grip * self.steering_bounds[1]
-        if delta < low:
-            return low, True
-        if delta > high:
-            return high, True
+        wheelbase = self.wheelbase
+        delta = -heading_error - atan(self.gain * left_error / (4.0 * wheelbase))  # atan(k e / v)
+        if curvature != 0.0 and self.feed_forward:
+            delta -= atan(wheelbase * curvature)
+        low, high = self.steering_bounds
+        if delta < grip * low:
+            return grip * low, True
+        if delta > grip * high:
+            return grip * high, True
         return delta, False

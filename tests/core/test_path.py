@@ -1,0 +1,62 @@
+"""Laws of arc paths and speed profiles."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.pose import Pose2
+
+lengths = st.floats(0.01, 0.5)
+curvatures = st.one_of(st.just(0.0), st.floats(-15.0, 15.0).filter(lambda k: abs(k) > 0.05))
+poses = st.builds(Pose2, st.floats(-1, 1), st.floats(-1, 1), st.floats(-3, 3))
+paths = st.builds(
+    lambda start, pieces: ArcPath(start, tuple((k, min(n, 6.0 / abs(k)) if k else n) for k, n in pieces)),
+    poses,
+    st.lists(st.tuples(curvatures, lengths), min_size=1, max_size=4),
+)
+
+
+@given(paths, st.floats(0.0, 1.0), st.floats(-0.02, 0.02), st.floats(0.0, 0.01))
+def test_a_point_beside_the_path_is_projected_onto_it(path, share, offset, behind):
+    s = share * path.length
+    pose = path.pose(s)
+    x, y = pose.apply((0.0, -offset))  # the path is to the left of the point by the offset
+    near, left, heading, curvature = path.nearest(x, y, max(0.0, s - behind))
+    found = path.pose(near)
+    assert abs(near - s) < 1e-7
+    assert abs(left - offset) < 1e-9
+    assert abs(math.remainder(heading - pose.yaw, 2.0 * math.pi)) < 1e-6
+    assert math.dist((found.x, found.y), (pose.x, pose.y)) < 1e-7
+    assert curvature in [k for k, _ in path.pieces] + [0.0]
+
+
+@given(paths)
+def test_past_the_end_the_path_goes_on_straight(path):
+    beyond = advance(path.end, 0.0, 0.03)
+    near, left, heading, curvature = path.nearest(beyond.x, beyond.y, path.length)
+    assert abs(near - path.length - 0.03) < 1e-9
+    assert abs(left) < 1e-9
+    assert curvature == 0.0
+    assert abs(math.remainder(heading - path.end.yaw, 2.0 * math.pi)) < 1e-9
+
+
+@given(poses, curvatures, lengths, lengths)
+def test_advancing_twice_is_advancing_once(pose, curvature, a, b):
+    one, two = advance(pose, curvature, a + b), advance(advance(pose, curvature, a), curvature, b)
+    assert math.dist((one.x, one.y, one.yaw), (two.x, two.y, two.yaw)) < 1e-12
+
+
+@given(st.floats(1e-4, 2.0), st.floats(0.01, 0.2), st.floats(0.02, 1.0))
+def test_a_profile_covers_its_length_from_rest_to_rest(length, speed, acceleration):
+    profile = SpeedProfile(length, speed, acceleration)
+    steps = 400
+    travelled = sum(
+        profile.at((i + 0.5) * profile.duration / steps)[1] * profile.duration / steps for i in range(steps)
+    )
+    assert abs(travelled - length) < 1e-2 * length
+    assert profile.at(0.0) == (0.0, 0.0)
+    assert profile.at(profile.duration) == (length, 0.0)
+    s, v = profile.at(0.4 * profile.duration)
+    assert abs(profile.speed_at(s) - v) < 1e-9
