@@ -153,8 +153,9 @@ class Motion:
     joint_tracking: bool = False
     velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
     curvature_margin: float = 0.55  # share of the friction-limited curvature that the path may use, in (0, 1]
-    run_in: float = 0.10  # [m] straight end of the path
-    time_step: float = 0.004  # [s] of the physics engine, which is also the control period
+    run_in: float = 0.16  # [m] straight end of the path
+    control_period: float = 0.004  # [s] of the controller
+    time_step: float = 0.004  # [s] of the physics engine; at most the control period
     face: int | None = None  # index of the pushed edge of the footprint; None: chosen
 
 

@@ -131,7 +131,8 @@ _MOTION = {
         "share of the friction-limited curvature that is used", "", 0, 1, _DEFAULT.curvature_margin, "("
     ),
     "run_in": _number("straight end of the path", "m", 0, 1, _DEFAULT.run_in),
-    "time_step": _number("of the engine, and the control period", "s", 0.0002, 0.01, _DEFAULT.time_step),
+    "control_period": _number("of the controller", "s", 0.0005, 0.01, _DEFAULT.control_period),
+    "time_step": _number("of the physics engine", "s", 0.0002, 0.01, _DEFAULT.time_step),
     "face": Field(
         "integer", "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
         "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen",

@@ -53,7 +53,7 @@ def rho_table(task: Task, contact: Point, height: float) -> Callable[[Point], fl
 def run(plan: Plan, *, seed: int = 0, progress: Callable[[float, float], None] | None = None) -> Record:
     """Run ``plan`` from the task's true start and return its record; deterministic for a seed."""
     task = plan.task
-    dt = task.motion.time_step
+    dt = task.motion.control_period
     contact = plan.choice.contacts[0]
     robot = task.robots[0]
     X_GB, X_BG = task.object.X_GB, task.object.X_GB.inverse()

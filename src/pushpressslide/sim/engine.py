@@ -57,7 +57,7 @@ class _Arm:
         self.q_at = np.array([joint.position_start() for joint in moving])
         self.v_at = plant.num_positions() + np.array([joint.velocity_start() for joint in moving])
         self.executor = ArmExecutor(
-            facts.effort_limit, facts.torque_rate_limit, attitude.rotation, path.tool_yaw_offset,
+            facts.effort_limit, facts.torque_rate_limit, attitude.rotation_at, path.tool_yaw_offset,
             plan.task.motion.joint_stiffness if plan.task.motion.joint_tracking else 0.0, dt,
         )  # fmt: skip
         self.path = path
@@ -102,10 +102,11 @@ def run(
     paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
     """
     task = plan.task
-    dt = time_step or task.motion.time_step
+    dt = task.motion.control_period
+    physics_step = time_step or task.motion.time_step
     if paths is None:
         paths = tuple(joint_path(plan, i) for i in range(len(task.robots)))
-    station = Station(plan, models=models, time_step=dt)
+    station = Station(plan, models=models, time_step=physics_step)
     arms = [_Arm(plan, i, station, *paths[i], dt, models) for i in range(len(task.robots))]
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
@@ -196,7 +197,8 @@ def run(
         if progress is not None and ticks % 25 == 0:
             progress(time, expected)
     meta: dict[str, Any] = {
-        "time_step": dt,
+        "time_step": physics_step,
+        "control_period": dt,
         "joint_margin_planned": min(arm.path.joint_margin for arm in arms),
         "condition_planned": max(arm.path.condition for arm in arms),
         "clearance_planned": min(arm.path.clearance for arm in arms),
