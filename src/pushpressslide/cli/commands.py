@@ -23,10 +23,10 @@ from pushpressslide.cli.options import (
     TaskName,
 )
 from pushpressslide.cli.shell import (
-    INTERRUPTED,
     MISSED,
     REACHED,
     WRONG_INPUT,
+    Interruption,
     complain,
     progress_bar,
     results_folder,
@@ -120,7 +120,9 @@ def run(
     sets: Sets = None,
     as_json: Json = False,
     quiet: Quiet = False,
-    live: Annotated[bool, typer.Option("--live", help="Watch in Meshcat while it runs.")] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="Watch in Meshcat while it runs, in real time.")
+    ] = False,
     video: Annotated[bool, typer.Option("--video", help="Also write an animation.")] = False,
     models: Annotated[Models, typer.Option("--models", help="Robot models on Drake.")] = Models.generated,
     anyway: Annotated[
@@ -137,29 +139,31 @@ def run(
     if engine is Engine.planar and (live or video):
         option = "--live" if live else "--video"
         raise PushPressSlideError(f"{option} is not allowed with --engine planar; allowed: --engine drake")
+    from pushpressslide.experiments.interrupt import Interrupted
     from pushpressslide.experiments.run import run_task
 
-    with progress_bar(f"{loaded.name} on {engine.value}", not quiet) as progress:
-        result = run_task(
-            loaded,
-            engine=engine.value,
-            seed=seed,
-            out=folder,
-            mode=mode,
-            force=anyway,
-            live=live,
-            video=video,
-            progress=progress,
-            models=models.value,
-        )
+    try:
+        with progress_bar(f"{loaded.name} on {engine.value}", not quiet) as progress:
+            result = run_task(
+                loaded,
+                engine=engine.value,
+                seed=seed,
+                out=folder,
+                mode=mode,
+                force=anyway,
+                live=(lambda address: complain(f"watch at {address}")) if live else None,
+                video=video,
+                progress=progress,
+                models=models.value,
+            )
+    except Interrupted as stopped:
+        raise Interruption(str(stopped)) from None
     if as_json:
         print_json(result)
     elif not quiet:
         from pushpressslide.cli import tables
 
         tables.print_result(result, folder)
-    if result["reason"]["code"] == "interrupted":
-        return INTERRUPTED
     return REACHED if result["success"] else MISSED
 
 

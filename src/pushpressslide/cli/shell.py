@@ -5,11 +5,14 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import typer
@@ -19,6 +22,10 @@ from pushpressslide.core.errors import PushPressSlideError, SimulationError
 
 REACHED, MISSED, WRONG_INPUT, INTERNAL_ERROR, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses."""
+
+
+class Interruption(Exception):
+    """Ctrl-C with something to say; typer swallows the message of a KeyboardInterrupt."""
 
 
 class Commands(TyperGroup):
@@ -36,6 +43,8 @@ class Commands(TyperGroup):
         """Run the command of ``args`` (default: the process's) and exit with its status."""
         words = list(sys.argv[1:] if args is None else args)
         status = INTERNAL_ERROR
+        presses: list[int] = []
+        restore = _note_interrupts(presses)
         try:
             answer = super().main(
                 words or ["--help"], prog_name or "pps", complete_var, False, windows_expand_args, **extra
@@ -43,14 +52,35 @@ class Commands(TyperGroup):
             status = answer if isinstance(answer, int) else REACHED
             if status == INTERRUPTED:
                 complain("interrupted")
+        except Interruption as stopped:
+            complain(str(stopped))
+            status = INTERRUPTED
         except (KeyboardInterrupt, typer.Abort):
             complain("interrupted")
             status = INTERRUPTED
         except Exception as error:
-            status = explain(error, "--json" in words)
+            if presses:  # compiled code, such as an import, may turn Ctrl-C into an error of its own
+                complain("interrupted")
+                status = INTERRUPTED
+            else:
+                status = explain(error, "--json" in words)
+        restore()
         if not standalone_mode:
             return status
         sys.exit(status)
+
+
+def _note_interrupts(presses: list[int]) -> Callable[[], object]:
+    """From now on Ctrl-C also appends to ``presses``; return the function that ends this."""
+    if threading.current_thread() is not threading.main_thread():
+        return lambda: None
+
+    def handler(number: int, frame: FrameType | None) -> None:
+        presses.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, handler)
+    return lambda: signal.signal(signal.SIGINT, before)
 
 
 def complain(line: str) -> None:

@@ -67,11 +67,15 @@ def reproduce(
     ] = None,
     seed: Seed = 0,
     out: Out = None,
+    quiet: Quiet = False,
     force: Force = False,
 ) -> None:
     """Run the paper's experiments, figure beside figure."""
     work = part("experiments.reproduce", "reproduce", "reproduce")
-    typer.echo(work(only or None, seed=seed, out=results_folder(out, "reproduce", force)))
+    folder = results_folder(out, "reproduce", force)
+    with progress_bar("experiments of the paper", not quiet) as progress:
+        page = work(only or None, seed=seed, out=folder, progress=progress)
+    typer.echo(page)
 
 
 @app.command()

@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib.metadata
 import platform
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -15,12 +16,14 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
+from pushpressslide.experiments.interrupt import Interrupt, Interrupted
 from pushpressslide.pipeline.planner import plan as make_plan
 from pushpressslide.pipeline.planner import refusal
 from pushpressslide.pipeline.selection import select
 
 Engine = Literal["drake", "planar"]
 Progress = Callable[[float, float], None]
+Told = Callable[[str], None]
 
 
 def versions() -> dict[str, str]:
@@ -43,13 +46,18 @@ def simulate(
     progress: Progress | None = None,
     models: str = "generated",
     choices: list[Choice] | None = None,
+    interrupt: Interrupt | None = None,
+    live: Told | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run; the choices come back with the reasons why better-ranked ones were passed over.
 
     On Drake a choice must also have a joint path: the first that has one is run. ``force`` runs the best
-    choice that has a path even where it was judged infeasible. Raises InfeasibleTaskError where nothing can
-    do the task.
+    choice that has a path even where it was judged infeasible. ``interrupt``: Ctrl-C while the engine runs
+    ends the run at its next tick, with reason "interrupted"; without it, Ctrl-C raises. ``live`` is told the
+    address where the run can be watched (Drake only). Raises InfeasibleTaskError where nothing can do the
+    task.
     """
+    held, stop = (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
     choices = select(task) if choices is None else choices
     usable = [c for c in choices if c.path is not None and (c.feasible or force)]
     if not usable:
@@ -58,7 +66,8 @@ def simulate(
         from pushpressslide.planar.engine import run as run_planar
 
         made = make_plan(task, usable[0], force=force)
-        return made, run_planar(made, seed=seed, progress=progress), choices
+        with held():
+            return made, run_planar(made, seed=seed, progress=progress, stop=stop), choices
     from pushpressslide.sim.engine import run as run_drake
     from pushpressslide.sim.joint_path import joint_path
 
@@ -73,7 +82,10 @@ def simulate(
             reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"
             judged[judged.index(choice)] = replace(choice, feasible=False, reason=reason)
             continue
-        record = run_drake(made, seed=seed, progress=progress, models=models, paths=paths)
+        with held():
+            record = run_drake(
+                made, seed=seed, progress=progress, models=models, paths=paths, stop=stop, live=live
+            )
         return made, record, judged
     if len(usable) == 1 and problem is not None:
         raise problem
@@ -111,46 +123,72 @@ def run_task(
     out: Path | None = None,
     mode: str | None = None,
     force: bool = False,
-    live: bool = False,
+    live: Told | None = None,
     video: bool = False,
     progress: Progress | None = None,
     models: str = "generated",
 ) -> dict[str, Any]:
     """Run ``task`` and return its result; with ``out`` also leave all files of a run there.
 
-    ``mode`` restricts the choice to one mode. Raises InfeasibleTaskError before anything moves where nothing
-    can do the task.
+    ``mode`` restricts the choice to one mode; ``live`` is told the address where the run can be watched.
+    Raises InfeasibleTaskError before anything moves where nothing can do the task, and Interrupted on Ctrl-C
+    once the engine runs, after record and result so far are written.
     """
     from pushpressslide.report.metrics import result as measure
 
     if mode is not None:
         task = replace(task, modes=(mode,))
+    interrupt = Interrupt()
     plan, record, choices = simulate(
-        task, engine=engine, seed=seed, force=force, progress=progress, models=models
-    )
-    result = measure(task, plan, record, versions())
+        task, engine=engine, seed=seed, force=force, progress=progress, models=models, interrupt=interrupt,
+        live=live,
+    )  # fmt: skip
+    with interrupt.held():
+        result = measure(task, plan, record, versions())
+        if out is not None:
+            write_data(out, task, plan, record, result, choices)
+    kept = "" if out is None else f"; record and result so far are in {out}"
+    if interrupt():
+        raise Interrupted(f"interrupted{kept}")
     if out is not None:
-        write_run(out, task, plan, record, result, choices, models=models, video=video)
+        try:
+            write_pages(out, task, plan, record, choices, models=models, video=video)
+        except KeyboardInterrupt:
+            raise Interrupted(f"interrupted; record and result are in {out}, its pages not all") from None
     return result
 
 
-def write_run(
+PAGES = ("replay.html", "report.html", "run.webp", "plan.png")
+
+
+def write_data(
+    out: Path, task: Task, plan: Plan, record: Record, result: dict[str, Any], choices: list[Choice]
+) -> None:
+    """Write task, plan, record and result of a run into ``out``, after taking away an older run's pages."""
+    from pushpressslide.report.files import save_run
+
+    out.mkdir(parents=True, exist_ok=True)
+    for name in PAGES:
+        (out / name).unlink(missing_ok=True)
+    for plot in (out / "plots").glob("*.png"):
+        plot.unlink()
+    save_run(out, task, plan, record, result, choices)
+
+
+def write_pages(
     out: Path,
     task: Task,
     plan: Plan,
     record: Record,
-    result: dict[str, Any],
     choices: list[Choice],
     *,
     models: str = "generated",
     video: bool = False,
 ) -> None:
-    """Write plan, record, result, replay and report of a finished run into ``out``."""
-    from pushpressslide.report.files import save_run
+    """Write the pictures, replay and report of a run whose data are in ``out``, each whole or not at all."""
     from pushpressslide.report.page import write_report
     from pushpressslide.report.plan_files import write_plan
 
-    out.mkdir(parents=True, exist_ok=True)
     write_plan(plan, out, choices)
     if record.engine == "drake":
         from pushpressslide.sim.replay import write_replay
@@ -159,10 +197,9 @@ def write_run(
         if video:
             from pushpressslide.sim.frames import write_video
 
-            write_video(task, plan, record, out)
+            write_video(task, plan, record, out, models=models)
     else:
         from pushpressslide.planar.replay import write_replay as write_planar_replay
 
         write_planar_replay(task, plan, record, out)
-    save_run(out, task, plan, record, result, choices)
     write_report([out])

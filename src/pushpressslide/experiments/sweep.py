@@ -16,6 +16,7 @@ from typing import Any, Literal
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.experiments.interrupt import blocked_for_children
 from pushpressslide.experiments.run import Engine, simulate, versions
 from pushpressslide.experiments.sampling import random_task, varied_task
 
@@ -92,7 +93,8 @@ def sweep(
     with ProcessPoolExecutor(jobs or os.cpu_count() or 1, mp_context=context) as pool:
 
         def work(indices: list[int], anyway: bool, into: dict[int, dict[str, Any]]) -> None:
-            waiting = {pool.submit(run_sample, task, vary, i, seed, engine, anyway): i for i in indices}
+            with blocked_for_children():
+                waiting = {pool.submit(run_sample, task, vary, i, seed, engine, anyway): i for i in indices}
             try:
                 for future in as_completed(waiting):
                     row = {**future.result(), "settings": settings}
@@ -103,6 +105,8 @@ def sweep(
                         progress(len(rows) + len(forced), total)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
+                for process in multiprocessing.active_children():
+                    process.terminate()  # its sample is lost; the finished ones are on disk
                 raise
 
         work([i for i in range(samples) if i not in rows], False, rows)

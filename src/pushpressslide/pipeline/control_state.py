@@ -61,6 +61,7 @@ class ControllerState:
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
+    tip_velocities: tuple[Point, ...] = ()  # [m/s] world, as last commanded in this phase
     grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
     regulator: NormalForceState = NormalForceState()
     failure: tuple[ReasonCode, str] | None = None
@@ -75,3 +76,12 @@ def smooth(u: float) -> float:
 def ramp_time(way: float) -> float:
     """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its fastest [s]."""
     return 1.875 * math.fabs(way) / ALIGN_SPEED
+
+
+def approached(value: Point, target: Point, step: float) -> Point:
+    """Return ``target`` if it is within ``step`` of ``value``, else the point that far on the way to it."""
+    dx, dy = target[0] - value[0], target[1] - value[1]
+    size = math.hypot(dx, dy)
+    if size <= step:
+        return target
+    return (value[0] + dx * step / size, value[1] + dy * step / size)

@@ -28,6 +28,7 @@ from pushpressslide.pipeline.control_state import (
     FREE_STIFFNESS,
     SERVO_CAP,
     ControllerState,
+    approached,
     bind,
     ramp_time,
     smooth,
@@ -47,6 +48,7 @@ REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the pl
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
+TIP_ACCELERATION = 2.0  # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
@@ -132,10 +134,12 @@ class Controller:
         allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
         self.ticks = (tracked - started, perf_counter() - tracked)
 
-        commands = []
+        commands, velocities = [], []
         touching, use = True, 0.0
-        for tip, contact, inside, f_B in zip(
-            measurement.tips, self.contacts, binding.tip_points, allocation.forces, strict=True
+        step = TIP_ACCELERATION * (measurement.time - state.last_time)
+        before = state.tip_velocities or ((0.0, 0.0),) * len(self.contacts)
+        for tip, contact, inside, f_B, was in zip(
+            measurement.tips, self.contacts, binding.tip_points, allocation.forces, before, strict=True
         ):
             n = X_WB.rotate(contact.normal)
             normal_force = tip.force[0] * n[0] + tip.force[1] * n[1]
@@ -144,7 +148,8 @@ class Controller:
             use = max(use, shear / (self.friction * max(normal_force, self.threshold)))
             f = X_WB.rotate((self.force_gain * f_B[0], self.force_gain * f_B[1]))
             at_tip = guidance.twist.moved_to(inside)
-            v = X_WB.rotate((at_tip.vx, at_tip.vy))
+            v = approached(was, X_WB.rotate((at_tip.vx, at_tip.vy)), step)
+            velocities.append(v)
             commands.append(
                 TipCommand(
                     force=(f[0], f[1], 0.0),
@@ -164,8 +169,9 @@ class Controller:
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
         grip = min(1.0, max(GRIP_LEAST, state.grip + rate * (measurement.time - state.last_time)))
         next_state = replace(
-            state, progress=guidance.progress, lost=lost, grip=grip, last_time=measurement.time
-        )
+            state, progress=guidance.progress, lost=lost, grip=grip, tip_velocities=tuple(velocities),
+            last_time=measurement.time,
+        )  # fmt: skip
         return tuple(commands), log, self._after_move(next_state, measurement, X_WB, guidance)
 
     def _after_move(
@@ -226,7 +232,7 @@ class Controller:
         """Return the state at the start of a phase."""
         return replace(
             state, phase=phase, since=measurement.time, tip_start=tuple(t.position for t in measurement.tips),
-            last_time=measurement.time, felt=None, regulator=NormalForceState(), align=True,
+            last_time=measurement.time, felt=None, tip_velocities=(), regulator=NormalForceState(), align=True,
             lost=state.lost if phase == "touch" else None,
         )  # fmt: skip
 

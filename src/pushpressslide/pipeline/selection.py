@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from pushpressslide.core.plan import Choice
-from pushpressslide.core.task import Task
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, Task
 from pushpressslide.modes import MODES
+from pushpressslide.pipeline.task_shapes import gap
+
+OBJECT_CLEARANCE = 0.01
+"""Gap [m] that the object keeps from fixed obstacles, unless its start or its goal is nearer already."""
+
+SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
 
 def select(task: Task) -> list[Choice]:
@@ -21,5 +29,38 @@ def select(task: Task) -> list[Choice]:
         if mode.arms != len(task.robots):
             out.append(Choice(name, False, f"needs {mode.arms} arm(s), the task has {len(task.robots)}"))
         else:
-            out.extend(mode.choices(task))
+            out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
     return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+
+
+def _kept_clear(task: Task, choice: Choice) -> Choice:
+    """Return the choice, infeasible where the object's path comes too near to a fixed obstacle."""
+    problem = obstacle_problem(task, choice) if choice.feasible else None
+    return (
+        choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
+    )
+
+
+def obstacle_problem(task: Task, choice: Choice) -> str | None:
+    """Return in one line where the object would come too near to a fixed obstacle, or None."""
+    fixed = [obstacle for obstacle in task.obstacles if not obstacle.movable]
+    path = choice.path
+    if path is None or not fixed:
+        return None
+    X_VG = MODES[choice.mode].vehicle_frame(choice).inverse().compose(task.object.X_GB.inverse())
+    count = max(1, math.ceil(path.length / SWEEP_STEP))
+    poses = [path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)]
+    for obstacle in fixed:
+        box = Box(obstacle.size)
+
+        def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
+            return gap(task.object.shape, X_WG, box, X_WO)
+
+        allowed = min(OBJECT_CLEARANCE, apart(task.start), apart(task.goal)) - 1e-6
+        least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
+        if least < allowed:
+            return (
+                f"but the object comes within {least * 1e3:.0f} mm of obstacle {obstacle.name!r} "
+                f"at ({nearest.x:.3f}, {nearest.y:.3f}), allowed from {allowed * 1e3:.0f} mm"
+            )
+    return None

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pushpressslide.core.errors import Shown, TaskError
+from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
 from pushpressslide.pipeline.task_reader import nearest
-from pushpressslide.pipeline.task_shapes import distance_outside, overlap_area
+from pushpressslide.pipeline.task_shapes import around, distance_outside, overlap_area
+
+if TYPE_CHECKING:
+    from pushpressslide.robots.kinematics import ArmKinematics
 
 MAX_OVERLAP = 1e-8
 """Area that two footprints may share and still count as touching [m^2]."""
@@ -18,8 +21,11 @@ MAX_OVERLAP = 1e-8
 BASE_RADIUS = 0.10
 """Radius of a robot's base that no body may enter [m]."""
 
-ARM_REACH: Mapping[str, float] = {"panda": 0.855, "iiwa7": 0.800}
-"""Farthest reach of the flange from the base's axis [m], by the makers' data sheets."""
+PLACES = 24
+"""Around an object, at which it is asked whether a tip gets there."""
+
+REACH_SLACK = 0.02
+"""Shortfall that is put down to the search [m]; beyond it a place is out of reach."""
 
 MODELS = ("panda", "iiwa7", "hand")
 """Robot models that come with the package."""
@@ -31,7 +37,7 @@ def check(task: Task) -> None:
     Raises:
         TaskError: the first field that does not fit the others.
     """
-    _check_faces(task)
+    _check_motion(task)
     _check_modes(task)
     _check_workspace(task)
     check_reach(task)
@@ -45,8 +51,11 @@ def mode_library() -> Mapping[str, Any]:
     return MODES
 
 
-def _check_faces(task: Task) -> None:
+def _check_motion(task: Task) -> None:
     shape, motion = task.object.shape, task.motion
+    if motion.time_step > motion.control_period:
+        allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
+        raise TaskError(task.source, "motion.time_step", motion.time_step, allowed)
     if motion.face is not None:
         if isinstance(shape, Cylinder):
             raise TaskError(task.source, "motion.face", motion.face, "a cylinder has no edges; allowed: null")
@@ -96,30 +105,59 @@ def _check_workspace(task: Task) -> None:
 
 
 def check_reach(task: Task) -> None:
-    """Check that some robot reaches the object's centre at start and at goal, by its distance from the base.
+    """Check that some robot brings its tip beside or onto the object at start and at goal.
 
-    Raises:
-        TaskError: a start or goal farther than every robot's reach, with the distance and the reach.
+    By kinematics alone, with the tool held any way that is tried, and with room for what is between the
+    places tried: what it refuses no choice of contact could do. Raises TaskError for a robot that cannot be
+    read, and for a start or goal that no robot reaches, by how much it stays short.
     """
+    arms = [_kinematics(task, i) for i in range(len(task.robots))]
     for name, pose in (("start", task.start), ("goal", task.goal)):
-        center = pose.apply(task.object.center_of_mass)
-        nearest_miss: tuple[float, float, Robot] | None = None
-        for robot in task.robots:
-            distance = math.dist(center, robot.base[:2])
-            reach = ARM_REACH.get(robot.model, math.inf) + robot.tip_length
-            if distance <= reach:
-                break
-            if nearest_miss is None or distance - reach < nearest_miss[0] - nearest_miss[1]:
-                nearest_miss = (distance, reach, robot)
-        else:
-            if nearest_miss is not None:
-                distance, reach, robot = nearest_miss
-                what = Shown(
-                    f"object's centre at x {center[0]:g}, y {center[1]:g}, {distance:.3f} m from the base"
-                )
-                raise TaskError(
-                    task.source, name, what, f"allowed: within the {reach:.3f} m that a {robot.model} reaches"
-                )
+        short = [shortfall(arm, robot, task, pose) for arm, robot in zip(arms, task.robots, strict=True)]
+        best = min(range(len(short)), key=short.__getitem__)
+        if short[best] > 0.0:
+            center, robot = pose.apply(task.object.center_of_mass), task.robots[best]
+            far = math.dist(center, robot.base[:2])
+            what = Shown(f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m from the base")
+            allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
+            raise TaskError(task.source, name, what, f"allowed: within reach; {allowed}")
+
+
+def _kinematics(task: Task, i: int) -> ArmKinematics:
+    from pushpressslide.robots.kinematics import arm_kinematics
+
+    robot = task.robots[i]
+    try:
+        return arm_kinematics(robot)
+    except PushPressSlideError as error:
+        field, value = ("model", robot.model)
+        if str(error).startswith("it has no frame"):
+            field, value = "tip_frame", str(robot.tip_frame)
+        raise TaskError(task.source, f"robots[{i}].{field}", value, str(error)) from error
+
+
+def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> float:
+    """Return by how much [m] a tip stays short of every place where it could touch; 0 if it reaches one."""
+    import numpy as np
+
+    from pushpressslide.robots.reach import reachable
+    from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+
+    places, spacing = around(task.object.shape, X_WG, robot.tip_radius, PLACES)
+    low, top = robot.tip_radius, task.object.shape.height + robot.tip_radius
+    levels = np.linspace(low, top, min(max(2, math.ceil((top - low) / 0.08)), 8))
+    points = np.array([(x, y, z) for x, y in places for z in levels])
+    slack = 0.5 * math.hypot(spacing, float(levels[1] - levels[0])) + REACH_SLACK
+    least = math.inf
+    for tilt in TOOL_TILTS:
+        for azimuth in (0.5 * math.pi * k for k in range(4 if tilt > 0.0 else 1)):
+            found = reachable(kin, points, ToolAttitude(tilt, azimuth))
+            least = min(least, float(found.miss.min()))
+            if found.ok.any() or least <= slack:
+                return 0.0
+            if tilt == 0.0:
+                points = points[np.argsort(found.miss)[:PLACES]]
+    return least
 
 
 def _box(obstacle: Obstacle) -> Box:

@@ -87,6 +87,18 @@ def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> fl
     return float(_placed(shape_1, X_W1).intersection(_placed(shape_2, X_W2)).area)
 
 
+def gap(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
+    """Return the distance [m] between two footprints; zero where they overlap."""
+    return float(_placed(shape_1, X_W1).distance(_placed(shape_2, X_W2)))
+
+
+def around(shape: Shape, X_WG: Pose2, distance: float, count: int) -> tuple[list[Point], float]:
+    """Return ``count`` points even around a footprint, ``distance`` [m] off it, and how far apart [m]."""
+    line = _placed(shape, X_WG).buffer(distance).exterior
+    points = [line.interpolate(i / count, normalized=True) for i in range(count)]
+    return [(p.x, p.y) for p in points], float(line.length) / count
+
+
 def _placed(shape: Shape, X_WG: Pose2) -> Polygon:
     from shapely import Point as Centre
     from shapely import Polygon

@@ -50,8 +50,17 @@ def rho_table(task: Task, contact: Point, height: float) -> Callable[[Point], fl
     return rho
 
 
-def run(plan: Plan, *, seed: int = 0, progress: Callable[[float, float], None] | None = None) -> Record:
-    """Run ``plan`` from the task's true start and return its record; deterministic for a seed."""
+def run(
+    plan: Plan,
+    *,
+    seed: int = 0,
+    progress: Callable[[float, float], None] | None = None,
+    stop: Callable[[], bool] = bool,
+) -> Record:
+    """Run ``plan`` from the task's true start and return its record; deterministic for a seed.
+
+    ``stop`` is asked at every tick whether to end the run (reason "interrupted").
+    """
     task = plan.task
     dt = task.motion.control_period
     contact = plan.choice.contacts[0]
@@ -105,6 +114,9 @@ def run(plan: Plan, *, seed: int = 0, progress: Callable[[float, float], None] |
             progress(time, plan.profile.duration + 6.0)
         if state.phase == "done":
             reason = state.failure or ("goal_reached", "")
+            break
+        if stop():
+            reason = ("interrupted", f"stopped by the user at {time:.1f} s")
             break
     return recorder.record(
         reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt}

@@ -54,14 +54,18 @@ def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
     else:
         body.append(_comparison(runs, names))
         body += [_run_section(run, out, name) for run, name in zip(runs, names, strict=True)]
+    return write_whole(out, document(title, "".join(body)))
+
+
+def document(title: str, body: str) -> str:
+    """Return a whole HTML page, its style inside, around ``body``."""
     css = resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
-    page = (
+    return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{escape(title)} - pushpressslide</title><style>{css}</style></head>\n"
-        f"<body><main>{''.join(body)}</main></body></html>\n"
+        f"<body><main>{body}</main></body></html>\n"
     )
-    return write_whole(out, page)
 
 
 def image(data: bytes, alt: str, caption: str = "") -> str:

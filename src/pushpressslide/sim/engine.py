@@ -93,20 +93,27 @@ def run(
     models: str = "generated",
     time_step: float | None = None,
     paths: tuple[tuple[JointPath, ToolAttitude], ...] | None = None,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Callable[[], bool] = bool,
+    live: Callable[[str], None] | None = None,
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind
     of machine.
 
     Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint
-    paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
+    paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted"). ``live``
+    is told the address of a page that shows the run, in real time, while it goes on.
     """
     task = plan.task
     dt = task.motion.control_period
     physics_step = time_step or task.motion.time_step
     if paths is None:
         paths = tuple(joint_path(plan, i) for i in range(len(task.robots)))
-    station = Station(plan, models=models, time_step=physics_step)
+    view = None
+    if live is not None:
+        from pushpressslide.sim.live import LiveView
+
+        view = LiveView(plan, live)
+    station = Station(plan, models=models, time_step=physics_step, view=view)
     arms = [_Arm(plan, i, station, *paths[i], dt, models) for i in range(len(task.robots))]
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
@@ -186,7 +193,7 @@ def run(
             reason = ("diverged", f"the object is at ({pose.x:.2f}, {pose.y:.2f})")
             break
         if stop():
-            reason = ("interrupted", "stopped by the user")
+            reason = ("interrupted", f"stopped by the user at {time:.1f} s")
             break
         ticks += 1
         try:

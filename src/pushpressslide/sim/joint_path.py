@@ -10,9 +10,7 @@ the elbow kept away from the joint limits; the best that is clear of table, obje
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +21,7 @@ from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+from pushpressslide.sim.approach import Approach
 from pushpressslide.sim.clearance import ClearanceModel
 
 Array = NDArray[np.float64]
@@ -31,11 +30,8 @@ STEP = 0.015  # [m] of the tip between samples
 JOINT_MARGIN = 0.08  # [rad] kept from every joint limit
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
-# of the tool, the wrist behind the contact
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
-APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
-DESCENT_SPEED = 0.15  # [m/s] of the tip
-HOVER_ROOM = 0.06  # [m] above the object's top before the tip goes down beside it
+POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 
 
@@ -78,24 +74,24 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
     X_BG = plan.task.object.X_GB.inverse()
     poses = [X.compose(X_BG) for X in bodies]
     normal = bodies[0].rotate(contact.normal)
+    approach = Approach(
+        plan.task, kin, lambda q: model.least(q[None], [poses[0]], touching=False)[0] >= CLEARANCE
+    )
     problem = "no posture reaches the first contact"
     least = -math.inf
-    for tilt in TOOL_TILTS if kin.facts.size > 6 else (0.0,):
+    for tilt in TOOL_TILTS if kin.facts.size >= POSE else (0.0,):
         candidates, why = _candidates(kin, positions, yaws, ToolAttitude(tilt, azimuth), force)
         if not candidates and least == -math.inf:
             problem = why or problem
         for candidate in candidates[:ENOUGH]:
             clear, pair = model.least(candidate.move.q, poses, touching=True)
             if clear >= CLEARANCE or force:
-                for times, approach in _approaches(
-                    plan, kin, candidate, positions[0], yaws[0], contact.height, normal
-                ):
-                    way = approach[::3]
+                move, yaw = candidate.move, float(yaws[0]) + candidate.offset
+                for times, way in approach.ways(positions[0], yaw, normal, move.q[0], candidate.attitude):
                     way_clear, way_pair = model.least(way, [poses[0]] * len(way), touching=False)
                     if way_clear >= CLEARANCE or force:
-                        move = candidate.move
                         path = JointPath(
-                            times, approach, s, move.q, candidate.offset, move.joint_margin, move.condition,
+                            times, way, s, move.q, candidate.offset, move.joint_margin, move.condition,
                             min(clear, way_clear),
                         )  # fmt: skip
                         return path, candidate.attitude
@@ -117,7 +113,7 @@ def _candidates(
     """Return the joint paths of all tool yaw offsets at one tilt, best first, and why the last of the others
     failed.
     """
-    offsets = YAW_OFFSETS if kin.facts.size > 6 else np.zeros(1)
+    offsets = YAW_OFFSETS if kin.facts.size >= POSE else np.zeros(1)
     tool_yaws = yaws[None, :] + offsets[:, None]
     starts = solve_ik(
         kin, np.tile(positions[0], (len(offsets), 1)), attitude, tool_yaws[:, 0], joint_margin=JOINT_MARGIN
@@ -140,66 +136,3 @@ def _candidates(
                 f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
             )
     return sorted(found, key=lambda c: -c.score), why
-
-
-def _approaches(
-    plan: Plan,
-    kin: ArmKinematics,
-    candidate: _Candidate,
-    first: Array,
-    yaw: float,
-    height: float,
-    normal: tuple[float, float],
-) -> Iterator[tuple[Array, Array]]:
-    """Yield times (m,) and postures (m, n) of ways from home to the place beside the object, the most careful
-    first.
-
-    Over that place and down; from as high as the arm can; straight. Each directly, and with the base turned
-    first.
-    """
-    gap = plan.task.motion.approach_distance
-    beside = first - gap * np.array([normal[0], normal[1], 0.0])
-    tops = [plan.task.object.shape.height, *(o.size[2] for o in plan.task.obstacles)]
-    hover = max(max(tops) + HOVER_ROOM, height + 0.08)
-    back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - first) + first
-    levels = np.linspace(beside[2], hover, max(4, math.ceil((hover - height) / 0.02)))[1:]
-    rise = np.column_stack([np.full(len(levels), beside[0]), np.full(len(levels), beside[1]), levels])
-    points = np.concatenate([back, rise])
-    path = continuations(
-        kin,
-        points,
-        np.full((1, len(points)), yaw + candidate.offset),
-        candidate.move.q[:1],
-        candidate.attitude,
-        0.03,
-    )[0]
-    reached = len(points) if path.failed_at is None else path.failed_at
-    if reached < len(back):
-        return
-    home = kin.facts.home
-    for top in dict.fromkeys((reached, len(back) + (reached - len(back)) // 2, len(back))):
-        down = path.q[len(back) - 1 : top][::-1]
-        turned = home.copy()
-        if kin.facts.moving[0].kind == "revolute":
-            turned[0] = down[0][0]
-        for corners in ([home, down[0]], [home, turned, down[0]]):
-            yield _timed(
-                corners, down, float(levels[top - len(back) - 1] - height) if top > len(back) else 0.0
-            )
-
-
-def _timed(corners: list[Array], down: Array, drop: float) -> tuple[Array, Array]:
-    """Return times and postures: rest to rest from corner to corner, then down a height of ``drop`` [m]."""
-    u = np.linspace(0.0, 1.0, 50)
-    blend = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
-    times, postures = [np.zeros(1)], [corners[0][None]]
-    for a, b in pairwise(corners):
-        span = max(0.5, 1.875 * float(np.max(np.abs(b - a))) / APPROACH_SPEED)
-        times.append(times[-1][-1] + span * u[1:])
-        postures.append(a + blend[1:, None] * (b - a))
-    if len(down) > 1:
-        span = max(0.5, 1.875 * drop / DESCENT_SPEED)
-        grid = np.linspace(0.0, 1.0, len(down))
-        times.append(times[-1][-1] + span * u[1:])
-        postures.append(np.column_stack([np.interp(blend[1:], grid, column) for column in down.T]))
-    return np.concatenate(times), np.concatenate(postures)

@@ -111,15 +111,17 @@ class Playback:
 
     def view(self, field: float) -> View:
         """Return a camera of vertical ``field`` [rad] that sees object, path, goal and arms."""
-        return camera_view(self.task, self.plan, self.record, field)
+        return camera_view(self.task, self.plan, self.record.arrays["object_pose"][::20], field)
 
 
-def camera_view(task: Task, plan: Plan, record: Record, field: float) -> View:
-    """Return where a camera of vertical ``field`` [rad] sees all: in front, on the tips' side."""
-    pose = record.arrays["object_pose"]
+def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
+    """Return where a camera of vertical ``field`` [rad] sees all: in front, on the tips' side.
+
+    ``pose`` (N, 3): where the object will be, X_WG [m, rad].
+    """
     height = task.object.shape.height
     sides = (-0.5 * height, 0.5 * height)
-    places = [*pose[::20, :2].tolist(), [task.goal.x, task.goal.y]]
+    places = [*pose[:, :2].tolist(), [task.goal.x, task.goal.y]]
     points = [(x + dx, y + dy, z) for x, y in places for dx in sides for dy in sides for z in (0.0, height)]
     for robot in task.robots:
         if robot.model != "hand":

@@ -58,9 +58,9 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(f"{out}: a record of fewer than two ticks cannot be replayed")
     playback = Playback(task, plan, record, models)
-    meshcat = _quiet_meshcat()
+    meshcat = quiet_meshcat()
     view = playback.view(FIELD)
-    _look(meshcat)
+    look(meshcat)
     meshcat.SetCameraPose(view.position, view.target)
     parameters = MeshcatVisualizerParams()
     parameters.role = Role.kIllustration
@@ -90,8 +90,8 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
-def _quiet_meshcat() -> Meshcat:
-    """A server comes with every Meshcat: it listens on this machine only, nobody need know its address."""
+def quiet_meshcat() -> Meshcat:
+    """Return a Meshcat whose server, one comes with each, listens on this machine only and prints nothing."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)
@@ -101,7 +101,8 @@ def _quiet_meshcat() -> Meshcat:
         log.setLevel(level)
 
 
-def _look(meshcat: Meshcat) -> None:
+def look(meshcat: Meshcat) -> None:
+    """Give a page its background, and take away what Meshcat draws by itself."""
     meshcat.SetProperty("/Grid", "visible", False)
     meshcat.SetProperty("/Axes", "visible", False)
     meshcat.SetProperty("/Background", "top_color", [0.93, 0.95, 0.97])

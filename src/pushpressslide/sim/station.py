@@ -3,13 +3,12 @@
 Inputs   joint_torque_<i>    (n,) [N m]
 Outputs  joint_state_<i>     (2 n,) positions, velocities
          contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force sensor in the tip's
-         mount, less the tip's weight object_pose         (7,) quaternion (w, x, y, z) and position of the
-         object
+                             mount, less the tip's weight
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,9 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
+
+if TYPE_CHECKING:
+    from pushpressslide.sim.live import LiveView
 
 Array = NDArray[np.float64]
 
@@ -53,8 +55,15 @@ class ContactForceSensor(LeafSystem):
 class Station:
     """A built scene, its simulator, and direct reading and writing of its ports."""
 
-    def __init__(self, plan: Plan, *, models: str = "generated", time_step: float | None = None) -> None:
-        """Build the scene of ``plan``'s task with the object at its TRUE start."""
+    def __init__(
+        self,
+        plan: Plan,
+        *,
+        models: str = "generated",
+        time_step: float | None = None,
+        view: LiveView | None = None,
+    ) -> None:
+        """Build the scene of ``plan``'s task with the object at its TRUE start; ``view`` shows it."""
         self.scene: Scene = build_scene(plan, models=models, time_step=time_step)
         builder, plant = self.scene.builder, self.scene.plant
         self.plant = plant
@@ -66,9 +75,13 @@ class Station:
             builder.Connect(plant.get_reaction_forces_output_port(), sensor.GetInputPort("reaction_forces"))
             builder.Connect(plant.get_body_poses_output_port(), sensor.GetInputPort("body_poses"))
             builder.ExportOutput(sensor.GetOutputPort("force"), f"contact_force_{i}")
+        if view is not None:
+            view.connect(builder, self.scene)
         self.diagram = builder.Build()
         self.diagram.set_name("station")
         self.simulator = Simulator(self.diagram)
+        if view is not None:
+            view.pace(self.simulator)
         self.context = self.simulator.get_mutable_context()
         self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
         plant.SetFreeBodyPose(

@@ -1,0 +1,60 @@
+"""Watching a run while it goes on: the scene in Meshcat, with goal and planned path, in real time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.playback import (
+    GOAL_COLOR,
+    PATH_COLOR,
+    PATH_HEIGHT,
+    RIBBON_WIDTH,
+    camera_view,
+    ribbon,
+)
+from pushpressslide.sim.replay import FIELD, FRAMES_PER_SECOND, look, quiet_meshcat
+from pushpressslide.sim.scenes import Scene
+from pushpressslide.sim.surfaces import object_shape
+
+SAMPLES = 100  # of the planned path
+
+
+class LiveView:
+    """A page on this machine that shows the scene it is connected to; the simulation is the same without."""
+
+    def __init__(self, plan: Plan, tell: Callable[[str], None]) -> None:
+        """Start the page's server and ``tell`` its address."""
+        self._meshcat: Meshcat = quiet_meshcat()
+        look(self._meshcat)
+        poses = [plan.object_pose(float(s)) for s in np.linspace(0.0, plan.path.length, SAMPLES)]
+        view = camera_view(plan.task, plan, np.array([(p.x, p.y, p.yaw) for p in poses]), FIELD)
+        self._meshcat.SetCameraPose(view.position, view.target)
+        shape = plan.task.object.shape
+        self._meshcat.SetObject("plan/goal", object_shape(shape), GOAL_COLOR)
+        self._meshcat.SetTransform("plan/goal", rigid_transform(plan.task.goal, 0.5 * shape.height))
+        path = [plan.path.pose(float(s)) for s in np.linspace(0.0, plan.path.length, SAMPLES)]
+        points = np.array([(p.x, p.y) for p in path])
+        if plan.path.length > 1e-3:
+            self._meshcat.SetObject("plan/path", ribbon(points, RIBBON_WIDTH), PATH_COLOR)
+            self._meshcat.SetTransform("plan/path", RigidTransform([0.0, 0.0, PATH_HEIGHT]))
+        tell(self._meshcat.web_url())
+
+    def connect(self, builder: DiagramBuilder, scene: Scene) -> None:
+        """Show the bodies of ``scene``, whose builder is not built yet, from then on."""
+        parameters = MeshcatVisualizerParams()
+        parameters.role = Role.kIllustration
+        parameters.publish_period = 1.0 / FRAMES_PER_SECOND
+        MeshcatVisualizer.AddToBuilder(builder, scene.scene_graph, self._meshcat, parameters)
+
+    @staticmethod
+    def pace(simulator: Simulator) -> None:
+        """Let the simulation go no faster than real time, so that it can be watched."""
+        simulator.set_target_realtime_rate(1.0)

@@ -1,0 +1,127 @@
+"""The paper's experiments are lists of tasks, and whatever comes out of them is on one page."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.experiments import paper, reproduce
+from pushpressslide.experiments.paper import EXPERIMENTS, JOINT_TRACKING, Experiment, Variant, chosen
+from pushpressslide.experiments.reproduce_page import FIGURES, Outcome, findings
+from pushpressslide.pipeline.task_file import load_task
+
+VARIANTS = [(e.name, v) for e in EXPERIMENTS.values() for v in e.variants]
+
+
+@pytest.mark.parametrize(("name", "variant"), VARIANTS, ids=[f"{n}-{v.name}" for n, v in VARIANTS])
+def test_every_variant_is_a_shipped_task_with_overrides_that_load(name: str, variant: Variant) -> None:
+    load_task(variant.task, variant.overrides)
+    assert set(variant.paper) <= {key for _, key, *_ in FIGURES}
+
+
+@pytest.mark.parametrize("experiment", EXPERIMENTS.values(), ids=lambda e: e.name)
+def test_names_are_unique_and_comparisons_name_variants(experiment: Experiment) -> None:
+    names = [variant.name for variant in experiment.variants]
+    assert len(set(names)) == len(names)
+    for comparison in experiment.comparisons:
+        assert {comparison.base, comparison.changed} <= set(names)
+
+
+def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None:
+    tasks = [load_task(variant.task, variant.overrides) for variant in JOINT_TRACKING.variants]
+    first = tasks[0]
+    for task in tasks[1:]:
+        assert replace(task, motion=first.motion, limits=first.limits) == first
+    assert len({task.motion for task in tasks}) == len(tasks)
+
+
+def test_all_are_chosen_by_default_and_each_but_once() -> None:
+    assert chosen(None) == tuple(EXPERIMENTS.values())
+    assert chosen(["rear-push-left", "rear-push-left"]) == (EXPERIMENTS["rear-push-left"],)
+
+
+def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -> None:
+    with pytest.raises(PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: .*left"):
+        reproduce.reproduce(["press"], out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def made_up(time: float, success: bool = True) -> dict[str, object]:
+    figures = {key: time for _, key, *_ in FIGURES}
+    return {**figures, "success": success, "reason": {"code": "time_limit", "text": "time is over"}}
+
+
+def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
+    outcomes = {
+        (JOINT_TRACKING.name, variant.name): Outcome(Path(), made_up(40.0))
+        for variant in JOINT_TRACKING.variants
+    }
+    outcomes[JOINT_TRACKING.name, "servo"] = Outcome(Path(), made_up(10.0))
+    outcomes[JOINT_TRACKING.name, "force-joint"] = Outcome(Path(), made_up(41.0, success=False))
+    slow, fast, worse, why = findings(JOINT_TRACKING, outcomes)
+    assert "Time 40.0 to 41.0 s (alike)" in slow
+    assert slow.endswith("It ends with: time is over.")
+    assert "Time 40.0 to 10.0 s (× 0.25)" in fast
+    assert "Time 10.0 to 40.0 s (× 4.00)" in worse
+    assert why == JOINT_TRACKING.why
+
+
+def test_findings_are_silent_about_what_could_not_be_run() -> None:
+    outcomes = {
+        (JOINT_TRACKING.name, variant.name): Outcome(Path(), None, "no")
+        for variant in JOINT_TRACKING.variants
+    }
+    assert findings(JOINT_TRACKING, outcomes) == [JOINT_TRACKING.why]
+
+
+def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    variants = (
+        replace(EXPERIMENTS["rear-push-rear"].variants[0], name="reached"),
+        Variant("missed", "Out of time", "rear-push-rear", ("limits.time=4",)),
+        Variant("refused", "Not possible", "rear-push-rear", ("contact.friction=0.01",)),
+    )
+    experiment = replace(EXPERIMENTS["rear-push-rear"], name="mixed", variants=variants)
+    monkeypatch.setitem(paper.EXPERIMENTS, "mixed", experiment)
+    seen: list[tuple[float, float]] = []
+    page = reproduce.reproduce(
+        ["mixed"], out=tmp_path, engine="planar", progress=lambda done, total: seen.append((done, total))
+    )
+    assert page == tmp_path / "report.html"
+    assert seen[-1] == (3, 3)
+    text = page.read_text("utf-8")
+    assert "≤ 15.0 mm" in text
+    assert 'href="mixed/reached/report.html"' in text
+    assert "time limit" in text
+    assert "not run: " in text
+    result = json.loads((tmp_path / "result.json").read_text("utf-8"))
+    reached, missed, refused = result["experiments"]["mixed"]["variants"]
+    assert reached["measured"]["success"]
+    assert reached["paper"]["final_position_error"] == 0.015
+    assert missed["measured"]["reason"]["code"] == "time_limit"
+    assert refused["measured"] is None
+    assert refused["failure"]
+    assert "| paper |" in (tmp_path / "table.md").read_text("utf-8")
+    for name in ("reached", "missed"):
+        assert (tmp_path / "mixed" / name / "report.html").is_file()
+
+
+@pytest.mark.long
+def test_joint_term_and_servo_are_faster_and_tighter_than_the_force_alone(tmp_path: Path) -> None:
+    reproduce.reproduce(["joint-tracking"], out=tmp_path)
+    result = json.loads((tmp_path / "result.json").read_text("utf-8"))
+    rows = result["experiments"]["joint-tracking"]["variants"]
+    measured = {row["variant"]: row["measured"] for row in rows}
+    force, spring, servo = (measured[name] for name in ("force", "force-joint", "servo"))
+    for better in (spring, servo):
+        assert better["success"]
+        assert better["motion_duration"] < 0.6 * force["motion_duration"]
+        for key in ("rms_position_error", "rms_end_effector_error", "rms_yaw_error"):
+            assert better[key] < 0.2 * force[key]
+    assert servo["rms_position_error"] < spring["rms_position_error"]
+    for name in ("servo-joint-10", "servo-joint-30"):
+        assert measured[name]["success"]
+        assert abs(measured[name]["motion_duration"] - servo["motion_duration"]) < 2.0
