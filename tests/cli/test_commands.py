@@ -9,6 +9,7 @@ from typer.testing import CliRunner, Result
 
 from pushpressslide.cli import app
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
+from pushpressslide.experiments.interrupt import Interrupted
 
 
 def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
@@ -55,7 +56,7 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     [
         (result_of(), 0),
         (result_of(False, "goal_missed"), 1),
-        (result_of(False, "interrupted"), 130),
+        (Interrupted("interrupted; record and result so far are in here"), 130),
         (KeyboardInterrupt(), 130),
         (InfeasibleTaskError("no mode can do it"), 2),
         (SimulationError("the engine could not go on"), 3),

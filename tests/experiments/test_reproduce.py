@@ -60,12 +60,11 @@ def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
     }
     outcomes[JOINT_TRACKING.name, "servo"] = Outcome(Path(), made_up(10.0))
     outcomes[JOINT_TRACKING.name, "force-joint"] = Outcome(Path(), made_up(41.0, success=False))
-    slow, fast, worse, why = findings(JOINT_TRACKING, outcomes)
+    slow, fast, worse = findings(JOINT_TRACKING, outcomes)
     assert "Time 40.0 to 41.0 s (alike)" in slow
     assert slow.endswith("It ends with: time is over.")
     assert "Time 40.0 to 10.0 s (× 0.25)" in fast
     assert "Time 10.0 to 40.0 s (× 4.00)" in worse
-    assert why == JOINT_TRACKING.why
 
 
 def test_findings_are_silent_about_what_could_not_be_run() -> None:
@@ -73,7 +72,7 @@ def test_findings_are_silent_about_what_could_not_be_run() -> None:
         (JOINT_TRACKING.name, variant.name): Outcome(Path(), None, "no")
         for variant in JOINT_TRACKING.variants
     }
-    assert findings(JOINT_TRACKING, outcomes) == [JOINT_TRACKING.why]
+    assert findings(JOINT_TRACKING, outcomes) == []
 
 
 def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(

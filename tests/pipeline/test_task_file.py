@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Box, Limits, Motion, Prism, Sensing, Support, Tolerance
 from pushpressslide.pipeline.task_file import dump_task, load_task, shipped_tasks, task_from_data
+from pushpressslide.robots.facts import load_facts
+from pushpressslide.robots.urdf import urdf_text
 
 MINIMAL: dict[str, Any] = {
     "name": "cube",
@@ -142,13 +144,13 @@ def test_touching_bodies_are_allowed() -> None:
 
 
 def test_a_free_hand_reaches_everywhere() -> None:
-    task = task_from_data({**MINIMAL, "goal": {"x": 5, "y": 5}, "robots": [{"model": "hand"}]}, "test")
-    assert task.goal.x == 5.0
+    task = task_from_data({**MINIMAL, "goal": {"x": 2, "y": 2}, "robots": [{"model": "hand"}]}, "test")
+    assert task.goal.x == 2.0
 
 
 def test_a_robot_may_be_given_by_a_path_relative_to_the_file(tmp_path: Path) -> None:
-    (tmp_path / "arm.urdf").write_text("<robot name='arm'/>")
-    robots = [{"model": "arm.urdf", "tip_frame": "tip"}]
+    (tmp_path / "arm.urdf").write_text(urdf_text(load_facts("panda")))
+    robots = [{"model": "arm.urdf", "tip_frame": "panda_link8"}]
     file = tmp_path / "task.yaml"
     file.write_text(yaml.safe_dump({**MINIMAL, "robots": robots}))
     task = load_task(file)

@@ -36,7 +36,8 @@ def one_contact_allocator(point: Point, normal: Point, friction: float, rho: flo
         fn, ft = fx * nx + fy * ny, fx * tx + fy * ty
         if fn > 0.0 and -friction * fn <= ft <= friction * fn and -1e-12 * fn <= off <= 1e-12 * fn:
             # the contact can give just this wrench
-            return Allocation(((fx, fy),), (fn,), friction * fn - (ft if ft > 0.0 else -ft), "ok", (0.0, 0.0, off))
+            margin = friction * fn - (ft if ft > 0.0 else -ft)
+            return Allocation(((fx, fy),), (fn,), margin, "ok", (0.0, 0.0, off))
         bx, by = fx + ax * tau * inv_rho2, fy + ay * tau * inv_rho2
         shared = (ax * bx + ay * by) * inv_rho2 * denominator
         gx, gy = bx - ax * shared, by - ay * shared

@@ -84,8 +84,10 @@ class ArcPath:
 
     @cached_property
     def _table(self) -> tuple[tuple[float, ...], ...]:
-        """Per piece, and for the straight line after the end: s_0, s_1, x_0, y_0, yaw_0, curvature, then cos and sin of
-        yaw_0 of a line, the centre of an arc."""
+        """Rows s_0, s_1, x_0, y_0, yaw_0, curvature, then cos and sin of yaw_0 (line) or the centre (arc).
+
+        One per piece, and one for the straight line after the end.
+        """
         rows = []
         pieces = (*self.pieces, (0.0, math.inf))
         for (curvature, length), (s, pose) in zip(pieces, self.starts, strict=True):
@@ -95,10 +97,10 @@ class ArcPath:
         return tuple(rows)
 
     def nearest(self, x: float, y: float, s: float) -> tuple[float, float, float, float]:
-        """Return of the path's nearest point to (x, y) [m], on the piece of arc length ``s`` or the ones after it:
+        """Return where the path is nearest to (x, y) [m], on the piece of arc length ``s`` or one after it.
 
-        its arc length [m], its offset to the left of (x, y) [m], its heading [rad], and the curvature there [1/m]. Closed
-        form, no iteration; past the end the path goes on straight.
+        Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature [1/m] of that point.
+        Closed form, no iteration; past the end the path goes on straight.
         """
         for s_0, s_1, x_0, y_0, yaw_0, curvature, a, b in self._table:
             if s > s_1:

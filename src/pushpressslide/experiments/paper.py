@@ -126,10 +126,11 @@ JOINT_TRACKING = Experiment(
     "object sticks, just above it the surplus alone decides how fast it creeps, so that a push by force has "
     "no duration of its own. A spring about the joint path of the same time closes that loop: who is late is "
     "pushed harder. So does a velocity servo, and it keeps to the contact's own motion, so that it is "
-    "tighter still; beside it the spring has nothing left to do. The spring alone is not robust: it holds the tip to the "
-    "planned place in the world, not to the object; stiffer, or on the shipped path with its longer straight "
-    "end, it can miss the goal or lose the face where the path bends the other way. The paper gives neither its poses, nor its "
-    "speed, nor by how much its force exceeds friction: compare directions, not seconds.",
+    "tighter still; beside it the spring has nothing left to do. The spring alone is not robust: it holds "
+    "the tip to the planned place in the world, not to the object; stiffer, or on the shipped path with its "
+    "longer straight end, it can miss the goal or lose the face where the path bends the other way. The "
+    "paper gives neither its poses, nor its speed, nor by how much its force exceeds friction: compare "
+    "directions, not seconds.",
     comparisons=(
         Comparison("force", "force-joint", "the joint term on top of the force"),
         Comparison("force", "servo", "the velocity servo on top of the force"),

@@ -68,14 +68,15 @@ def write_table(experiments: Sequence[Experiment], outcomes: Outcomes, path: Pat
             title = "" if variant.paper else variant.title
             lines.append([title, "measured", *_measured_cells(outcome), _verdict(outcome)])
         rows = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-        parts.append(f"## {experiment.title}\n\n{rows}\n\n{' '.join(findings(experiment, outcomes))}\n")
+        said = " ".join([*findings(experiment, outcomes), experiment.why])
+        parts.append(f"## {experiment.title}\n\n{rows}\n\n{said}\n")
     return write_whole(path, "\n".join(parts))
 
 
 def findings(experiment: Experiment, outcomes: Outcomes) -> list[str]:
-    """Return sentences that compare the measured figures of the experiment, and say why they are so."""
+    """Return sentences that compare the measured figures of the experiment."""
     said = [_compared(experiment, comparison, outcomes) for comparison in experiment.comparisons]
-    return [*filter(None, said), experiment.why]
+    return [sentence for sentence in said if sentence]
 
 
 def _compared(experiment: Experiment, comparison: Comparison, outcomes: Outcomes) -> str:
@@ -106,20 +107,22 @@ def _ratio(before: float, after: float) -> str:
 
 
 def _section(experiment: Experiment, outcomes: Outcomes, page: Path) -> str:
-    done = {}
+    done: dict[str, Outcome] = {}
+    titles = []
     for variant in experiment.variants:
         outcome = outcomes[experiment.name, variant.name]
         if outcome.result is not None:
-            done[variant.title] = outcome
+            done[variant.name] = outcome
+            titles.append(variant.title)
     said = "".join(f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, outcomes))
     parts = [
         f"<h2>{escape(experiment.title)}</h2>",
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
         _paper_table(experiment, outcomes, page),
-        f"<h3>What comes out</h3><ul>{said}</ul>",
+        "<h3>What comes out</h3>" + (f"<ul>{said}</ul>" if said else "") + f"<p>{escape(experiment.why)}</p>",
     ]
     runs = [load_run(outcome.folder) for outcome in done.values()]
-    curves = [(title, run.record, run.task, run.plan) for title, run in zip(done, runs, strict=True)]
+    curves = [(title, run.record, run.task, run.plan) for title, run in zip(titles, runs, strict=True)]
     if runs:
         parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
     if len(runs) > 1:

@@ -4,6 +4,7 @@ closed-form laws.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
@@ -13,6 +14,10 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.robots.reach import reach_problem
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+
+REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
 class Guidance(NamedTuple):
@@ -73,3 +78,37 @@ class Mode(Protocol):
         more than ``longest`` [m].
         """
         ...
+
+
+def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
+    """Return what stands against the path of a choice: time, workspace, reach of the tip; None if nothing."""
+    path = choice.path
+    if path is None:
+        return "no path"
+    if choice.time is not None and choice.time > task.limits.time:
+        return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
+    X_VB = X_BV.inverse()
+    X_BG = task.object.X_GB.inverse()
+    count = max(3, math.ceil(path.length / REACH_STEP))
+    bodies = [path.pose(path.length * i / count).compose(X_VB) for i in range(count + 1)]
+    bounds = task.limits.workspace
+    if bounds is not None:
+        for X_WB in bodies:
+            X = X_WB.compose(X_BG)
+            if not (bounds[0] <= X.x <= bounds[1] and bounds[2] <= X.y <= bounds[3]):
+                return f"the path leaves limits.workspace at ({X.x:.3f}, {X.y:.3f})"
+    contact = choice.contacts[0]
+    robot = task.robots[0]
+    tip = (
+        contact.point[0] - robot.tip_radius * contact.normal[0],
+        contact.point[1] - robot.tip_radius * contact.normal[1],
+    )
+    points = [(*X_WB.apply(tip), contact.height) for X_WB in bodies]
+    middle = bodies[len(bodies) // 2].rotate(contact.normal)
+    azimuth = math.atan2(middle[1], middle[0])
+    problem = reach_problem(robot, points)
+    if problem is not None and any(
+        reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]
+    ):
+        return None
+    return problem

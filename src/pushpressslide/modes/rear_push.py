@@ -18,10 +18,8 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
-from pushpressslide.modes.base import Guidance
+from pushpressslide.modes.base import Guidance, path_problem
 from pushpressslide.planning.dubins import shortest_path
-from pushpressslide.robots.reach import reach_problem
-from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import RearStanley
 
@@ -66,8 +64,10 @@ def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: flo
 class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
-    def __init__(self, law: RearStanley, X_BV: Pose2, contact: Point, level: float, lever: float, rho: float) -> None:
-        """Bind the law to the frame X_BV, the ``contact`` [m] in B, mu_s N = ``level`` [N], ``lever`` [m] and ``rho`` [m]."""
+    def __init__(
+        self, law: RearStanley, X_BV: Pose2, contact: Point, level: float, lever: float, rho: float
+    ) -> None:
+        """Bind the law to X_BV, the contact [m] in B, ``level`` mu_s N [N], ``lever`` and ``rho`` [m]."""
         self._steering = law.steering
         self._axle = (X_BV.x, X_BV.y, X_BV.yaw, cos(X_BV.yaw), sin(X_BV.yaw))
         self._figures = (level, (lever / rho) ** 2, lever / (rho * rho), *contact)
@@ -224,7 +224,7 @@ class RearPush:
             + (", with a loop" if looped else "")
         )
         choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        problem = problem or self._path_problem(task, choice)
+        problem = problem or self._turning_problem(path) or path_problem(task, choice, X_BV)
         if problem:
             return Choice(
                 self.name,
@@ -245,42 +245,13 @@ class RearPush:
         X = car.X_BV
         return Pose2(X.x + shift * math.cos(X.yaw), X.y + shift * math.sin(X.yaw), X.yaw)
 
-    def _path_problem(self, task: Task, choice: Choice) -> str | None:
-        """What stands against the choice's path: time, workspace, reach."""
-        path = choice.path
-        if path is None:
-            return "no path"
-        turning = sum(abs(curvature) * length for curvature, length in path.pieces)
+    @staticmethod
+    def _turning_problem(path: ArcPath) -> str | None:
+        """What stands against following the path's arcs."""
+        turning, allowed = sum(abs(k) * length for k, length in path.pieces), math.degrees(TURNING_LIMIT)
         if turning > TURNING_LIMIT:
-            allowed = math.degrees(TURNING_LIMIT)
             return f"the path turns by {math.degrees(turning):.0f} deg, allowed {allowed:.0f} deg"
-        if choice.time is not None and choice.time > task.limits.time:
-            return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
-        X_VB = self.vehicle_frame(choice).inverse()
-        X_BG = task.object.X_GB.inverse()
-        count = max(3, math.ceil(path.length / 0.03))
-        bodies = [path.pose(path.length * i / count).compose(X_VB) for i in range(count + 1)]
-        bounds = task.limits.workspace
-        if bounds is not None:
-            for X_WB in bodies:
-                X = X_WB.compose(X_BG)
-                if not (bounds[0] <= X.x <= bounds[1] and bounds[2] <= X.y <= bounds[3]):
-                    return f"the path leaves limits.workspace at ({X.x:.3f}, {X.y:.3f})"
-        contact = choice.contacts[0]
-        robot = task.robots[0]
-        tip = (
-            contact.point[0] - robot.tip_radius * contact.normal[0],
-            contact.point[1] - robot.tip_radius * contact.normal[1],
-        )
-        points = [(*X_WB.apply(tip), contact.height) for X_WB in bodies]
-        middle = bodies[len(bodies) // 2].rotate(contact.normal)
-        azimuth = math.atan2(middle[1], middle[0])
-        problem = reach_problem(robot, points)
-        if problem is not None and any(
-            reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]
-        ):
-            return None
-        return problem
+        return None
 
     def choices(self, task: Task) -> list[Choice]:
         """Return one choice per face, feasible ones first, the quickest first."""

@@ -232,7 +232,8 @@ class Controller:
         """Return the state at the start of a phase."""
         return replace(
             state, phase=phase, since=measurement.time, tip_start=tuple(t.position for t in measurement.tips),
-            last_time=measurement.time, felt=None, tip_velocities=(), regulator=NormalForceState(), align=True,
+            last_time=measurement.time, felt=None, align=True, tip_velocities=(),
+            regulator=NormalForceState(),
             lost=state.lost if phase == "touch" else None,
         )  # fmt: skip
 

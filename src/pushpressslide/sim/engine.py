@@ -80,6 +80,8 @@ class _Arm:
     def along(self, s: float) -> Array:
         """Joint reference at arc length ``s`` of the path."""
         grid, q = self.path.arc_length, self.path.move
+        if grid[-1] <= 0.0:  # the goal is the start
+            return q[0]
         i = int(np.clip(np.searchsorted(grid, s) - 1, 0, len(grid) - 2))
         u = min(max((s - grid[i]) / (grid[i + 1] - grid[i]), 0.0), 1.0)
         return q[i] + u * (q[i + 1] - q[i])

@@ -77,7 +77,11 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
     approach = Approach(
         plan.task, kin, lambda q: model.least(q[None], [poses[0]], touching=False)[0] >= CLEARANCE
     )
-    problem = "no posture reaches the first contact"
+    x, y, z = positions[0]
+    problem = (
+        f"no posture brings the tip to the first contact at ({x:.3f}, {y:.3f}, {z:.3f}), "
+        f"with joints {JOINT_MARGIN:g} rad inside their limits"
+    )
     least = -math.inf
     for tilt in TOOL_TILTS if kin.facts.size >= POSE else (0.0,):
         candidates, why = _candidates(kin, positions, yaws, ToolAttitude(tilt, azimuth), force)

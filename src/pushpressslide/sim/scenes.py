@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import Box as DrakeBox
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
@@ -17,7 +17,7 @@ from pydrake.multibody.plant import (
     DiscreteContactApproximation,
     MultibodyPlant,
 )
-from pydrake.multibody.tree import RigidBody, SpatialInertia, UnitInertia, default_model_instance
+from pydrake.multibody.tree import BodyIndex, RigidBody, SpatialInertia, UnitInertia, default_model_instance
 from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core import task as model
@@ -209,4 +209,25 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
         for index, robot in enumerate(task.robots)
     )  # fmt: skip
     plant.Finalize()
+    _let_only_tips_touch(plant, scene_graph, robots)
     return Scene(builder, plant, scene_graph, thing, bodies, robots)
+
+
+def _let_only_tips_touch(
+    plant: MultibodyPlant, scene_graph: SceneGraph, robots: tuple[RobotInstance, ...]
+) -> None:
+    """Take the links of a model given by path out of contact, where the generated models have no shapes.
+
+    Their clearance is the joint path's business; shapes without hydroelastic properties would end the run.
+    """
+    links, everything = GeometrySet(), GeometrySet()
+    tips = {robot.tip_geometry for robot in robots}
+    own = {robot.model_instance for robot in robots}
+    for index in range(plant.num_bodies()):
+        body = plant.get_body(BodyIndex(index))
+        for geometry in plant.GetCollisionGeometriesForBody(body):
+            everything.Add(geometry)
+            if body.model_instance() in own and geometry not in tips:
+                links.Add(geometry)
+    manager = scene_graph.collision_filter_manager()
+    manager.Apply(CollisionFilterDeclaration().ExcludeBetween(links, everything).ExcludeWithin(links))

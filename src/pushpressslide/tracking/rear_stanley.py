@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from math import atan
 
 
-
 @dataclass(frozen=True, slots=True)
 class RearStanley:
     """The law for one car.

@@ -1,0 +1,111 @@
+"""Ctrl-C at any time: status 130, one line, what was finished is kept, and no file is there by half.
+
+The process interrupts itself at a chosen place, so that nothing depends on how fast the machine is.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pushpressslide.report.files import load_run
+
+PRESS = "import os, signal\ndef press(): os.kill(os.getpid(), signal.SIGINT)\n"
+AFTER = """
+def pressed_after(function, calls=1):
+    left = [calls]
+    def wrapped(*args, **kwargs):
+        answer = function(*args, **kwargs)
+        left[0] -= 1
+        if left[0] == 0:
+            press()
+        return answer
+    return wrapped
+"""
+MAIN = "\nif __name__ == '__main__':\n    from pushpressslide.cli import main\n    main()\n"
+
+
+def pps(folder: Path, patch: str, *args: str) -> subprocess.CompletedProcess[str]:
+    """Run ``pps`` in a process whose code is patched; a file, so that a sweep's workers can start from it."""
+    indented = "".join(f"    {line}\n" for line in [*patch.splitlines(), "pass"])
+    script = folder / "patched.py"
+    script.write_text(PRESS + AFTER + "\nif __name__ == '__main__':\n" + indented + MAIN)
+    return subprocess.run([sys.executable, script, *args], capture_output=True, text=True, check=False)
+
+
+def check(done: subprocess.CompletedProcess[str]) -> str:
+    assert done.returncode == 130, (done.stdout, done.stderr)
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("pps: interrupted")
+    return line
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.rglob("*") if path.is_file()}
+
+
+def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
+    patch = "import pushpressslide.experiments.run as r\nr.select = pressed_after(r.select)"
+    check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("engine", ["planar", "drake"])
+def test_while_simulating_the_record_so_far_is_kept_whole(engine: str, tmp_path: Path) -> None:
+    module = "pushpressslide.planar.engine" if engine == "planar" else "pushpressslide.sim.engine"
+    patch = f"import {module} as e\ne.Recorder.add = pressed_after(e.Recorder.add, 100)"
+    out = tmp_path / "out"
+    line = check(pps(tmp_path, patch, "run", "rear-push-rear", "--engine", engine, "--out", str(out)))
+    assert str(out) in line
+    run = load_run(out)
+    assert len(run.record.arrays["time"]) == 100
+    assert run.result["reason"]["code"] == run.record.reason == "interrupted"
+    assert not run.result["success"]
+    assert names(out) == {"task.yaml", "plan.json", "record.npz", "result.json"}
+
+
+def test_while_writing_pages_record_and_result_are_kept(tmp_path: Path) -> None:
+    patch = "import pushpressslide.planar.replay as r\nr.write_replay = pressed_after(r.write_replay)"
+    out = tmp_path / "out"
+    check(pps(tmp_path, patch, "run", "rear-push-rear", "--engine", "planar", "--out", str(out)))
+    assert load_run(out).result["success"]
+    assert "report.html" not in names(out)
+    assert not [name for name in names(out) if name.endswith(".part")]
+
+
+def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> None:
+    out, run = tmp_path / "out", ("run", "rear-push-rear", "--engine", "planar", "--force")
+    assert pps(tmp_path, "", *run, "--out", str(out), "--quiet").returncode == 0
+    assert "report.html" in names(out)
+    patch = "import pushpressslide.planar.engine as e\ne.Recorder.add = pressed_after(e.Recorder.add, 10)"
+    check(pps(tmp_path, patch, *run, "--out", str(out)))
+    assert names(out) == {"task.yaml", "plan.json", "record.npz", "result.json"}
+
+
+def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(tmp_path: Path) -> None:
+    patch = """
+import pushpressslide.experiments.run as r
+def select(task):
+    try:
+        press()
+        while True: pass
+    except KeyboardInterrupt:
+        raise ImportError("initialization failed")
+r.select = select
+"""
+    check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
+
+
+def test_a_sweep_keeps_its_finished_samples_and_goes_on(tmp_path: Path) -> None:
+    patch = "import pushpressslide.experiments.sweep as s\ns.write_whole = pressed_after(s.write_whole)"
+    out = tmp_path / "out"
+    options = f"sweep rear-push-rear --samples 3 --engine planar --jobs 1 --out {out}"
+    sweep = options.split()
+    check(pps(tmp_path, patch, *sweep))
+    assert names(out) == {"00000.json"}
+    done = pps(tmp_path, "", *sweep, "--json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["samples"] == 3
