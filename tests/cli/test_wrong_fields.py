@@ -111,9 +111,9 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "tip of negative radius": (
         put("robots", [{"model": "panda", "tip_radius": -0.01}]), "robots[0].tip_radius:", "[0.002, 0.1]",
     ),
-    "goal out of reach": (put("goal.x", 1.5), "goal:", "within the 1.005 m"),
+    "goal out of reach": (put("goal.x", 1.5), "goal:", "the tip of the panda stays 0."),
     "goal on another planet": (put("goal.x", 1e9), "goal.x:", "[-10, 10]"),
-    "start out of reach": (put("start.y", -1.5), "start:", "within the 1.005 m"),
+    "start out of reach": (put("start.y", -1.5), "start:", "the tip of the panda stays 0."),
     "start on the base": (put("start", {"x": 0.05, "y": 0}), "start:", "0.1 m or more"),
     "goal on the base": (put("goal", {"x": 0.0, "y": 0.1}), "goal:", "0.1 m or more"),
     "obstacle on the start": (put("obstacles", [post(0.4, 0.25)]), "start:", "no overlap with"),

@@ -143,7 +143,7 @@ class Motion:
 
     speed: float = 0.05  # [m/s] along the path of the tracking point, in (0, 0.2]
     acceleration: float = 0.1  # [m/s^2] of the ramps; far below mu_s g keeps the motion quasi-static
-    tracking_gain: float = 3.0  # of the steering law, in units of the largest without overshoot
+    tracking_gain: float = 2.0  # of the steering law, in units of the largest without overshoot
     servo_damping: float = 500.0  # [N s/m] of the contact velocity servo
     joint_stiffness: float = 10.0  # [N m/rad] of the joint-tracking term
     force_gain: float | None = None  # on the feed-forward force; None: 1 with the servo, 1.05 without

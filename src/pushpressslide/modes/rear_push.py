@@ -135,7 +135,9 @@ class RearPush:
             """Distance of the axle from the CoM, and tan(angle) / curvature."""
             twist = pushed_twist(pressure_at, belief.support_friction, face.foot, height, angle)
             along, across = twist.vx * e[0] + twist.vy * e[1], e[0] * twist.vy - e[1] * twist.vx
-            return -across / twist.w, -math.tan(angle) * along / twist.w
+            axle, ratio = -across / twist.w, -math.tan(angle) * along / twist.w
+            # on an ellipsoid about the shifted CoP the two would agree; the longer is the stable side
+            return axle, max(ratio, axle - height * belief.support_friction)
 
         edge = math.atan(mu)
         axle, turning = car_like(task.motion.curvature_margin * edge)

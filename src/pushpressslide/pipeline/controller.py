@@ -48,7 +48,7 @@ REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the pl
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
-TIP_ACCELERATION = 2.0  # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
+TIP_ACCELERATION = 5.0  # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
