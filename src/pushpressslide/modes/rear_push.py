@@ -26,9 +26,10 @@ from pushpressslide.tracking.rear_stanley import RearStanley
 GRAVITY = 9.81  # [m/s^2]
 
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
-OVERHEAD = 6.0  # [s] typical time of approach, touch and release
+OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 TURNING_LIMIT = math.radians(270.0)  # of all arcs together: in longer spirals the model's error adds up
+TABLE_GAP = 0.006  # [m] of the tip above the support
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
 PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 mm
@@ -37,7 +38,7 @@ PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 
 # uses, and on the speed: near the cone's edge the contact's sideways jumps, which grow with it, must be
 # smaller.
 COMFORT = (
-    (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7), (0.25, 1.35, 0.6), (0.1, 1.35, 0.5),
+    (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7), (0.25, 1.35, 0.6), (0.1, 1.35, 0.5), (0.0, 1.35, 0.5),
 )  # fmt: skip
 
 
@@ -50,8 +51,9 @@ def contact_height(task: Task, face: Face) -> float:
     if task.motion.contact_height is not None:
         return task.motion.contact_height
     robot, height = task.robots[0], task.object.shape.height
-    low = max(robot.tip_radius + 0.01, height + 0.04 - robot.tip_length if robot.model != "hand" else 0.0)
-    return min(max(low, min(0.04, 0.5 * height)), height - 0.5 * robot.tip_radius)
+    low = max(robot.tip_radius + 0.01, height + 0.04 - robot.tip_length)
+    inside = min(max(low, min(0.04, 0.5 * height)), height - 0.5 * robot.tip_radius)
+    return max(inside, robot.tip_radius + TABLE_GAP)
 
 
 def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
@@ -155,6 +157,9 @@ class RearPush:
                 f"a straight push needs the contact within {mu * face.depth * 1e3:.0f} mm of the line "
                 f"through the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
             )
+        if height >= task.object.shape.height:
+            top = task.object.shape.height * 1e3
+            return f"the tip touches at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
         highest = TIPPING_SHARE * room_ahead(task.object, face) / task.believed.support_friction
         if height > highest:
             return (

@@ -43,7 +43,7 @@ FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
-HEIGHT_STIFFNESS, HEIGHT_DAMPING = 800.0, 150.0
+HEIGHT_STIFFNESS, HEIGHT_DAMPING = 2000.0, 300.0
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
