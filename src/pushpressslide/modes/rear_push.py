@@ -38,7 +38,8 @@ PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 
 # uses, and on the speed: near the cone's edge the contact's sideways jumps, which grow with it, must be
 # smaller.
 COMFORT = (
-    (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7), (0.25, 1.35, 0.6), (0.1, 1.35, 0.5), (0.0, 1.35, 0.5),
+    (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7),
+    (0.25, 1.35, 0.6), (0.1, 1.35, 0.5), (0.0, 1.35, 0.5),
 )  # fmt: skip
 
 
