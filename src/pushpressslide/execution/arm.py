@@ -4,6 +4,7 @@ arrays.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,7 +20,9 @@ Array = NDArray[np.float64]
 ROTATION_STIFFNESS, ROTATION_DAMPING = 60.0, 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
 # [N m/rad], [N m s/rad] of the joints, felt in the null space only
 POSTURE_STIFFNESS, POSTURE_DAMPING = 20.0, 8.0
-JOINT_DAMPING = 0.5  # [N m s/rad] with the joint-tracking term
+# [N m s/rad] per root of the joint-tracking stiffness: half of critical at 1 kg m^2 of arm and rotor. Less
+# lets the spring bounce the tip off the face
+JOINT_DAMPING = 1.0
 FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 
 
@@ -69,5 +72,6 @@ class ArmExecutor:
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         if self.joint_stiffness > 0.0:
-            tau += self.joint_stiffness * error - JOINT_DAMPING * arm.v
+            damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
+            tau += self.joint_stiffness * error - damping * arm.v
         return limited(tau, previous, self.effort, self.rate, self.dt)

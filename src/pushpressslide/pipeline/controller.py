@@ -49,6 +49,9 @@ REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
 TIP_ACCELERATION = 5.0  # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
+# [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
+# pull the tip sideways off its face
+JOINT_LEAD = 0.03
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
@@ -161,7 +164,7 @@ class Controller:
                     tool_yaw=measurement.object_pose.yaw,
                     tool_yaw_rate=guidance.twist.w,
                     servo_cap=SERVO_CAP,
-                    progress=self._joint_progress(state),
+                    progress=self._joint_reference(state, measurement.time),
                 )
             )
         log = self._log(state, measurement, guidance, wrench, allocation)
@@ -243,6 +246,17 @@ class Controller:
         """
         left = state.binding.plan.path.length - state.progress
         return max(0.0, self.plan.path.length - left)
+
+    def _joint_reference(self, state: ControllerState, time: float) -> float:
+        """Where on the planned path the joint reference is taken in the move: with the joint-tracking term
+        where the reference is at the same ``time`` [s], the paper's q(t), at most JOINT_LEAD from the object.
+        """
+        here, reference = self._joint_progress(state), state.reference
+        if not self.plan.task.motion.joint_tracking or reference is None:
+            return here
+        timed = reference.profile.at(time - state.reference_start)[0]
+        timed += self.plan.path.length - reference.path.length
+        return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
 
     def _touched(self, measurement: Measurement, X_WB: Pose2) -> tuple[Point, ...]:
         """Where the tips touch, in B [m], by their own kinematics."""
