@@ -20,6 +20,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.reach import REACH_MARGIN
 from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 from pushpressslide.sim.approach import Approach
 from pushpressslide.sim.clearance import ClearanceModel
@@ -27,7 +28,7 @@ from pushpressslide.sim.clearance import ClearanceModel
 Array = NDArray[np.float64]
 
 STEP = 0.015  # [m] of the tip between samples
-JOINT_MARGIN = 0.08  # [rad] kept from every joint limit
+JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
