@@ -58,5 +58,3 @@ def test_a_profile_covers_its_length_from_rest_to_rest(length, speed, accelerati
     assert abs(travelled - length) < 1e-2 * length
     assert profile.at(0.0) == (0.0, 0.0)
     assert profile.at(profile.duration) == (length, 0.0)
-    s, v = profile.at(0.4 * profile.duration)
-    assert abs(profile.speed_at(s) - v) < 1e-9

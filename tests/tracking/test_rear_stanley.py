@@ -6,19 +6,19 @@ import pytest
 
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.pose import Pose2
-from pushpressslide.tracking.rear_stanley import RearStanley
+from pushpressslide.tracking.rear_stanley import rear_stanley
 
 WHEELBASE = 0.045
 
 
-def drive(law, path, start, length, signs=(1.0, 1.0), step=2e-4):
+def drive(steer, path, start, length, signs=(1.0, 1.0), step=2e-4):
     """Follow ``path`` from ``start``; the axle moves along its heading with w/v = -tan(delta)/wheelbase."""
     pose, s, errors = start, 0.0, []
     for _ in range(int(length / step)):
         s, left, direction, curvature = path.nearest(pose.x, pose.y, s)
         heading = math.remainder(direction - pose.yaw, 2.0 * math.pi)
         errors.append((left, heading))
-        delta, _ = law.steering(signs[0] * left, signs[1] * heading, curvature)
+        delta, _ = steer(signs[0] * left, signs[1] * heading, curvature, 1.0)
         pose = advance(pose, -math.tan(delta) / WHEELBASE, step)
     return errors
 
@@ -28,7 +28,7 @@ def straight(length=2.0):
 
 
 def law(gain=1.0, **more):
-    return RearStanley(WHEELBASE, (-1.2, 1.2), gain, **more)
+    return rear_stanley(WHEELBASE, (-1.2, 1.2), gain, **more)
 
 
 def test_reference_minus_actual_converges():
@@ -71,7 +71,7 @@ def test_feed_forward_removes_the_offset_on_a_curve():
 
 
 def test_steering_is_clipped_and_says_so():
-    bounded = RearStanley(WHEELBASE, (-0.1, 0.2))
-    assert bounded.steering(0.0, 1.0, 0.0) == (-0.1, True)
-    assert bounded.steering(0.0, -1.0, 0.0) == (0.2, True)
-    assert bounded.steering(0.0, 0.05, 0.0) == (-0.05, False)
+    bounded = rear_stanley(WHEELBASE, (-0.1, 0.2))
+    assert bounded(0.0, 1.0, 0.0, 1.0) == (-0.1, True)
+    assert bounded(0.0, -1.0, 0.0, 1.0) == (0.2, True)
+    assert bounded(0.0, 0.05, 0.0, 1.0) == (-0.05, False)

@@ -83,17 +83,22 @@ class ArcPath:
         return self.pieces[self._piece(s)][0]
 
     @cached_property
-    def _table(self) -> tuple[tuple[float, ...], ...]:
-        """Rows s_0, s_1, x_0, y_0, yaw_0, curvature, then cos and sin of yaw_0 (line) or the centre (arc).
+    def _projections(self) -> tuple[tuple[float, ...], ...]:
+        """Rows for ``nearest``, one per piece and one for the straight line after the end.
 
-        One per piece, and one for the straight line after the end.
+        All: s at the end, curvature. Arc: the yaw that it had at s = 0, centre (a, b), radius c and side d.
+        Line: its yaw, direction (a, b), s and offset to the left of the world's origin, c and d.
         """
         rows = []
         pieces = (*self.pieces, (0.0, math.inf))
         for (curvature, length), (s, pose) in zip(pieces, self.starts, strict=True):
-            c, si = math.cos(pose.yaw), math.sin(pose.yaw)
-            last = (c, si) if curvature == 0.0 else (pose.x - si / curvature, pose.y + c / curvature)
-            rows.append((s, s + length, pose.x, pose.y, pose.yaw, curvature, *last))
+            x, y, yaw = pose.x, pose.y, pose.yaw
+            a, b = math.cos(yaw), math.sin(yaw)
+            c, d = s - a * x - b * y, a * y - b * x
+            if curvature:
+                c, d = 1.0 / curvature, math.copysign(1.0, curvature)
+                yaw, a, b = yaw - curvature * s, x - c * b, y + c * a
+            rows.append((s + length, curvature, yaw, a, b, c, d))
         return tuple(rows)
 
     def nearest(self, x: float, y: float, s: float) -> tuple[float, float, float, float]:
@@ -102,25 +107,21 @@ class ArcPath:
         Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature [1/m] of that point.
         Closed form, no iteration; past the end the path goes on straight.
         """
-        for s_0, s_1, x_0, y_0, yaw_0, curvature, a, b in self._table:
-            if s > s_1:
+        for end, curvature, yaw_0, a, b, c, d in self._projections:
+            if s > end:
                 continue
-            if curvature == 0.0:
-                dx, dy = x - x_0, y - y_0
-                near = s_0 + a * dx + b * dy
-                if near <= s_1:
-                    return near, b * dx - a * dy, yaw_0, 0.0
+            if curvature:
+                dx, dy = d * (x - a), d * (y - b)
+                guess = yaw_0 + curvature * s  # of the circle's turns that one is meant
+                yaw = guess + remainder(atan2(dx, -dy) - guess, TURN)
+                near = c * (yaw - yaw_0)
+                if near <= end:
+                    return near, d * sqrt(dx * dx + dy * dy) - c, yaw, curvature
             else:
-                dx, dy = x - a, y - b
-                radius = sqrt(dx * dx + dy * dy)
-                if curvature < 0.0:
-                    dx, dy, radius = -dx, -dy, -radius
-                guess = (s - s_0) * curvature
-                turned = guess + remainder(atan2(dx, -dy) - yaw_0 - guess, TURN)
-                near = s_0 + turned / curvature
-                if near <= s_1:
-                    return near, radius - 1.0 / curvature, yaw_0 + turned, curvature
-            s = s_1  # go on with the next piece
+                near = c + a * x + b * y
+                if near <= end:
+                    return near, d + b * x - a * y, yaw_0, 0.0
+            s = end  # go on with the next piece
         raise AssertionError("the last piece has no end")
 
 
@@ -161,8 +162,3 @@ class SpeedProfile:
             left = total - t
             return self.length - 0.5 * a * left * left, a * left
         return v * (t - 0.5 * ramp), v
-
-    def speed_at(self, s: float) -> float:
-        """Return the profile's speed [m/s] at arc length ``s``."""
-        s = min(max(s, 0.0), self.length)
-        return min(self.cruise, math.sqrt(2.0 * self.acceleration * min(s, self.length - s)))

@@ -6,13 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+MotionPath = ArcPath | TwistPath
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +28,24 @@ class Contact:
     point: Point  # [m] in B
     normal: Point  # unit, in B: inward face normal of a side contact; (0, 0) for a top contact
     height: float  # [m] of the contact above the support
+    load: float = 0.0  # [N] that a top contact is pressed with, as planned
+
+    def direction(self, X_WB: Pose2) -> Vector3:
+        """Return the unit vector from the tip into the object: in the plane, and up from the support."""
+        if self.kind == "top":
+            return (0.0, 0.0, -1.0)
+        x, y = X_WB.rotate(self.normal)
+        return (x, y, 0.0)
+
+    def tip_place(self, radius: float, gap: float = 0.0) -> tuple[Point, float]:
+        """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before the contact.
+
+        Its place in B [m] and its height above the support [m].
+        """
+        out = radius + gap
+        if self.kind == "top":
+            return self.point, self.height + out
+        return (self.point[0] - out * self.normal[0], self.point[1] - out * self.normal[1]), self.height
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +60,14 @@ class Choice:
     time: float | None = None  # [s] estimated
     friction_margin: float | None = None  # [rad] least distance of the planned force angle to the cone's edge
     parameters: Mapping[str, float] = field(default_factory=dict)  # the mode's own figures, by name, SI
-    path: ArcPath | None = None  # of the vehicle frame V
+    path: MotionPath | None = None  # of the vehicle frame V
+    goal: Pose2 | None = None  # X_WG at the path's end; None: the task's goal
+    following: Choice | None = None  # the next stretch of motion, with the same contacts
+
+    @property
+    def stretches(self) -> tuple[Choice, ...]:
+        """This choice and those that follow it."""
+        return (self,) if self.following is None else (self, *self.following.stretches)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +76,20 @@ class Plan:
 
     task: Task
     choice: Choice
-    path: ArcPath  # of the vehicle frame V (origin: tracking point, x: heading) in the world
+    path: MotionPath  # of the vehicle frame V (origin: tracking point, x: heading) in the world
     profile: SpeedProfile
     X_BV: Pose2  # the vehicle frame in the body frame
+    following: Plan | None = None  # the next stretch of motion, with the same contacts
+
+    @property
+    def goal(self) -> Pose2:
+        """X_WG that the path leads to."""
+        return self.task.goal if self.choice.goal is None else self.choice.goal
+
+    @property
+    def stretches(self) -> tuple[Plan, ...]:
+        """This plan and those that follow it."""
+        return (self,) if self.following is None else (self, *self.following.stretches)
 
     def object_pose(self, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m]."""

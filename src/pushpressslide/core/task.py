@@ -52,6 +52,7 @@ class Cylinder:
 
 
 Shape = Box | Prism | Cylinder
+Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +158,11 @@ class Motion:
     control_period: float = 0.004  # [s] of the controller
     time_step: float = 0.004  # [s] of the physics engine; at most the control period
     face: int | None = None  # index of the pushed edge of the footprint; None: chosen
+    contacts: tuple[Point, ...] | None = None  # [m] in G, of top contacts; None: chosen
+    press_force: float | None = None  # [N] of a top contact; None: chosen by the mode
+    vehicle: Vehicle | None = None  # how a pressed object is driven; None: as a unicycle
+    look_ahead: float | None = None  # [m] of the alignment with the path; None: chosen by the mode
+    fixed_target: bool = False  # the paper's literal target beyond the goal, for comparison
 
 
 @dataclass(frozen=True, slots=True)

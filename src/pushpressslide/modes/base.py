@@ -9,8 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import ArcPath
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
@@ -24,7 +23,7 @@ class Guidance(NamedTuple):
     """What a mode's tracking law asks of the object at one tick."""
 
     progress: float  # [m] arc length of the path's nearest point
-    wrench: Wrench  # about the CoM, in B
+    wrench: Wrench  # in B; about the CoM for pushes, about the centre of pressure for presses
     twist: Twist  # of the CoM, in B
     steering: float  # [rad] force angle from the heading axis
     error: tuple[float, float, float]  # along [m], left [m], heading [rad]; reference minus actual
@@ -34,7 +33,7 @@ class Guidance(NamedTuple):
 class Tracker(Protocol):
     """A tracking law bound to a plan; its only state is the progress, which is handed in and out."""
 
-    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
         """Return what the object should do at pose ``X_WB`` when the path is to be followed at ``speed``
         [m/s].
 
@@ -68,9 +67,16 @@ class Mode(Protocol):
         ...
 
     def allocator(
-        self, contacts: Sequence[Contact], friction: float, rho: float | None = None
+        self,
+        contacts: Sequence[Contact],
+        friction: float,
+        rho: float | None = None,
+        cop: Point = (0.0, 0.0),
     ) -> Callable[[float, float, float], Allocation]:
-        """Return ``allocate(fx, fy, tau)``: a wrench about the CoM, in B, to contact forces."""
+        """Return ``allocate(fx, fy, tau)``: a wrench in B to contact forces.
+
+        About the CoM for pushes, about the centre of pressure ``cop`` [m] for presses.
+        """
         ...
 
     def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
@@ -81,7 +87,7 @@ class Mode(Protocol):
 
 
 def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
-    """Return what stands against the path of a choice: time, workspace, reach of the tip; None if nothing."""
+    """Return what stands against the path of a choice: time, workspace, reach of the tips; None if nothing."""
     path = choice.path
     if path is None:
         return "no path"
@@ -97,18 +103,30 @@ def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
             X = X_WB.compose(X_BG)
             if not (bounds[0] <= X.x <= bounds[1] and bounds[2] <= X.y <= bounds[3]):
                 return f"the path leaves limits.workspace at ({X.x:.3f}, {X.y:.3f})"
-    contact = choice.contacts[0]
-    robot = task.robots[0]
-    tip = (
-        contact.point[0] - robot.tip_radius * contact.normal[0],
-        contact.point[1] - robot.tip_radius * contact.normal[1],
-    )
-    points = [(*X_WB.apply(tip), contact.height) for X_WB in bodies]
-    middle = bodies[len(bodies) // 2].rotate(contact.normal)
-    azimuth = math.atan2(middle[1], middle[0])
+    return next((p for c in choice.contacts if (p := _reach_problem(task, c, bodies)) is not None), None)
+
+
+def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | None:
+    """Return why the arm of a contact cannot follow it along the body poses X_WB; None if it can."""
+    robot = task.robots[contact.arm]
+    point, height = contact.tip_place(robot.tip_radius)
+    points = [(*X_WB.apply(point), height) for X_WB in bodies]
     problem = reach_problem(robot, points)
-    if problem is not None and any(
-        reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]
-    ):
+    if problem is None:
         return None
+    for azimuth in tool_azimuths(contact, bodies[len(bodies) // 2], robot.base):
+        if any(reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]):
+            return None
     return problem
+
+
+def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:
+    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing contact; under the arm, or
+    away from it, on top.
+    """
+    if contact.kind == "side":
+        x, y = X_WB.rotate(contact.normal)
+        return (math.atan2(y, x),)
+    x, y = X_WB.apply(contact.point)
+    outward = math.atan2(y - base[1], x - base[0])
+    return (outward, outward + math.pi)

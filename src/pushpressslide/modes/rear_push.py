@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, remainder, sin, sqrt
+from math import cos, remainder, sin, sqrt, tan
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core.path import TURN, ArcPath, SpeedProfile, advance
@@ -21,8 +21,10 @@ from pushpressslide.mechanics.virtual_axle import pushed_twist
 from pushpressslide.modes.base import Guidance, path_problem
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.rom.rear_steer_car import RearSteerCar
-from pushpressslide.tracking.rear_stanley import RearStanley
+from pushpressslide.tracking.rear_stanley import Steering, rear_stanley
 
+ORIGIN = (0.0, 0.0)
+new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 GRAVITY = 9.81  # [m/s^2]
 
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
@@ -67,38 +69,40 @@ def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: flo
 class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
-    def __init__(
-        self, law: RearStanley, X_BV: Pose2, contact: Point, level: float, lever: float, rho: float
-    ) -> None:
-        """Bind the law to X_BV, the contact [m] in B, ``level`` mu_s N [N], ``lever`` and ``rho`` [m]."""
-        self._steering = law.steering
-        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, cos(X_BV.yaw), sin(X_BV.yaw))
-        self._figures = (level, (lever / rho) ** 2, lever / (rho * rho), *contact)
+    def __init__(self, steer: Steering, car: RearSteerCar, reach: float, level: float) -> None:
+        """Bind the law to a car whose axle is ``reach`` [m] ahead of the CoM, pushed with mu_s N = ``level``
+        [N].
+        """
+        self._steer = steer
+        ex, ey = car.axis
+        stretch = 1.0 + (car.lever / car.rho) ** 2
+        self._figures = (reach, math.atan2(ey, ex), ex, ey, level, stretch, -car.lever, -1.0 / car.wheelbase)
 
     def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
-        qx, qy, axis, ex, ey = self._axle
-        level, ratio, per_wheelbase, px, py = self._figures
-        yaw = X_WB.yaw
-        c, s = cos(yaw), sin(yaw)
+        reach, axis, ex, ey, level, stretch, arm, turning = self._figures
+        yaw = X_WB.yaw + axis
         progress, left, heading, curvature = path.nearest(
-            X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy, progress
+            X_WB.x + reach * cos(yaw), X_WB.y + reach * sin(yaw), progress
         )
-        heading_error = remainder(heading - yaw - axis, TURN)
-        delta, saturated = self._steering(left, heading_error, curvature, grip)
-        along, across = cos(delta), sin(delta)
-        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2) at angle delta from the axis
-        size = level / sqrt(1.0 + ratio * across * across)
-        fx, fy = size * (along * ex - across * ey), size * (across * ex + along * ey)
-        w = -speed * per_wheelbase * across / along
-        # the axle moves along the heading; the CoM is B's origin: v = v_V + w J (0 - q)
-        return Guidance(
-            progress,
-            Wrench(fx, fy, px * fy - py * fx),
-            Twist(speed * ex + w * qy, speed * ey - w * qx, w),
-            delta,
-            (0.0, left, heading_error),
-            saturated,
+        heading_error = remainder(heading - yaw, TURN)
+        delta, saturated = self._steer(left, heading_error, curvature, grip)
+        k = tan(delta)
+        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
+        along = level / sqrt(1.0 + stretch * k * k)
+        across = along * k
+        w = turning * speed * k
+        drift = reach * w  # the axle moves along e, the CoM is reach behind it
+        return new(
+            Guidance,
+            (
+                progress,
+                new(Wrench, (along * ex - across * ey, along * ey + across * ex, arm * across, ORIGIN)),
+                new(Twist, (speed * ex + drift * ey, speed * ey - drift * ex, w, ORIGIN)),
+                delta,
+                (0.0, left, heading_error),
+                saturated,
+            ),
         )
 
 
@@ -285,12 +289,18 @@ class RearPush:
         )
         low, high = car.steering_limits
         reserve = STEERING_RESERVE * 0.5 * (high - low)
-        law = RearStanley(car.wheelbase, (low + reserve, high - reserve), plan.task.motion.tracking_gain)
-        return RearPushTracker(law, plan.X_BV, contact.point, figures["push_force"], car.lever, car.rho)
+        law = rear_stanley(car.wheelbase, (low + reserve, high - reserve), plan.task.motion.tracking_gain)
+        return RearPushTracker(law, car, figures["axle_from_com"], figures["push_force"])
 
-    def allocator(self, contacts: Sequence[Contact], friction: float, rho: float | None = None) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about the CoM; ``rho`` [m] weighs torque errors (default: half the
-        lever).
+    def allocator(
+        self,
+        contacts: Sequence[Contact],
+        friction: float,
+        rho: float | None = None,
+        cop: Point = (0.0, 0.0),
+    ) -> Allocator:
+        """Return ``allocate(fx, fy, tau)`` about the CoM, wherever the ``cop`` is; ``rho`` [m] weighs torque
+        errors (default: half the lever).
         """
         (contact,) = contacts
         return one_contact_allocator(

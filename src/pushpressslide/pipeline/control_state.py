@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.control import Phase, Vector3
-from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Point
+from pushpressslide.core.control import Phase, TipCommand, Vector3
+from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.modes import MODES
@@ -28,18 +28,30 @@ class Binding:
     plan: Plan
     tracker: Tracker
     allocate: Callable[[float, float, float], Allocation]
-    tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres
+    tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres, one per contact
 
 
 def bind(plan: Plan) -> Binding:
     """Return the laws of ``plan``'s mode for its contacts."""
-    mode, choice = MODES[plan.choice.mode], plan.choice
-    tip_points = tuple(
-        (c.point[0] - r.tip_radius * c.normal[0], c.point[1] - r.tip_radius * c.normal[1])
-        for c, r in zip(choice.contacts, plan.task.robots, strict=True)
+    mode, choice, robots = MODES[plan.choice.mode], plan.choice, plan.task.robots
+    tip_points = tuple(c.tip_place(robots[c.arm].tip_radius)[0] for c in choice.contacts)
+    figures = choice.parameters
+    cop = (figures.get("cop_x", 0.0), figures.get("cop_y", 0.0))
+    allocate = mode.allocator(
+        choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop
     )
-    friction, rho = plan.task.believed.contact_friction, choice.parameters.get("rho")
-    return Binding(plan, mode.tracker(plan), mode.allocator(choice.contacts, friction, rho), tip_points)
+    return Binding(plan, mode.tracker(plan), allocate, tip_points)
+
+
+@dataclass(frozen=True, slots=True)
+class TipMemory:
+    """What is remembered of one tip."""
+
+    start: Vector3  # [m] where it was when the phase began
+    felt: float | None = None  # [s] since when contact is felt in this touch
+    touch_depth: float = 0.0  # [m] advance at which contact was felt
+    regulator: NormalForceState = NormalForceState()
+    velocity: Point | None = None  # [m/s] world, as last commanded in this phase
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,23 +60,49 @@ class ControllerState:
 
     phase: Phase
     since: float  # [s] start of the phase
-    tip_start: tuple[Vector3, ...]  # [m] where the tips were when the phase began
+    tips: tuple[TipMemory, ...]  # one per contact
     binding: Binding  # what is being followed now
     last_time: float  # [s]
+    stretch: int = 0  # of the plan that is being followed
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
     reference: Plan | None = None  # the plan that errors are judged by: the one made at the first touch
     reference_start: float = 0.0  # [s] its time zero
     align: bool = True  # whether the touch begins with lining up, or goes on from where the tips are
-    felt: float | None = None  # [s] since when contact is felt in this touch
-    touch_depth: float = 0.0  # [m] advance at which contact was felt
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
-    tip_velocities: tuple[Point, ...] = ()  # [m/s] world, as last commanded in this phase
     grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
-    regulator: NormalForceState = NormalForceState()
     failure: tuple[ReasonCode, str] | None = None
+
+
+def tip_position(contact: Contact, X_WB: Pose2, radius: float, gap: float = 0.0) -> Vector3:
+    """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before its contact [m]."""
+    point, height = contact.tip_place(radius, gap)
+    x, y = X_WB.apply(point)
+    return (x, y, height)
+
+
+def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
+    """Return the yaw [rad] of the contact frame: of the face's normal; of the object under a press."""
+    if contact.kind == "top":
+        return X_WB.yaw
+    return X_WB.yaw + math.atan2(contact.normal[1], contact.normal[0])
+
+
+def pressed(force: Vector3, direction: Vector3) -> float:
+    """Return the normal force [N] of a tip whose force on the object is ``force``."""
+    return force[0] * direction[0] + force[1] * direction[1] + force[2] * direction[2]
+
+
+def by_arm(
+    commands: tuple[TipCommand, ...], contacts: tuple[Contact, ...], arms: int
+) -> tuple[TipCommand | None, ...]:
+    """Return one command per arm: None for an arm without a contact."""
+    out: list[TipCommand | None] = [None] * arms
+    for command, contact in zip(commands, contacts, strict=True):
+        out[contact.arm] = command
+    return tuple(out)
 
 
 def smooth(u: float) -> float:

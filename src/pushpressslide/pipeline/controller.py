@@ -1,7 +1,8 @@
 """The controller: the paper's Algorithm 1, for any mode and any engine, top to bottom.
 
     touch    line the tips up with their contacts, advance until they feel the object, settle the normal force
-    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the contact motion
+    move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the contact motion;
+             stretch after stretch of the plan
     release  draw the tips back; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) -> (commands, log, state)``.
@@ -18,7 +19,7 @@ from time import perf_counter
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
 from pushpressslide.core.plan import Contact, Plan
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.modes import MODES
@@ -28,22 +29,29 @@ from pushpressslide.pipeline.control_state import (
     FREE_STIFFNESS,
     SERVO_CAP,
     ControllerState,
+    TipMemory,
     approached,
     bind,
+    by_arm,
+    contact_yaw,
+    pressed,
     ramp_time,
     smooth,
 )
-from pushpressslide.pipeline.correction import contacts_on_faces, corrected, slide
-from pushpressslide.pipeline.touch import touch
+from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
+from pushpressslide.pipeline.touch import align_time, touch
 
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
-LOSS_TIME = 0.12  # [s] without contact force before the tip goes back to touch
+# [s] without contact force before a tip goes back to touch: a side push rides over a gap, a press must not
+LOSS_TIME = {"side": 0.12, "top": 0.02}
+LOSS_SHARE = 0.3  # of its planned load below which a press counts as lost
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 HEIGHT_STIFFNESS, HEIGHT_DAMPING = 2000.0, 300.0
+PRESS_DAMPING = 150.0  # [N s/m] of a pressing tip along its normal, which is force controlled
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
@@ -55,7 +63,8 @@ JOINT_LEAD = 0.03
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
-Step = tuple[tuple[TipCommand, ...], ControlLog, ControllerState]
+Commands = tuple[TipCommand | None, ...]
+Step = tuple[Commands, ControlLog, ControllerState]
 
 
 class Controller:
@@ -65,10 +74,15 @@ class Controller:
         """Prepare everything that does not change from tick to tick."""
         task = plan.task
         self.plan, self.mode, self.binding = plan, MODES[plan.choice.mode], bind(plan)
-        self.contacts: tuple[Contact, ...] = plan.choice.contacts
+        self.stretches = plan.stretches
+        lengths = [stretch.path.length for stretch in self.stretches]
+        self.before = [sum(lengths[:i]) for i in range(len(lengths))]  # [m] of joint path
         self.X_GB = task.object.X_GB
-        self.X_BG = self.X_GB.inverse()
-        self.touch_force = max(0.6, TOUCH_SHARE * plan.choice.parameters["push_force"])
+        self.robots = task.robots
+        contacts = plan.choice.contacts
+        sides = sum(c.kind == "side" for c in contacts)
+        push = TOUCH_SHARE * plan.choice.parameters["push_force"] / max(sides, 1)
+        self.touch_forces = [c.load if c.kind == "top" else max(0.6, push) for c in contacts]
         self.threshold = max(0.25, 4.0 * task.sensing.force_noise)
         self.friction = task.believed.contact_friction
         motion = task.motion
@@ -79,11 +93,11 @@ class Controller:
 
     def init(self, measurement: Measurement) -> ControllerState:
         """Return the state at the start of the touch."""
-        tips = tuple(tip.position for tip in measurement.tips)
+        tips = tuple(TipMemory(measurement.tips[c.arm].position) for c in self.plan.choice.contacts)
         return ControllerState("touch", measurement.time, tips, self.binding, measurement.time)
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
-        """Return one command per tip, what was thought, and the next state."""
+        """Return one command per arm (None: it has no contact), what was thought, and the next state."""
         X_WB = measurement.object_pose.compose(self.X_GB)
         if state.phase == "touch":
             return self._touch(state, measurement, X_WB)
@@ -92,34 +106,53 @@ class Controller:
         return self._release(state, measurement, X_WB)
 
     def _touch(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
-        commands, next_state, done = touch(
-            state, measurement, X_WB, self.contacts, self.regulator, self.touch_force, self.threshold,
-            self.plan.task.motion.approach_distance, self._joint_progress(state),
-        )  # fmt: skip
+        plan, time = state.binding.plan, measurement.time
+        contacts, gap = plan.choice.contacts, plan.task.motion.approach_distance
+        elapsed, dt = time - state.since, time - state.last_time
+        radii = [self.robots[c.arm].tip_radius for c in contacts]
+        aligned = 0.0
+        if state.align:  # together, however far each has to go
+            parts = zip(state.tips, contacts, radii, strict=True)
+            aligned = max(align_time(m, c, X_WB, radius, gap) for m, c, radius in parts)
+        planned = plan.object_pose(state.progress).yaw if state.align else measurement.object_pose.yaw
+        turned = smooth(elapsed / aligned) if aligned > 0.0 else 1.0
+        tool_yaw = planned + turned * wrap_angle(measurement.object_pose.yaw - planned)
+        commands, memories, done, failure = [], [], True, state.failure
+        for memory, contact, radius, force in zip(
+            state.tips, contacts, radii, self.touch_forces, strict=True
+        ):
+            command, kept, ready, problem = touch(
+                memory, measurement.tips[contact.arm], contact, X_WB, radius, time, elapsed, aligned, dt,
+                self.regulator, force, self.threshold, gap, tool_yaw, self._joint_progress(state),
+            )  # fmt: skip
+            commands.append(command)
+            memories.append(kept)
+            done = done and ready
+            failure = ("contact_lost", problem) if problem is not None else failure
         log = self._log(state, measurement)
-        if next_state.failure is not None:
-            return commands, log, self._begin(next_state, "release", measurement)
-        if done:
-            # plan anew from where object and contacts turn out to be
-            plan = state.binding.plan
-            longest = TOUCH_DETOUR * (plan.path.length - state.progress) + TOUCH_SLACK
-            touched = contacts_on_faces(plan, self._touched(measurement, X_WB))
-            fresh = self.mode.replan(plan, X_WB, touched, longest)
-            next_state = self._begin(next_state, "move", measurement)
-            if fresh is not None:
-                next_state = replace(
-                    next_state, binding=bind(fresh), progress=0.0, clock_start=measurement.time
-                )
-            elif state.reference is None:
-                next_state = replace(next_state, clock_start=measurement.time)
-            else:
-                pause = measurement.time - (state.lost or measurement.time)
-                next_state = replace(next_state, clock_start=state.clock_start + pause)
-            if state.reference is None:
-                next_state = replace(
-                    next_state, reference=next_state.binding.plan, reference_start=measurement.time
-                )
-        return commands, log, next_state
+        next_state = replace(state, tips=tuple(memories), last_time=time, failure=failure)
+        if failure is not None:
+            next_state = self._begin(next_state, "release", measurement)
+        elif done:
+            next_state = self._planned_anew(next_state, measurement, X_WB)
+        return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+    def _planned_anew(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> ControllerState:
+        """Begin to move, by a plan made anew from where object and contacts turn out to be."""
+        plan = state.binding.plan
+        longest = TOUCH_DETOUR * (plan.path.length - state.progress) + TOUCH_SLACK
+        fresh = self.mode.replan(plan, X_WB, touched_points(plan, X_WB, measurement.tips), longest)
+        moving = self._begin(state, "move", measurement)
+        if fresh is not None:
+            moving = replace(moving, binding=bind(fresh), progress=0.0, clock_start=measurement.time)
+        elif state.reference is None:
+            moving = replace(moving, clock_start=measurement.time)
+        else:
+            pause = measurement.time - (state.lost or measurement.time)
+            moving = replace(moving, clock_start=state.clock_start + pause)
+        if state.reference is None:
+            moving = replace(moving, reference=moving.binding.plan, reference_start=measurement.time)
+        return moving
 
     def _move(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         binding = state.binding
@@ -137,30 +170,38 @@ class Controller:
         allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
         self.ticks = (tracked - started, perf_counter() - tracked)
 
-        commands, velocities = [], []
-        touching, use = True, 0.0
-        step = TIP_ACCELERATION * (measurement.time - state.last_time)
-        before = state.tip_velocities or ((0.0, 0.0),) * len(self.contacts)
-        for tip, contact, inside, f_B, was in zip(
-            measurement.tips, self.contacts, binding.tip_points, allocation.forces, before, strict=True
+        contacts = binding.plan.choice.contacts
+        commands, memories = [], []
+        lost, use = False, 0.0
+        dt = measurement.time - state.last_time
+        for memory, contact, inside, f_B, load in zip(
+            state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, strict=True
         ):
-            n = X_WB.rotate(contact.normal)
-            normal_force = tip.force[0] * n[0] + tip.force[1] * n[1]
-            touching = touching and normal_force > 0.5 * self.threshold
-            shear = abs(tip.force[1] * n[0] - tip.force[0] * n[1])
+            tip = measurement.tips[contact.arm]
+            n = contact.direction(X_WB)
+            normal_force = pressed(tip.force, n)
+            shear = math.hypot(*(f - normal_force * d for f, d in zip(tip.force[:2], n[:2], strict=True)))
+            lost = lost or normal_force < max(0.5 * self.threshold, LOSS_SHARE * contact.load)
             use = max(use, shear / (self.friction * max(normal_force, self.threshold)))
             f = X_WB.rotate((self.force_gain * f_B[0], self.force_gain * f_B[1]))
             at_tip = guidance.twist.moved_to(inside)
-            v = approached(was, X_WB.rotate((at_tip.vx, at_tip.vy)), step)
-            velocities.append(v)
+            wanted = X_WB.rotate((at_tip.vx, at_tip.vy))
+            v = approached(memory.velocity or (0.0, 0.0), wanted, TIP_ACCELERATION * dt)
+            height, regulator = tip.position[2], memory.regulator
+            stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
+            if contact.kind == "top":
+                push, regulator = self.regulator.step(regulator, load, normal_force, dt)
+            else:
+                height, stiffness, damping = contact.height, HEIGHT_STIFFNESS, HEIGHT_DAMPING
+            memories.append(replace(memory, velocity=v, regulator=regulator))
             commands.append(
                 TipCommand(
-                    force=(f[0], f[1], 0.0),
-                    position=(tip.position[0], tip.position[1], contact.height),
+                    force=(f[0], f[1], -push),
+                    position=(tip.position[0], tip.position[1], height),
                     velocity=(v[0], v[1], 0.0),
-                    stiffness=(0.0, 0.0, HEIGHT_STIFFNESS),
-                    damping=(self.damping, self.damping, HEIGHT_DAMPING),
-                    normal_yaw=math.atan2(n[1], n[0]),
+                    stiffness=(0.0, 0.0, stiffness),
+                    damping=(self.damping, self.damping, damping),
+                    normal_yaw=contact_yaw(contact, X_WB),
                     tool_yaw=measurement.object_pose.yaw,
                     tool_yaw_rate=guidance.twist.w,
                     servo_cap=SERVO_CAP,
@@ -168,58 +209,72 @@ class Controller:
                 )
             )
         log = self._log(state, measurement, guidance, wrench, allocation)
-        lost = None if touching else (state.lost if state.lost is not None else measurement.time)
+        since = (state.lost if state.lost is not None else measurement.time) if lost else None
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
-        grip = min(1.0, max(GRIP_LEAST, state.grip + rate * (measurement.time - state.last_time)))
+        grip = min(1.0, max(GRIP_LEAST, state.grip + rate * dt))
         next_state = replace(
-            state, progress=guidance.progress, lost=lost, grip=grip, tip_velocities=tuple(velocities),
+            state, progress=guidance.progress, lost=since, grip=grip, tips=tuple(memories),
             last_time=measurement.time,
         )  # fmt: skip
-        return tuple(commands), log, self._after_move(next_state, measurement, X_WB, guidance)
+        next_state = self._after_move(next_state, measurement, X_WB, guidance)
+        return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
 
     def _after_move(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2, guidance: Guidance
     ) -> ControllerState:
         """What comes next: go on, end, touch again, take the contact anew, or follow a better plan."""
-        plan = state.binding.plan
+        plan, time = state.binding.plan, measurement.time
         left = plan.path.length - state.progress
         if left <= STOP:
-            return self._begin(state, "release", measurement)
-        if state.lost is not None and measurement.time - state.lost > LOSS_TIME:
+            if state.stretch + 1 == len(self.stretches):
+                return self._begin(state, "release", measurement)
+            return self._next_stretch(state, measurement, X_WB)
+        patience = min(LOSS_TIME[c.kind] for c in plan.choice.contacts)
+        if state.lost is not None and time - state.lost > patience:
             return replace(self._begin(state, "touch", measurement), align=False)
-        touched = self._touched(measurement, X_WB)
-        if slide(self.plan, touched) > REGRASP and state.regrasps < REGRASPS:
-            again = replace(state, binding=bind(replace(plan, choice=self.plan.choice, X_BV=self.plan.X_BV)))
+        touched = touched_points(plan, X_WB, measurement.tips)
+        planned = self.stretches[state.stretch]
+        if side_slide(planned, touched) > REGRASP and state.regrasps < REGRASPS:
+            again = replace(state, binding=bind(replace(plan, choice=planned.choice, X_BV=planned.X_BV)))
             return replace(
-                self._begin(again, "touch", measurement), lost=measurement.time, regrasps=state.regrasps + 1
+                self._begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1
             )
         if state.lost is None:
-            better = corrected(
-                self.mode, plan, X_WB, touched, guidance, left, measurement.time - state.corrected
-            )
+            better = corrected(self.mode, plan, X_WB, touched, guidance, left, time - state.corrected)
             if better is not None:
                 fresh, progress, clock = better
                 return replace(
-                    state, binding=bind(fresh), progress=progress, clock_start=measurement.time - clock,
-                    corrected=measurement.time,
-                )  # fmt: skip
+                    state, binding=bind(fresh), progress=progress, clock_start=time - clock, corrected=time
+                )
         return state
+
+    def _next_stretch(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> ControllerState:
+        """Go on with the plan's next stretch, from where the object is, without letting go."""
+        plan = self.stretches[state.stretch + 1]
+        touched = touched_points(plan, X_WB, measurement.tips)
+        fresh = self.mode.replan(plan, X_WB, touched, TOUCH_DETOUR * plan.path.length + TOUCH_SLACK) or plan
+        return replace(
+            state, stretch=state.stretch + 1, binding=bind(fresh), progress=0.0,
+            clock_start=measurement.time, corrected=measurement.time, reference=fresh,
+            reference_start=measurement.time,
+        )  # fmt: skip
 
     def _release(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         duration = ramp_time(RETREAT)
         elapsed = measurement.time - state.since
         back = RETREAT * smooth(elapsed / duration)
         commands = []
-        for start, contact in zip(state.tip_start, self.contacts, strict=True):
-            n = X_WB.rotate(contact.normal)
+        contacts = state.binding.plan.choice.contacts
+        for memory, contact in zip(state.tips, contacts, strict=True):
+            n, start = contact.direction(X_WB), memory.start
             commands.append(
                 TipCommand(
                     force=(0.0, 0.0, 0.0),
-                    position=(start[0] - back * n[0], start[1] - back * n[1], contact.height),
+                    position=(start[0] - back * n[0], start[1] - back * n[1], start[2] - back * n[2]),
                     velocity=(0.0, 0.0, 0.0),
                     stiffness=FREE_STIFFNESS,
                     damping=FREE_DAMPING,
-                    normal_yaw=math.atan2(n[1], n[0]),
+                    normal_yaw=contact_yaw(contact, X_WB),
                     tool_yaw=measurement.object_pose.yaw,
                     tool_yaw_rate=0.0,
                     servo_cap=SERVO_CAP,
@@ -227,16 +282,22 @@ class Controller:
                 )
             )
         log = self._log(state, measurement)
-        if elapsed > duration + 0.3:
-            return tuple(commands), log, replace(state, phase="done", last_time=measurement.time)
-        return tuple(commands), log, replace(state, last_time=measurement.time)
+        phase: Phase = "done" if elapsed > duration + 0.3 else "release"
+        next_state = replace(state, phase=phase, last_time=measurement.time)
+        return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
 
     def _begin(self, state: ControllerState, phase: Phase, measurement: Measurement) -> ControllerState:
-        """Return the state at the start of a phase."""
+        """Return the state at the start of a phase; only a press that goes on keeps its regulator."""
+        contacts = state.binding.plan.choice.contacts
+        tips = tuple(
+            TipMemory(
+                measurement.tips[c.arm].position,
+                regulator=m.regulator if phase == "move" else NormalForceState(),
+            )
+            for m, c in zip(state.tips, contacts, strict=True)
+        )
         return replace(
-            state, phase=phase, since=measurement.time, tip_start=tuple(t.position for t in measurement.tips),
-            last_time=measurement.time, felt=None, align=True, tip_velocities=(),
-            regulator=NormalForceState(),
+            state, phase=phase, since=measurement.time, tips=tips, last_time=measurement.time, align=True,
             lost=state.lost if phase == "touch" else None,
         )  # fmt: skip
 
@@ -245,7 +306,8 @@ class Controller:
         own path.
         """
         left = state.binding.plan.path.length - state.progress
-        return max(0.0, self.plan.path.length - left)
+        planned = self.stretches[state.stretch].path.length
+        return self.before[state.stretch] + max(0.0, planned - left)
 
     def _joint_reference(self, state: ControllerState, time: float) -> float:
         """Where on the planned path the joint reference is taken in the move: with the joint-tracking term
@@ -254,19 +316,9 @@ class Controller:
         here, reference = self._joint_progress(state), state.reference
         if not self.plan.task.motion.joint_tracking or reference is None:
             return here
-        timed = reference.profile.at(time - state.reference_start)[0]
-        timed += self.plan.path.length - reference.path.length
+        timed = reference.profile.at(time - state.reference_start)[0] - reference.path.length
+        timed += self.before[state.stretch] + self.stretches[state.stretch].path.length
         return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
-
-    def _touched(self, measurement: Measurement, X_WB: Pose2) -> tuple[Point, ...]:
-        """Where the tips touch, in B [m], by their own kinematics."""
-        out = []
-        for tip, contact, robot in zip(measurement.tips, self.contacts, self.plan.task.robots, strict=True):
-            p = X_WB.unapply((tip.position[0], tip.position[1]))
-            out.append(
-                (p[0] + robot.tip_radius * contact.normal[0], p[1] + robot.tip_radius * contact.normal[1])
-            )
-        return tuple(out)
 
     def _log(
         self,
@@ -284,7 +336,8 @@ class Controller:
             nothing = (0.0, 0.0, 0.0)
             return ControlLog(state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok")
         rx, ry, rt = allocation.residual
+        given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
         return ControlLog(
-            state.phase, state.progress, pose, guidance.error, (wrench.fx, wrench.fy, wrench.tau),
-            (wrench.fx - rx, wrench.fy - ry, wrench.tau - rt), guidance.steering, allocation.status,
+            state.phase, state.progress, pose, guidance.error, wrench.moved_to((0.0, 0.0))[:3],
+            given.moved_to((0.0, 0.0))[:3], guidance.steering, allocation.status,
         )  # fmt: skip

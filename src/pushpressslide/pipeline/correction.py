@@ -1,5 +1,5 @@
-"""Re-planning on the way: a Dubins path from where the object really is costs microseconds, so that errors
-need not be chased.
+"""Re-planning on the way: a path from where the object really is costs microseconds, so that errors need not
+be chased.
 """
 
 from __future__ import annotations
@@ -7,9 +7,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from pushpressslide.core.control import TipState
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Cylinder
 from pushpressslide.modes.base import Guidance, Mode
 
 SLID = 2.5e-3  # [m] of a contact along its face
@@ -21,21 +23,43 @@ DETOUR = 1.1  # times the way that is left: a longer plan has turned a loop and 
 SLACK = 0.005  # [m] on top of that
 
 
-def contacts_on_faces(plan: Plan, touched: tuple[Point, ...]) -> tuple[Point, ...]:
-    """Return the touched points [m] in B moved onto the lines of their faces: a tip's measured depth is not a
-    slide.
+def touched_points(plan: Plan, X_WB: Pose2, tips: tuple[TipState, ...]) -> tuple[Point, ...]:
+    """Return where the tips touch the object's surface, in B [m], by their own kinematics.
+
+    On the line of its face, the circle of a round side, or the top: a tip's measured depth is not a slide.
     """
     out = []
-    for p, c in zip(touched, plan.choice.contacts, strict=True):
-        across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[1]
-        out.append((c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0]))
+    shape, com = plan.task.object.shape, plan.task.object.center_of_mass
+    for c in plan.choice.contacts:
+        at = tips[c.arm].position
+        p = X_WB.unapply((at[0], at[1]))
+        if c.kind == "side" and isinstance(shape, Cylinder):
+            x, y = p[0] + com[0], p[1] + com[1]
+            k = shape.radius / math.hypot(x, y)
+            p = (k * x - com[0], k * y - com[1])
+        elif c.kind == "side":
+            across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[1]
+            p = (c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0])
+        out.append(p)
     return tuple(out)
 
 
 def slide(plan: Plan, touched: tuple[Point, ...]) -> float:
-    """Return how far the farthest contact has slid along its face from where the plan has it [m]."""
-    points = contacts_on_faces(plan, touched)
-    return max(math.dist(p, c.point) for p, c in zip(points, plan.choice.contacts, strict=True))
+    """Return how far the farthest contact has slid from where the plan has it [m]."""
+    return max(math.dist(p, c.point) for p, c in zip(touched, plan.choice.contacts, strict=True))
+
+
+def side_slide(plan: Plan, touched: tuple[Point, ...]) -> float:
+    """Return how far the farthest contact on a side face has slid from where the plan has it [m]."""
+    pairs = zip(touched, plan.choice.contacts, strict=True)
+    return max((math.dist(p, c.point) for p, c in pairs if c.kind == "side"), default=0.0)
+
+
+def led_in(path: MotionPath, length: float) -> MotionPath:
+    """Return ``path`` with ``length`` [m] put before its start."""
+    if isinstance(path, ArcPath):
+        return ArcPath(advance(path.start, 0.0, -length), ((0.0, length), *path.pieces))
+    return path.led_in(length)
 
 
 def corrected(
@@ -57,11 +81,11 @@ def corrected(
     off = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING or slide(plan, touched) > SLID
     if not off or left < ROOM or since_last < PAUSE:
         return None
-    fresh = mode.replan(plan, X_WB, contacts_on_faces(plan, touched), DETOUR * left + SLACK)
+    fresh = mode.replan(plan, X_WB, touched, DETOUR * left + SLACK)
     if fresh is None:
         return None
     # at speed: the new path begins with the way on which its profile would have reached it
     v, a = plan.profile.speed, plan.profile.acceleration
     ramp = 0.5 * v * v / a
-    path = ArcPath(advance(fresh.path.start, 0.0, -ramp), ((0.0, ramp), *fresh.path.pieces))
+    path = led_in(fresh.path, ramp)
     return replace(fresh, path=path, profile=SpeedProfile(path.length, v, a)), ramp, v / a

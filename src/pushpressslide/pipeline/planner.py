@@ -24,10 +24,15 @@ def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Pl
         choice = usable[0]
     if choice.path is None or not (choice.feasible or force):
         raise InfeasibleTaskError(refusal(task, [choice]))
-    profile = SpeedProfile(
-        choice.path.length, choice.parameters.get("speed", task.motion.speed), task.motion.acceleration
-    )
-    return Plan(task, choice, choice.path, profile, MODES[choice.mode].vehicle_frame(choice))
+    following = None
+    for stretch in reversed(choice.stretches):
+        assert stretch.path is not None
+        speed = stretch.parameters.get("speed", task.motion.speed)
+        profile = SpeedProfile(stretch.path.length, speed, task.motion.acceleration)
+        frame = MODES[stretch.mode].vehicle_frame(stretch)
+        following = Plan(task, stretch, stretch.path, profile, frame, following)
+    assert following is not None
+    return following
 
 
 def refusal(task: Task, choices: list[Choice]) -> str:

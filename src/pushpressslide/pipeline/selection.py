@@ -26,7 +26,7 @@ def select(task: Task) -> list[Choice]:
     names = task.modes if task.modes is not None else tuple(MODES)
     for name in names:
         mode = MODES[name]
-        if mode.arms != len(task.robots):
+        if mode.arms > len(task.robots):
             out.append(Choice(name, False, f"needs {mode.arms} arm(s), the task has {len(task.robots)}"))
         else:
             out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
@@ -44,12 +44,15 @@ def _kept_clear(task: Task, choice: Choice) -> Choice:
 def obstacle_problem(task: Task, choice: Choice) -> str | None:
     """Return in one line where the object would come too near to a fixed obstacle, or None."""
     fixed = [obstacle for obstacle in task.obstacles if not obstacle.movable]
-    path = choice.path
-    if path is None or not fixed:
+    if choice.path is None or not fixed:
         return None
-    X_VG = MODES[choice.mode].vehicle_frame(choice).inverse().compose(task.object.X_GB.inverse())
-    count = max(1, math.ceil(path.length / SWEEP_STEP))
-    poses = [path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)]
+    poses = []
+    for stretch in choice.stretches:
+        X_VG = MODES[choice.mode].vehicle_frame(stretch).inverse().compose(task.object.X_GB.inverse())
+        path = stretch.path
+        assert path is not None
+        count = max(1, math.ceil(path.length / SWEEP_STEP))
+        poses += [path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)]
     for obstacle in fixed:
         box = Box(obstacle.size)
 

@@ -138,6 +138,25 @@ _MOTION = {
         "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen",
         low=0, high=63, default=_DEFAULT.face,
     ),
+    "contacts": Field(
+        "points", "places of top contacts in G, on the object's top; null: chosen", "m", -5, 5,
+        default=_DEFAULT.contacts, count=(1, 2),
+    ),
+    "press_force": _number(
+        "normal force of a top contact; null: chosen by the mode", "N", 0, 1000, _DEFAULT.press_force, "("
+    ),
+    "vehicle": Field(
+        "text", "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), forklift (pushed), "
+        "pivot (turned about its virtual axle); null: unicycle",
+        default=_DEFAULT.vehicle, choices=("unicycle", "car", "forklift", "pivot"),
+    ),
+    "look_ahead": _number(
+        "of a pressed object's alignment with its path; null: chosen", "m", 0, 1, _DEFAULT.look_ahead, "("
+    ),
+    "fixed_target": _flag(
+        "align with a target fixed beyond the goal, as the paper has it, in place of one that slides along the "
+        "path", _DEFAULT.fixed_target,
+    ),
 }  # fmt: skip
 
 SCHEMA = _section(

@@ -1,5 +1,5 @@
 """Phase touch: line the tips up with their contacts, advance until they feel the object, settle the normal
-force.
+forces. From the side or from above alike.
 """
 
 from __future__ import annotations
@@ -7,17 +7,20 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from pushpressslide.core.control import Measurement, TipCommand, TipState, Vector3
+from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.pipeline.control_state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
     SERVO_CAP,
-    ControllerState,
+    TipMemory,
+    contact_yaw,
+    pressed,
     ramp_time,
     smooth,
+    tip_position,
 )
 
 TOUCH_SPEED = 0.03  # [m/s] on the last centimetres
@@ -26,93 +29,95 @@ FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 SETTLE_TIME = 0.2  # [s] that the touch force must hold
 
 
+def align_time(memory: TipMemory, contact: Contact, X_WB: Pose2, radius: float, gap: float) -> float:
+    """Return how long a tip takes to line up ``gap`` [m] before its contact [s]."""
+    return ramp_time(math.dist(tip_position(contact, X_WB, radius, gap), memory.start)) + 0.1
+
+
 def touch(
-    state: ControllerState,
-    measurement: Measurement,
+    memory: TipMemory,
+    tip: TipState,
+    contact: Contact,
     X_WB: Pose2,
-    contacts: tuple[Contact, ...],
+    radius: float,
+    time: float,
+    elapsed: float,
+    aligned: float,
+    dt: float,
     regulator: NormalForceRegulator,
-    touch_force: float,
+    force: float,
     threshold: float,
     gap: float,
+    tool_yaw: float,
     joint_progress: float,
-) -> tuple[tuple[TipCommand, ...], ControllerState, bool]:
-    """Return the commands, the next state, and whether the touch is complete.
+) -> tuple[TipCommand, TipMemory, bool, str | None]:
+    """Return one tip's command, what to remember, whether its touch is complete, and what went wrong.
 
-    ``touch_force`` [N] is pressed before the motion begins, ``threshold`` [N] counts as contact, ``gap`` [m]
-    is the free way before the face.
+    ``elapsed`` [s] since the phase began; ``aligned`` [s] at which the advance begins, 0 to go on from where
+    the tip is; ``force`` [N] is what it presses with in the end, ``threshold`` [N] counts as contact, ``gap``
+    [m] is the free way before the object.
     """
-    dt = measurement.time - state.last_time
-    elapsed = measurement.time - state.since
-    inside, tip, start, contact = (
-        state.binding.tip_points[0],
-        measurement.tips[0],
-        state.tip_start[0],
-        contacts[0],
-    )
-    n = X_WB.rotate(contact.normal)
-    before = X_WB.apply((inside[0] - gap * contact.normal[0], inside[1] - gap * contact.normal[1]))
-    align_time = ramp_time(math.dist((*before, contact.height), start)) + 0.1 if state.align else 0.0
-    planned = (
-        state.binding.plan.object_pose(state.progress).yaw if state.align else measurement.object_pose.yaw
-    )
-    turned = smooth(elapsed / align_time) if align_time > 0.0 else 1.0
-    tool_yaw = planned + turned * wrap_angle(measurement.object_pose.yaw - planned)
+    n = contact.direction(X_WB)
+    before = tip_position(contact, X_WB, radius, gap)
 
     def command(
-        position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), force: float | None = None
+        position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), push: float | None = None
     ) -> TipCommand:
-        pushing = force is not None
-        push = force if force is not None else 0.0
+        stiffness = FREE_STIFFNESS
+        if push is not None:
+            free = FREE_STIFFNESS
+            stiffness = (free[0], free[1], 0.0) if contact.kind == "top" else (0.0, free[1], free[2])
+        f = push or 0.0
         return TipCommand(
-            force=(push * n[0], push * n[1], 0.0),
+            force=(f * n[0], f * n[1], f * n[2]),
             position=position,
             velocity=velocity,
-            stiffness=(0.0, *FREE_STIFFNESS[1:]) if pushing else FREE_STIFFNESS,
+            stiffness=stiffness,
             damping=FREE_DAMPING,
-            normal_yaw=math.atan2(n[1], n[0]),
+            normal_yaw=contact_yaw(contact, X_WB),
             tool_yaw=tool_yaw,
             tool_yaw_rate=0.0,
             servo_cap=SERVO_CAP,
             progress=joint_progress,
         )
 
-    if elapsed < align_time:
-        target = (before[0], before[1], contact.height)
-        u = smooth(elapsed / align_time)
-        position = (
-            start[0] + u * (target[0] - start[0]),
-            start[1] + u * (target[1] - start[1]),
-            start[2] + u * (target[2] - start[2]),
-        )
-        return (command(position),), replace(state, last_time=measurement.time), False
-
-    depth = TOUCH_SPEED * (elapsed - align_time)
-    origin: Point = before
-    if not state.align:
+    start = memory.start
+    if elapsed < aligned:
+        u = smooth(elapsed / aligned)
+        return command(_along(start, before, u)), memory, False, None
+    depth = TOUCH_SPEED * (elapsed - aligned)
+    origin = before
+    if aligned == 0.0:
         # go on from where the tip was when contact was lost
-        along = (start[0] - before[0]) * n[0] + (start[1] - before[1]) * n[1]
-        origin = (start[0] - along * n[0], start[1] - along * n[1])
-        depth += min(max(along, 0.0), gap)
-    normal_force = _normal_force(tip, n)
-    felt, base = state.felt, state.touch_depth
+        ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
+        origin = _ahead(start, n, -ahead)
+        depth += min(max(ahead, 0.0), gap)
+    normal_force = pressed(tip.force, n)
+    felt, base = memory.felt, memory.touch_depth
     if normal_force > threshold:
-        felt, base = (felt, base) if felt is not None else (measurement.time, depth)
-    elif felt is not None and measurement.time - felt < FELT_TIME:
+        felt, base = (felt, base) if felt is not None else (time, depth)
+    elif felt is not None and time - felt < FELT_TIME:
         felt = None  # a knock, not the object
-    next_state = replace(state, last_time=measurement.time, felt=felt, touch_depth=base)
-    if felt is not None and measurement.time - felt >= FELT_TIME:
-        position = (origin[0] + base * n[0], origin[1] + base * n[1], contact.height)
-        push, memory = regulator.step(state.regulator, touch_force, normal_force, dt)
-        done = measurement.time - felt > FELT_TIME + SETTLE_TIME + touch_force / regulator.ramp
-        return (command(position, force=push),), replace(next_state, regulator=memory), done
+    memory = replace(memory, felt=felt, touch_depth=base)
+    if felt is not None and time - felt >= FELT_TIME:
+        push, state = regulator.step(memory.regulator, force, normal_force, dt)
+        done = time - felt > FELT_TIME + SETTLE_TIME + force / regulator.ramp
+        return command(_ahead(origin, n, base), push=push), replace(memory, regulator=state), done, None
+    problem = None
     if depth > gap + TOUCH_DEPTH:
-        text = f"no contact felt {TOUCH_DEPTH * 1e3:.0f} mm beyond the expected face"
-        next_state = replace(next_state, failure=("contact_lost", text))
-    position = (origin[0] + depth * n[0], origin[1] + depth * n[1], contact.height)
-    velocity = (TOUCH_SPEED * n[0], TOUCH_SPEED * n[1], 0.0)
-    return (command(position, velocity),), replace(next_state, regulator=NormalForceState()), False
+        problem = f"no contact felt {TOUCH_DEPTH * 1e3:.0f} mm beyond where the object should be"
+    velocity = (TOUCH_SPEED * n[0], TOUCH_SPEED * n[1], TOUCH_SPEED * n[2])
+    memory = replace(memory, regulator=NormalForceState())
+    return command(_ahead(origin, n, depth), velocity), memory, False, problem
 
 
-def _normal_force(tip: TipState, n: Point) -> float:
-    return tip.force[0] * n[0] + tip.force[1] * n[1]
+def _along(a: Vector3, b: Vector3, u: float) -> Vector3:
+    return (a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2]))
+
+
+def _ahead(origin: Vector3, direction: Vector3, way: float) -> Vector3:
+    return (
+        origin[0] + way * direction[0],
+        origin[1] + way * direction[1],
+        origin[2] + way * direction[2],
+    )

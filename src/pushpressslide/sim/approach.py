@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.task import Task
 from pushpressslide.robots.continuation import continuations
 from pushpressslide.robots.inverse import solve_ik
@@ -51,15 +52,15 @@ class Approach:
         self._round = [[*plain, via] for via in vias if via is not self.start]
 
     def ways(
-        self, first: Array, yaw: float, normal: tuple[float, float], q: Array, attitude: ToolAttitude
+        self, first: Array, yaw: float, normal: Vector3, q: Array, attitude: ToolAttitude
     ) -> Iterator[Way]:
         """Yield times (m,) and postures (m, n) of ways to beside ``first`` (3,), the most careful first.
 
         ``first`` [m] is the tip at the touch, in posture ``q`` (n,) at tool yaw ``yaw``; ``normal`` points
-        from the tip to the object.
+        from the tip into the object.
         """
-        height = float(first[2])
-        beside = first - self.task.motion.approach_distance * np.array([*normal, 0.0])
+        beside = first - self.task.motion.approach_distance * np.array(normal)
+        height = float(beside[2])
         hover = max(self.hover, height + 0.08)
         back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - first) + first
         levels = np.linspace(height, hover, max(4, math.ceil((hover - height) / 0.02)))[1:]

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.control import ControlLog, Measurement, TipCommand, TipState
+from pushpressslide.core.control import ControlLog, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.record import ReasonCode, Record
 from pushpressslide.execution.arm import ArmExecutor, ArmState
 from pushpressslide.pipeline.control_state import ControllerState
-from pushpressslide.pipeline.controller import Controller
+from pushpressslide.pipeline.controller import Commands, Controller
 from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
@@ -97,13 +97,15 @@ def run(
     paths: tuple[tuple[JointPath, ToolAttitude], ...] | None = None,
     stop: Callable[[], bool] = bool,
     live: Callable[[str], None] | None = None,
+    disturb: Callable[[float, Commands], Commands] | None = None,
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind
     of machine.
 
     Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint
     paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted"). ``live``
-    is told the address of a page that shows the run, in real time, while it goes on.
+    is told the address of a page that shows the run, in real time, while it goes on. ``disturb`` changes the
+    controller's commands at a time [s] on their way to the arms, to try what happens when they fail.
     """
     task = plan.task
     dt = task.motion.control_period
@@ -120,7 +122,7 @@ def run(
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
     approach_time = max(float(arm.path.approach_time[-1]) for arm in arms) + 0.2
-    expected = approach_time + plan.profile.duration + 4.0
+    expected = approach_time + sum(stretch.profile.duration for stretch in plan.stretches) + 4.0
     plant = station.plant
     object_q = station.scene.object.floating_positions_start()
     object_v = station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
@@ -145,7 +147,7 @@ def run(
             arm.state = arm.model.state(x[arm.q_at], x[arm.v_at])
             tips.append(TipState(arm.state.position, arm.state.velocity, force))
         executed = perf_counter() - executing
-        commands: tuple[TipCommand | None, ...]
+        commands: Commands
         references = []
         if time < approach_time:
             commands, log = (None,) * len(arms), _waiting(plan)
@@ -162,10 +164,18 @@ def run(
             given, log, state = controller.step(state, measurement)
             commands = given
             executing = perf_counter()
+            if disturb is not None:
+                given = disturb(time, given)
             for arm, command in zip(arms, given, strict=True):
                 assert arm.state is not None
-                q_ref = arm.along(command.progress)
-                arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
+                if command is None:
+                    q_ref = arm.along(0.0)
+                    arm.torque, arm.share = arm.executor.free(
+                        arm.state, q_ref, np.zeros_like(q_ref), arm.torque
+                    )
+                else:
+                    q_ref = arm.along(command.progress)
+                    arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
                 references.append(q_ref)
         for i, arm in enumerate(arms):
             assert arm.torque is not None

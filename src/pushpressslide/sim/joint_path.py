@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.modes.base import tool_azimuths
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.reach import REACH_MARGIN
-from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
 from pushpressslide.sim.approach import Approach
 from pushpressslide.sim.clearance import ClearanceModel
 
@@ -58,23 +60,20 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
 
     Raises InfeasibleTaskError, with the figure that decides, where no tried posture does it.
     """
-    robot, contact = plan.task.robots[arm], plan.choice.contacts[arm]
+    robot = plan.task.robots[arm]
     kin = arm_kinematics(robot)
-    count = max(8, math.ceil(plan.path.length / STEP)) + 1
-    s = np.linspace(0.0, plan.path.length, count)
-    bodies = [plan.path.pose(float(x)).compose(plan.X_BV.inverse()) for x in s]
-    inside = (
-        contact.point[0] - robot.tip_radius * contact.normal[0],
-        contact.point[1] - robot.tip_radius * contact.normal[1],
-    )
-    positions = np.array([(*X.apply(inside), contact.height) for X in bodies])
+    contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
+    if contact is None:
+        return _at_rest(kin)
+    s, bodies = _body_path(plan)
+    inside, height = contact.tip_place(robot.tip_radius)
+    positions = np.array([(*X.apply(inside), height) for X in bodies])
     yaws = np.unwrap(np.array([X.yaw for X in bodies]))
-    middle = bodies[len(bodies) // 2].rotate(contact.normal)
-    azimuth = math.atan2(middle[1], middle[0])
+    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
     model = ClearanceModel(plan, arm)
     X_BG = plan.task.object.X_GB.inverse()
     poses = [X.compose(X_BG) for X in bodies]
-    normal = bodies[0].rotate(contact.normal)
+    normal = contact.direction(bodies[0])
     approach = Approach(
         plan.task, kin, lambda q: model.least(q[None], [poses[0]], touching=False)[0] >= CLEARANCE
     )
@@ -84,8 +83,11 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         f"with joints {JOINT_MARGIN:g} rad inside their limits"
     )
     least = -math.inf
-    for tilt in TOOL_TILTS if kin.facts.size >= POSE else (0.0,):
-        candidates, why = _candidates(kin, positions, yaws, ToolAttitude(tilt, azimuth), force)
+    attitudes = [ToolAttitude(0.0, azimuths[0])]
+    if kin.facts.size >= POSE:
+        attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    for attitude in attitudes:
+        candidates, why = _candidates(kin, positions, yaws, attitude, force)
         if not candidates and least == -math.inf:
             problem = why or problem
         for candidate in candidates[:ENOUGH]:
@@ -110,6 +112,25 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path "
         f"along the contact: {problem}"
     )
+
+
+def _at_rest(kin: ArmKinematics) -> tuple[JointPath, ToolAttitude]:
+    """Return the joint path of an arm that has nothing to do."""
+    q, none = kin.facts.home[None], np.zeros(1)
+    margin = float(kin.joint_margin(q)[0])
+    return JointPath(np.array([0.0, 0.5]), np.repeat(q, 2, 0), none, q, 0.0, margin, 1.0, math.inf), UPRIGHT
+
+
+def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
+    """Return arc lengths (k,) [m] over all stretches of ``plan``, and X_WB there."""
+    lengths, bodies, done = [], [], 0.0
+    for stretch in plan.stretches:
+        length, X_VB = stretch.path.length, stretch.X_BV.inverse()
+        grid = np.linspace(0.0, length, max(8, math.ceil(length / STEP)) + 1)[0 if not lengths else 1 :]
+        lengths += [done + float(s) for s in grid]
+        bodies += [stretch.path.pose(float(s)).compose(X_VB) for s in grid]
+        done += length
+    return np.array(lengths), bodies
 
 
 def _candidates(

@@ -95,7 +95,9 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
         reach = shape.radius
     else:
         reach = max(math.hypot(x, y) for x, y in shape.footprint)
-    poses = [plan.object_pose(s) for s in np.linspace(0.0, plan.path.length, 60)] + [plan.task.true_start]
+    poses = [plan.task.true_start]
+    for stretch in plan.stretches:
+        poses += [stretch.object_pose(s) for s in np.linspace(0.0, stretch.path.length, 60)]
     margin = reach + 0.25
     for obstacle in plan.task.obstacles:
         if obstacle.movable:

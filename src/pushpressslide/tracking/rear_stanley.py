@@ -8,38 +8,31 @@ paper's eq. 14 with errors taken actual minus reference is the unstable one.)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from math import atan
 
+Steering = Callable[[float, float, float, float], tuple[float, bool]]
 
-@dataclass(frozen=True, slots=True)
-class RearStanley:
-    """The law for one car.
 
-    ``gain`` is k in units of the largest value without overshoot, v / (4 wheelbase): in these units the law
-    does not depend on the speed. Steering is held inside ``steering_bounds`` [rad].
+def rear_stanley(
+    wheelbase: float, steering_bounds: tuple[float, float], gain: float = 1.0, feed_forward: bool = True
+) -> Steering:
+    """Return the law ``steer(left_error, heading_error, curvature, grip)`` of one car.
+
+    ``wheelbase`` [m] is from the CoP to the virtual front axle, rho^2 / d. ``gain`` is k in units of the
+    largest value without overshoot, v / (4 wheelbase): in these units the law does not depend on the speed.
+    ``feed_forward`` removes the steady offset on a curve. ``left_error`` [m], ``heading_error`` [rad]:
+    reference minus actual; ``curvature`` [1/m] of the path there; ``grip`` narrows ``steering_bounds`` [rad].
+    The law gives the steering angle delta [rad] and whether it had to be clipped.
     """
+    slope = gain / (4.0 * wheelbase)  # k / v
+    length = wheelbase if feed_forward else 0.0
+    low, high = steering_bounds
 
-    wheelbase: float  # [m] from the CoP to the virtual front axle, rho^2 / d
-    steering_bounds: tuple[float, float]  # [rad]
-    gain: float = 1.0
-    feed_forward: bool = True  # remove the steady offset on a curve
+    def steer(left_error: float, heading_error: float, curvature: float, grip: float) -> tuple[float, bool]:
+        delta = -heading_error - atan(slope * left_error) - atan(length * curvature)
+        if grip * low <= delta <= grip * high:
+            return delta, False
+        return grip * (low if delta < 0.0 else high), True
 
-    def steering(
-        self, left_error: float, heading_error: float, curvature: float, grip: float = 1.0
-    ) -> tuple[float, bool]:
-        """Return the steering angle delta [rad] and whether it had to be clipped.
-
-        ``left_error`` [m], ``heading_error`` [rad]: reference minus actual; ``curvature`` [1/m] of the path
-        there; ``grip`` narrows the bounds.
-        """
-        wheelbase = self.wheelbase
-        delta = -heading_error - atan(self.gain * left_error / (4.0 * wheelbase))  # atan(k e / v)
-        if curvature != 0.0 and self.feed_forward:
-            delta -= atan(wheelbase * curvature)
-        low, high = self.steering_bounds
-        if delta < grip * low:
-            return grip * low, True
-        if delta > grip * high:
-            return grip * high, True
-        return delta, False
+    return steer

@@ -1,0 +1,115 @@
+"""A path of constant body twists: any planar motion, turning on the spot and sliding sideways included."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from pushpressslide.core.pose import Pose2, wrap_angle
+
+TwistRate = tuple[float, float, float]
+"""Body twist per metre of path: vx, vy [-], w [rad/m]."""
+
+
+def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
+    """Return the pose reached from ``pose`` after ``length`` [m] at a constant body twist: the exponential
+    map.
+    """
+    vx, vy, w = rate
+    angle = w * length
+    if abs(angle) < 1e-9:
+        x, y = vx * length, vy * length
+    else:
+        s, c = math.sin(angle) / w, (1.0 - math.cos(angle)) / w
+        x, y = vx * s - vy * c, vx * c + vy * s
+    dx, dy = pose.rotate((x, y))
+    return Pose2(pose.x + dx, pose.y + dy, pose.yaw + angle)
+
+
+def screw(start: Pose2, end: Pose2) -> TwistRate:
+    """Return the constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to ``end`` in one unit,
+    turning by less than 180 degrees: the logarithm.
+    """
+    x, y = start.unrotate((end.x - start.x, end.y - start.y))
+    w = wrap_angle(end.yaw - start.yaw)
+    half = 0.5 * w
+    k = half / math.tan(half) if abs(half) > 1e-9 else 1.0
+    return (k * x + half * y, k * y - half * x, w)
+
+
+@dataclass(frozen=True)
+class TwistPath:
+    """Start pose of the vehicle frame V, then (twist per metre, length [m] >= 0) pieces.
+
+    Length is measured with ``radius`` [m]: turning by one radian counts as that much way, so that every
+    piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
+    """
+
+    start: Pose2
+    pieces: tuple[tuple[TwistRate, float], ...]
+    radius: float
+
+    @classmethod
+    def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
+        """Return the path through ``poses`` of V, from each to the next at a constant twist."""
+        pieces = []
+        for a, b in zip(poses, poses[1:], strict=False):
+            vx, vy, w = screw(a, b)
+            length = math.sqrt(vx * vx + vy * vy + (radius * w) ** 2)
+            if length > 0.0:
+                pieces.append(((vx / length, vy / length, w / length), length))
+        return cls(poses[0], tuple(pieces), radius)
+
+    @cached_property
+    def starts(self) -> tuple[tuple[float, Pose2], ...]:
+        """Arc length and pose at the start of each piece, and at the end."""
+        s, pose, out = 0.0, self.start, [(0.0, self.start)]
+        for rate, length in self.pieces:
+            s, pose = s + length, moved(pose, rate, length)
+            out.append((s, pose))
+        return tuple(out)
+
+    @property
+    def length(self) -> float:
+        """Total length [m]."""
+        return self.starts[-1][0]
+
+    @property
+    def end(self) -> Pose2:
+        """Last pose."""
+        return self.starts[-1][1]
+
+    def _piece(self, s: float) -> int:
+        for i in range(len(self.pieces) - 1):
+            if s < self.starts[i + 1][0]:
+                return i
+        return len(self.pieces) - 1
+
+    def pose(self, s: float) -> Pose2:
+        """Return the pose at arc length ``s`` [m]; beyond its ends the path goes on with the twist there."""
+        if not self.pieces:
+            return self.start
+        i = self._piece(s)
+        return moved(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
+
+    def rate(self, s: float) -> TwistRate:
+        """Return the twist per metre at arc length ``s`` [m], in V; zero for a path without pieces."""
+        return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
+
+    def nearest(self, X_WV: Pose2, s: float) -> float:
+        """Return the arc length [m], near ``s`` and not before it, whose pose is nearest to ``X_WV``.
+
+        One Newton step in the metric of ``radius``: exact for a constant twist up to second order in the
+        error.
+        """
+        at = self.pose(s)
+        vx, vy, w = self.rate(s)
+        x, y = at.unrotate((X_WV.x - at.x, X_WV.y - at.y))
+        ahead = vx * x + vy * y + self.radius * self.radius * w * wrap_angle(X_WV.yaw - at.yaw)
+        return s + max(0.0, ahead)
+
+    def led_in(self, length: float) -> TwistPath:
+        """Return the path with ``length`` [m] of the first twist put before its start."""
+        rate = self.rate(0.0)
+        return TwistPath(moved(self.start, rate, -length), ((rate, length), *self.pieces), self.radius)

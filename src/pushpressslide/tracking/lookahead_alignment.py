@@ -1,0 +1,50 @@
+"""Look-ahead alignment of a unicycle with its path (docs/mechanics.md, section 4.2).
+
+A virtual target slides along the path, the look-ahead ahead of the vehicle; the turn is in proportion to its
+lateral coordinate in the vehicle's frame. With the gain 4 / look_ahead^2 the lateral error decays
+critically, as (1 + 2 D / look_ahead) exp(-2 D / look_ahead) over a way D. Errors are REFERENCE MINUS ACTUAL.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+
+from pushpressslide.core.pose import Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class LookAheadAlignment:
+    """The law; ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond the goal."""
+
+    look_ahead: float  # [m] > 0
+    limit: float  # [1/m] largest curvature asked for
+    fixed: Pose2 | None = None  # the goal pose of the vehicle, for the paper's target
+
+    def curvature(
+        self,
+        X_WV: tuple[float, float, float],
+        left_error: float,
+        heading_error: float,
+        path_curvature: float,
+        grip: float = 1.0,
+    ) -> tuple[float, bool]:
+        """Return the curvature [1/m] to drive and whether it had to be clipped.
+
+        ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad] reference minus actual,
+        ``path_curvature`` [1/m] that of the path there; ``grip`` narrows the bounds.
+        """
+        ell = self.look_ahead
+        if self.fixed is None:
+            lateral = left_error * cos(heading_error) + ell * sin(heading_error)
+            wanted = path_curvature + 4.0 * lateral / (ell * ell)
+        else:
+            goal, (x, y, yaw) = self.fixed, X_WV
+            dx, dy = goal.x + ell * cos(goal.yaw) - x, goal.y + ell * sin(goal.yaw) - y
+            wanted = 4.0 * (cos(yaw) * dy - sin(yaw) * dx) / (ell * ell)
+        limit = grip * self.limit
+        if wanted > limit:
+            return limit, True
+        if wanted < -limit:
+            return -limit, True
+        return wanted, False
