@@ -14,12 +14,13 @@ from typing import Literal
 from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection, WrenchCone
-from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.allocation import Allocation, AllocationStatus
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.mechanics.friction import cone_margin
 
 Split = Literal["least_friction", "least_force"]
 Vector = tuple[float, float, float]
+ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
 FACING = 0.03  # sine of the angle to the line of contacts within which friction leaves the split open
 NONE = (0.0, 0.0, 0.0)
 
@@ -54,9 +55,16 @@ def two_contact_allocator(
     x_fx, y_fx = pair.first_force(1.0, 0.0, 0.0)
     x_fy, y_fy = pair.first_force(0.0, 1.0, 0.0)
     x_tau, y_tau = pair.first_force(0.0, 0.0, 1.0)
+    ex, ey = pair.line.e
     (n1x, n1y), (n2x, n2y) = normals
+    (n1e, _), (n2e, _) = pair.axes
+    # More force d of contact 1 along e, and less of contact 2, changes the slack q of a cone's side to q + a d,
+    # so that -q / a bounds d: from below where a > 0.
+    slopes = [a for a, _ in pair.sides1] + [-a for a, _ in pair.sides2]
+    up1, up2, up3, up4 = (a > 0.0 for a in slopes)
+    k1, k2, k3, k4 = (-1.0 / (a if abs(a) > ALONG else math.copysign(ALONG, a)) for a in slopes)
     cap1, cap2 = caps
-    bounded, none = pair.bounded, NONE
+    capped, outside, none, inf = pair.capped, pair.outside, NONE, math.inf
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         f1x = x_fx * fx + x_fy * fy + x_tau * tau
@@ -68,9 +76,19 @@ def two_contact_allocator(
         margin2 = friction * f2n - (f2t if f2t > 0.0 else -f2t)
         if margin2 < margin:
             margin = margin2
-        if margin >= 0.0 and f1n <= cap1 and f2n <= cap2:
+        if not margin >= 0.0:
+            d1, d2 = k1 * (friction * f1n + f1t), k2 * (friction * f1n - f1t)
+            d3, d4 = k3 * (friction * f2n + f2t), k4 * (friction * f2n - f2t)
+            low = max(d1 if up1 else -inf, d2 if up2 else -inf, d3 if up3 else -inf, d4 if up4 else -inf)
+            high = min(inf if up1 else d1, inf if up2 else d2, inf if up3 else d3, inf if up4 else d4)
+            if not low <= high:
+                return outside(fx, fy, tau)
+            more = low if low > 0.0 else high
+            f1x, f1y, f2x, f2y = f1x + more * ex, f1y + more * ey, f2x - more * ex, f2y - more * ey
+            f1n, f2n, margin = f1n + more * n1e, f2n - more * n2e, 0.0
+        if f1n <= cap1 and f2n <= cap2:
             return Allocation(((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none)
-        return bounded(fx, fy, tau)
+        return capped(fx, fy, tau)
 
     return allocate
 
@@ -92,17 +110,17 @@ class _TwoContacts:
     ) -> None:
         if not friction > 0.0:
             raise ValueError(f"friction {friction}; must be > 0")
-        self._line = ContactLine(*points)
+        self.line = ContactLine(*points)
         self._points, self._normals, self._friction, self._rho = points, normals, friction, rho
         self._cap1, self._cap2 = caps
         self._projection = projection
         self._cone = WrenchCone(points, normals, friction, rho)
-        axes = [self._line.in_axes(n) for n in normals]
-        (self._n1e, self._n1m), (self._n2e, self._n2m) = axes
+        self.axes = [self.line.in_axes(n) for n in normals]
+        (self._n1e, self._n1m), (self._n2e, self._n2m) = self.axes
         # Sides of the cones, q.f >= 0 for q = mu n -+ J n, in the axes of the line
-        self._sides1, self._sides2 = (
+        self.sides1, self.sides2 = (
             ((friction * ne + nm, friction * nm - ne), (friction * ne - nm, friction * nm + ne))
-            for ne, nm in axes
+            for ne, nm in self.axes
         )
         self._weights = (0.5, 0.0, 0.0)
         if split == "least_friction":
@@ -122,19 +140,17 @@ class _TwoContacts:
 
     def first_force(self, fx: float, fy: float, tau: float) -> Point:
         """Return the wanted force [N] of contact 1, in B."""
-        along, g1, g2 = self._line.parts(fx, fy, tau)
-        return self._line.in_body((self._wanted(along, g1, g2), g1))
+        along, g1, g2 = self.line.parts(fx, fy, tau)
+        return self.line.in_body((self._wanted(along, g1, g2), g1))
 
-    def bounded(self, fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation with s inside what cones and caps leave of it."""
-        along, g1, g2 = self._line.parts(fx, fy, tau)
+    def capped(self, fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench of the cone where a cap is in the way."""
+        along, g1, g2 = self.line.parts(fx, fy, tau)
         low, high = -math.inf, math.inf
-        for a, b in self._sides1:
+        for a, b in self.sides1:
             low, high = _narrowed(low, high, a, b * g1)
-        for a, b in self._sides2:
+        for a, b in self.sides2:
             low, high = _narrowed(low, high, -a, a * along + b * g2)
-        if not low <= high:
-            return self._outside(fx, fy, tau)
         # Normal forces n1e s + h1 and h2 - n2e s
         h1, h2 = self._n1m * g1, self._n2e * along + self._n2m * g2
         least, most = _narrowed(low, high, -self._n1e, self._cap1 - h1)
@@ -142,26 +158,27 @@ class _TwoContacts:
         s, scale = min(max(self._wanted(along, g1, g2), least), most), 1.0
         if not least <= most:
             s, scale = self._largest_scale(low, high, h1, h2)
-        f1 = self._line.in_body((scale * s, scale * g1))
-        f2 = (scale * fx - f1[0], scale * fy - f1[1])
-        return self._allocation(f1, f2, (fx, fy, tau), scale)
+        f1 = self.line.in_body((s, g1))
+        return self._allocation((fx, fy, tau), f1, (fx - f1[0], fy - f1[1]), scale)
 
     def _largest_scale(self, low: float, high: float, h1: float, h2: float) -> tuple[float, float]:
         """Return s, and the largest part of the wrench, for which both normal forces keep their caps."""
-        even = self._cap1 * self._n2e + self._cap2 * self._n1e  # both at their caps, where that can be
+        even = self._cap1 * self._n2e + self._cap2 * self._n1e
         crossing = (self._cap1 * h2 - self._cap2 * h1) / even if even != 0.0 else math.nan
         candidates = [s for s in (low, high, min(max(crossing, low), high)) if math.isfinite(s)]
 
         def scale(s: float) -> float:
-            f1n, f2n = self._n1e * s + h1, h2 - self._n2e * s
-            return min(
-                self._cap1 / f1n if f1n > self._cap1 else 1.0, self._cap2 / f2n if f2n > self._cap2 else 1.0
-            )
+            return self._scale(self._n1e * s + h1, h2 - self._n2e * s)
 
-        best = max(candidates, key=scale)
+        best = max(candidates, key=scale, default=0.0)
         return best, scale(best)
 
-    def _outside(self, fx: float, fy: float, tau: float) -> Allocation:
+    def _scale(self, f1n: float, f2n: float) -> float:
+        """Return the part of these normal forces [N] that keeps the caps, at most 1."""
+        scale = self._cap1 / f1n if f1n > self._cap1 else 1.0
+        return min(scale, self._cap2 / f2n) if f2n > self._cap2 else scale
+
+    def outside(self, fx: float, fy: float, tau: float) -> Allocation:
         """Return the allocation of the wrench that one from outside the cone is moved to."""
         moved = (fx, fy, tau)
         if self._projection == "force_priority":
@@ -169,7 +186,26 @@ class _TwoContacts:
         elif self._projection == "torque_priority":
             moved = self._cone.with_torque_kept(fx, fy, tau)
         (f1, f2), (f1n, f2n) = self._cone.nearest(*moved)
-        ...
+        return self._allocation((fx, fy, tau), f1, f2, self._scale(f1n, f2n))
+
+    def _allocation(self, wanted: Vector, f1: Point, f2: Point, scale: float) -> Allocation:
+        """Return ``scale`` times two forces, beside the wrench that was wanted."""
+        forces = (scale * f1[0], scale * f1[1]), (scale * f2[0], scale * f2[1])
+        p1, p2 = self._points
+        (f1x, f1y), (f2x, f2y) = forces
+        fx, fy, tau = wanted
+        residual = (fx - f1x - f2x, fy - f1y - f2y, tau - cross(p1, forces[0]) - cross(p2, forces[1]))
+        size = abs(fx) + abs(fy) + abs(tau) / self._rho
+        error = abs(residual[0]) + abs(residual[1]) + abs(residual[2]) / self._rho
+        (n1x, n1y), (n2x, n2y) = self._normals
+        pushes = (n1x * f1x + n1y * f1y, n2x * f2x + n2y * f2y)
+        margin = min(
+            cone_margin(f, n, self._friction) for f, n in zip(forces, self._normals, strict=True)
+        )
+        status: AllocationStatus = "ok" if error <= 1e-9 * size else "projected"
+        if status == "projected" and f1x == f1y == f2x == f2y == 0.0:
+            status = "infeasible"
+        return Allocation(forces, pushes, margin, status, residual)
 
 
 def _narrowed(low: float, high: float, a: float, r: float) -> tuple[float, float]:

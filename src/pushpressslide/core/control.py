@@ -50,6 +50,7 @@ class TipCommand:
     tool_yaw_rate: float  # [rad/s]
     servo_cap: float  # [N] bound on the horizontal impedance force
     progress: float  # [m] arc length on the planned path, for the joint reference
+    acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] world, of the reference
 
 
 @dataclass(frozen=True, slots=True)

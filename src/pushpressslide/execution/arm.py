@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.execution.impedance import tip_force, tip_moment
-from pushpressslide.execution.torque import joint_torque, limited, task_torque
+from pushpressslide.execution.torque import inertia_torque, joint_torque, limited, task_torque
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,8 @@ class ArmExecutor:
         error = q_ref - arm.q
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
+        if any(command.acceleration):
+            tau += inertia_torque(arm.J, arm.M, np.array((0.0, 0.0, 0.0, *command.acceleration)))
         if self.joint_stiffness > 0.0:
             damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - damping * arm.v

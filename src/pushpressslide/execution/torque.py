@@ -27,6 +27,18 @@ def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Arr
     return tau
 
 
+def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
+    """Return tau (n,) that gives the tip its reference's ``acceleration`` (6,) [rad/s^2; m/s^2], world axes.
+
+    J^T Lambda a with the task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
+    along the support also presses on it or lifts off, by the inertia's coupling. ``M`` (n, n) mass matrix.
+    """
+    mobility = J @ np.linalg.solve(M, J.T)
+    mobility.flat[::7] += 1e-4  # [1/kg] bounds the torque near a singularity
+    out: Array = J.T @ np.linalg.solve(mobility, acceleration)
+    return out
+
+
 def joint_torque(M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float) -> Array:
     """Return the computed torque (n,) that tracks a joint reference in free space, critically damped at
     ``rate`` [1/s].

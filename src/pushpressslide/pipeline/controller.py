@@ -56,7 +56,8 @@ REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the pl
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
-TIP_ACCELERATION = 5.0  # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
+# [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
+TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
 # [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
 # pull the tip sideways off its face
 JOINT_LEAD = 0.03
@@ -186,7 +187,9 @@ class Controller:
             f = X_WB.rotate((self.force_gain * f_B[0], self.force_gain * f_B[1]))
             at_tip = guidance.twist.moved_to(inside)
             wanted = X_WB.rotate((at_tip.vx, at_tip.vy))
-            v = approached(memory.velocity or (0.0, 0.0), wanted, TIP_ACCELERATION * dt)
+            before = memory.velocity or (0.0, 0.0)
+            v = approached(before, wanted, TIP_ACCELERATION[contact.kind] * dt)
+            a = ((v[0] - before[0]) / dt, (v[1] - before[1]) / dt, 0.0) if dt > 0.0 else (0.0, 0.0, 0.0)
             height, regulator = tip.position[2], memory.regulator
             stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
             if contact.kind == "top":
@@ -206,6 +209,7 @@ class Controller:
                     tool_yaw_rate=guidance.twist.w,
                     servo_cap=SERVO_CAP,
                     progress=self._joint_reference(state, measurement.time),
+                    acceleration=a,
                 )
             )
         log = self._log(state, measurement, guidance, wrench, allocation)
