@@ -8,10 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Box, ObjectModel, Prism, Task
+from pushpressslide.core.task import Belief, Box, Cylinder, ObjectModel, Prism, Task
+from pushpressslide.mechanics.top import inside_top
 
 REACH = (0.35, 0.72)  # [m] of the object's centre from the first robot's base, where new tasks are drawn
 AZIMUTH = math.radians(80.0)  # either side of the base's forward direction
+
+CONTACT_EDGE = 0.015  # [m] that a drawn top contact is inside the object's top
 
 
 def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, float]:
@@ -23,12 +26,15 @@ def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, f
     return cx / (3.0 * area), cy / (3.0 * area)
 
 
-def random_shape(rng: np.random.Generator) -> Box | Prism:
-    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size; two of three are
-    boxes.
+def random_shape(rng: np.random.Generator, round_too: bool = False) -> Box | Prism | Cylinder:
+    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size (``round_too``: or a
+    cylinder); more than half are boxes.
     """
-    kind = rng.choice(["box", "box", "box", "box", "triangle", "hexagon"])
+    kinds = ["box", "box", "box", "box", "triangle", "hexagon", *(["cylinder"] if round_too else [])]
+    kind = rng.choice(kinds)
     height = float(rng.uniform(0.08, 0.2))
+    if kind == "cylinder":
+        return Cylinder(float(rng.uniform(0.06, 0.13)), height)
     if kind == "box":
         return Box((float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.08, 0.25)), height))
     count, radius = (3, rng.uniform(0.08, 0.14)) if kind == "triangle" else (6, rng.uniform(0.06, 0.13))
@@ -42,11 +48,13 @@ def random_task(base: Task, index: int, seed: int) -> Task:
 
     Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip friction 0.4 to 1.0,
     goal ahead of the start by 0.12 to 0.35 m, up to 25 degrees off its x axis, and turned by up to 50
-    degrees, start and goal within the annulus ``REACH`` in front of the robot.
+    degrees, start and goal within the annulus ``REACH`` in front of the robot. For ``press_slide`` alone also
+    cylinders, and in half of the tasks a contact drawn within 2 to 10 cm of the centroid.
     """
     rng = np.random.default_rng([seed, index])
-    shape = random_shape(rng)
-    center = (0.0, 0.0) if isinstance(shape, Box) else polygon_centroid(shape.footprint)
+    pressed = base.modes == ("press_slide",)
+    shape = random_shape(rng, round_too=pressed)
+    center = polygon_centroid(shape.footprint) if isinstance(shape, Prism) else (0.0, 0.0)
     robot = base.robots[0]
 
     def within(pose: Pose2) -> bool:
@@ -70,6 +78,16 @@ def random_task(base: Task, index: int, seed: int) -> Task:
         goal = Pose2(x, y, math.remainder(float(yaw + turn), 2.0 * math.pi))
         if within(start) and within(goal):
             break
+    contacts = None
+    if pressed and rng.random() < 0.5:  # else the mode chooses
+        body, place = ObjectModel(shape, mass, center), (math.inf, math.inf)
+        while not inside_top(body, place, CONTACT_EDGE):
+            r, angle = rng.uniform(0.02, 0.1), rng.uniform(-math.pi, math.pi)
+            place = (float(r * math.cos(angle)), float(r * math.sin(angle)))
+        contacts = ((center[0] + place[0], center[1] + place[1]),)
+    motion = replace(
+        base.motion, face=None, contact_height=None, contacts=contacts, press_force=None, vehicle=None
+    )
     return replace(
         base,
         name=f"{base.name}-random-{seed}-{index:03d}",
@@ -79,7 +97,7 @@ def random_task(base: Task, index: int, seed: int) -> Task:
         support=replace(base.support, friction=support),
         contact_friction=contact,
         belief=Belief(support, contact, mass, None),
-        motion=replace(base.motion, face=None, contact_height=None),
+        motion=motion,
     )
 
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, cross
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.limit_surface import exact_level, exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
 
@@ -30,53 +31,47 @@ def least_load(weight: float, mu_support: float, mu_contact: float, use: float =
     return mu_support * weight / room if room > 0.0 else math.inf
 
 
-@dataclass(frozen=True, slots=True)
-class Press:
-    """A press at ``contact`` [m] in B with ``load`` [N] on an object of ``weight`` [N]."""
-
-    contact: Point
-    load: float
-    weight: float
-
-    @property
-    def total(self) -> float:
-        """Load on the support N [N]."""
-        return self.weight + self.load
-
-    @property
-    def cop(self) -> Point:
-        """Centre of pressure in B [m], no force along the support."""
-        n = self.load / self.total
-        return (n * self.contact[0], n * self.contact[1])
-
-    @property
-    def lever(self) -> float:
-        """Distance d from the centre of pressure to the contact [m]."""
-        return math.hypot(*self.contact) * self.weight / self.total
-
-    @property
-    def axis(self) -> Point:
-        """Unit vector e in B from the centre of pressure to the contact.
-
-        Raises ValueError for a contact at the CoM, where the object only translates.
-        """
-        d = math.hypot(*self.contact)
-        if d == 0.0:
-            raise ValueError("the contact is at the CoM; the object only translates")
-        return (self.contact[0] / d, self.contact[1] / d)
+def pressed_cop(contact: Point, load: float, weight: float) -> Point:
+    """Return the centre of pressure [m] in B under a press at ``contact``, no force along the support."""
+    n = load / (weight + load)
+    return (n * contact[0], n * contact[1])
 
 
-def straight_axle(
-    pressure_at: Callable[[Point], PressureSamples], mu: float, press: Press, height: float, backward: bool
-) -> tuple[Point, float]:
-    """Return the virtual axle of near-straight sliding in B [m] and rho^2/d [m], exact to first order.
+def straight_rho(
+    pressure_at: Callable[[Point], PressureSamples], cop: Point, contact: Point, shift: float
+) -> float:
+    """Return rho [m] of near-straight sliding along the line of CoP and contact, exact to first order.
 
-    Pulled, the force is along the axis e; ``backward``, against it. At ``height`` [m] the drag mu N shifts
-    the CoP, and with it the pressure's variance along e: x_va = (x_cop +- h mu) - rho_x^2(x_cop +- h mu) / d.
-    Raises ValueError where the shifted CoP leaves the base: the object tips.
+    The pressure's deviation along that line, under the load whose CoP the drag has moved by ``shift`` [m]
+    towards the contact. ``pressure_at(p)`` gives the distribution whose CoP is p. Raises ValueError where that
+    is outside the base: the object tips.
     """
-    e, sign = press.axis, -1.0 if backward else 1.0
-    shift = sign * height * mu
-    at = (press.cop[0] + shift * e[0], press.cop[1] + shift * e[1])
-    reach = rho_straight(pressure_at(at), e) ** 2 / press.lever
-    return (at[0] - reach * e[0], at[1] - reach * e[1]), reach
+    d = math.dist(cop, contact)
+    e = ((contact[0] - cop[0]) / d, (contact[1] - cop[1]) / d)
+    return rho_straight(pressure_at((cop[0] + shift * e[0], cop[1] + shift * e[1])), e)
+
+
+def pressed_twist(
+    pressure_at: Callable[[Point], PressureSamples],
+    mu: float,
+    cop: Point,
+    contact: Point,
+    height: float,
+    direction: Point,
+) -> Twist:
+    """Return the twist of B's origin under a force along the unit vector ``direction`` at ``height`` [m], on
+    the exact surface; only its direction counts.
+
+    The force, of the size that slides (``mu`` of the pair object/support; found by iteration), moves the CoP
+    from ``cop`` by h F / N. Raises ValueError when it leaves the base: the object tips.
+    """
+    ratio = mu  # |F| / N
+    for _ in range(6):
+        moved = (cop[0] + height * ratio * direction[0], cop[1] + height * ratio * direction[1])
+        samples = pressure_at(moved)
+        arm = (contact[0] - moved[0], contact[1] - moved[1])
+        wrench = Wrench(*direction, cross(arm, direction), moved)
+        last, ratio = ratio, 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
+        if abs(ratio - last) < 1e-4:
+            break
+    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))

@@ -6,28 +6,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import reach_problem
 from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
-
-
-class Guidance(NamedTuple):
-    """What a mode's tracking law asks of the object at one tick."""
-
-    progress: float  # [m] arc length of the path's nearest point
-    wrench: Wrench  # in B; about the CoM for pushes, about the centre of pressure for presses
-    twist: Twist  # of the CoM, in B
-    steering: float  # [rad] force angle from the heading axis
-    error: tuple[float, float, float]  # along [m], left [m], heading [rad]; reference minus actual
-    saturated: bool
 
 
 class Tracker(Protocol):
@@ -79,9 +69,22 @@ class Mode(Protocol):
         """
         ...
 
-    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
+    def identifier(self, plan: Plan) -> AxleIdentifier | None:
+        """Return what identifies the mode's virtual axle on the way; None where there is nothing to be
+        identified.
+        """
+        ...
+
+    def replan(
+        self,
+        plan: Plan,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> Plan | None:
         """Return the plan from where object and contacts (points in B [m]) really are; None if that takes
-        more than ``longest`` [m].
+        more than ``longest`` [m]. ``identified``: what was seen of the virtual axle on the way.
         """
         ...
 

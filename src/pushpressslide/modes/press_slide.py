@@ -2,114 +2,57 @@
 (docs/mechanics.md, sections 2 and 4).
 
 The line of centre of pressure and contact is the heading axis. Pulled, the contact leads; pushed, it follows;
-turned, the force is across. The friction disc under the tip has no direction of its own, so that any of these
-goes with any contact that the press holds.
+turned on the spot, the force is across. The friction disc under the tip has no direction of its own, so that
+any of these goes with any contact that the press holds.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from math import atan, cos, remainder, sin, sqrt
+from dataclasses import replace
+from math import atan, remainder
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.pressing import Press, friction_use, least_load, straight_axle
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.mechanics.pressing import (
+    friction_use,
+    least_load,
+    pressed_cop,
+    pressed_twist,
+    straight_rho,
+)
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
-from pushpressslide.modes.base import Guidance, path_problem
-from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.modes.base import path_problem
+from pushpressslide.planning.run_in import gentlest
+from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
+from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 
 GRAVITY = 9.81
 TURN = 2.0 * math.pi
 USE = (0.7, 0.8, 0.9, 0.96)  # shares of the press's friction that a motion may take, the best first
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
-TIPPING_ROOM = 0.1  # of the base's half width that the centre of pressure stays inside
+TIPPING_ROOM = 0.1  # half widths that the centre of pressure stays inside the base's edge
 RESOLUTION = 4  # of the pressure samples: enough for their variance
 STEEPEST = math.radians(75.0)  # force angle from the axis that steering may ask for
 CAR_ANGLE = math.radians(45.0)  # the same for a plan as car or forklift
-SWING = 1.2  # times the speed of the virtual axle that the contact may move in a planned turn
+SWING = 1.2  # times the speed of the virtual axle that the contact may move in a turn; tighter ones are slower
+TIGHTER = (0.5, 0.75, 1.0, 2.0, 4.0)  # curvatures that are tried, in units of that turn's
 LOOP_RATIO = 1.6  # times the straight way: a longer path has turned a loop
 OVERHEAD = 4.0  # [s] approach and release
+ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 RUN_INS = (5.0, 3.0, 1.5, 0.5, 0.0)  # straight ends that are tried, in look-aheads
-PUSHED_SPEED = 0.8  # share of the speed when pushed: what is behind the axle swings more
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """The object as a vehicle: one contact, one press, one direction."""
-
-    press: Press
-    backward: bool  # pushed: the contact follows
-    axle: Point  # [m] in B
-    reach: float  # [m] rho^2/d > 0: tan(force angle) per curvature
-
-    @property
-    def X_BV(self) -> Pose2:
-        """The vehicle frame: at the axle, x along the motion."""
-        ex, ey = self.press.axis
-        sign = -1.0 if self.backward else 1.0
-        return Pose2(self.axle[0], self.axle[1], math.atan2(sign * ey, sign * ex))
-
-    @property
-    def swing(self) -> float:
-        """Distance from the axle to the contact [m]."""
-        return math.dist(self.axle, self.press.contact)
-
-    @property
-    def tightest(self) -> float:
-        """Largest curvature [1/m] of a plan: by the force's angle, and by how fast the contact may swing."""
-        return min(math.tan(STEEPEST) / self.reach, SWING / self.swing)
-
-
-class PressSlideTracker:
-    """Look-ahead alignment, and the wrench on the limit surface that turns so."""
-
-    def __init__(self, law: LookAheadAlignment, drive: Drive, level: float) -> None:
-        """Bind the law to a drive; ``level`` mu_s N [N]."""
-        self._curvature = law.curvature
-        X_BV, d = drive.X_BV, drive.press.lever
-        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, cos(X_BV.yaw), sin(X_BV.yaw))
-        # pushed, the lever is negative: a force to the left turns to the right
-        self._reach = -drive.reach if drive.backward else drive.reach
-        self._figures = (level, d / drive.reach, drive.press.cop)
-        c, p = drive.press.cop, drive.press.contact
-        self._lever = (p[0] - c[0], p[1] - c[1])
-
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s]."""
-        assert isinstance(path, ArcPath)
-        qx, qy, axis, ex, ey = self._axle
-        level, ratio, cop = self._figures
-        yaw = X_WB.yaw
-        c, s = cos(yaw), sin(yaw)
-        x, y = X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy
-        progress, left, heading, curvature = path.nearest(x, y, progress)
-        heading_error = remainder(heading - yaw - axis, TURN)
-        turn, saturated = self._curvature((x, y, yaw + axis), left, heading_error, curvature, grip)
-        steering = atan(turn * self._reach)
-        along, across = cos(steering), sin(steering)
-        # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2), d^2 / rho^2 = d / reach
-        size = level / sqrt(1.0 + ratio * across * across)
-        fx, fy = size * (along * ex - across * ey), size * (across * ex + along * ey)
-        rx, ry = self._lever
-        w = speed * turn
-        return Guidance(
-            progress,
-            Wrench(fx, fy, rx * fy - ry * fx, cop),
-            Twist(speed * ex + w * qy, speed * ey - w * qx, w),
-            steering,
-            (0.0, left, heading_error),
-            saturated,
-        )
+PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
+DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
 
 
 class PressSlide:
@@ -122,168 +65,199 @@ class PressSlide:
     cop_steering = True
 
     def choices(self, task: Task) -> list[Choice]:
-        """Return one choice per contact and direction, feasible ones first, the quickest first."""
+        """Return one choice per contact and direction, feasible ones first, the quickest first.
+
+        Where a believed rho leads every path out of bounds, the rho of the object's shape is planned with, and
+        what is true is found out on the way.
+        """
+        judged = self._judged(task)
+        if task.believed.rho is None or any(choice.feasible for choice in judged):
+            return judged
+        own = self._judged(_by_shape(task))
+        told = f"; planned with the shape's rho, belief.rho {task.believed.rho:g} m leads out of bounds"
+        return [
+            replace(c, reason=c.reason + told, parameters={**c.parameters, "by_shape": 1.0})
+            for c in own
+            if c.feasible
+        ] or judged
+
+    def _judged(self, task: Task) -> list[Choice]:
         vehicle = task.motion.vehicle or "unicycle"
-        problem, load = self._press_problem(task)
-        places = task.motion.contacts
-        com = task.object.center_of_mass
-        if places is not None:
-            points = [(x - com[0], y - com[1]) for x, y in places[:1]]
-        else:
-            points = top_places(task.object, EDGE)
-        directions = {"car": (False,), "forklift": (True,), "pivot": (False,)}.get(vehicle, (False, True))
+        problem, load = self._press(task)
         drafts = []
         for arm in range(len(task.robots)):
-            for point in points:
+            for point in self._places(task, load):
                 contact = Contact(arm, "top", point, (0.0, 0.0), task.object.shape.height, load)
                 if problem is not None:
                     drafts.append(Choice(self.name, False, problem, (contact,)))
-                    continue
-                drafts += [self._draft(task, contact, backward, vehicle) for backward in directions]
-        drafts.sort(key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
-        return self._within_reach(task, drafts)
+                else:
+                    drafts += [
+                        self._draft(task, contact, backward, vehicle) for backward in DIRECTIONS[vehicle]
+                    ]
+        out, found = [], 0
+        for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
+            why = None
+            if choice.feasible and found == ENOUGH:
+                why = f"slower than {ENOUGH} others"
+            elif choice.feasible:
+                why = path_problem(task, choice, self.vehicle_frame(choice))
+                found += why is None
+            if why is not None:
+                choice = replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+            out.append(choice)
+        return sorted(out, key=lambda c: not c.feasible)
 
     @staticmethod
-    def _press_problem(task: Task) -> tuple[str | None, float]:
-        """Return what stands against any press, and the load [N] to press with."""
+    def _press(task: Task) -> tuple[str | None, float]:
+        """Return what stands against any press, and the load [N] to press with: the least that is safe."""
         belief, most = task.believed, task.limits.normal_force
         mu_s, mu_a, weight = belief.support_friction, belief.contact_friction, belief.mass * GRAVITY
         wanted = task.motion.press_force
-        if wanted is not None:
-            if wanted > most:
-                return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", wanted
-            use = friction_use(wanted, weight, mu_s, mu_a)
-            if use > USE[-1]:
-                needed = mu_s * (weight + wanted) / (USE[-1] * wanted)
-                return (
-                    f"pressed with {wanted:g} N the contact slips before the object: straight sliding takes "
-                    f"{use:.2f} of the tip's friction, allowed {USE[-1]:g}; "
-                    f"contact friction {mu_a:g}, needed {needed:.3f}"
-                ), wanted
-            return None, wanted
-        for use in USE:
-            load = max(LEAST_PRESS, least_load(weight, mu_s, mu_a, use))
-            if load <= most:
-                return None, load
-        if mu_a <= mu_s:
-            return f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags", LEAST_PRESS
-        return (
-            f"needs a press of {least_load(weight, mu_s, mu_a, USE[-1]):.1f} N, "
-            f"limits.normal_force is {most:g} N"
-        ), most
+        if wanted is None:
+            for use in USE:
+                load = max(LEAST_PRESS, least_load(weight, mu_s, mu_a, use))
+                if load <= most:
+                    return None, load
+            if mu_a <= mu_s:
+                why = f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags"
+                return why, LEAST_PRESS
+            needed = least_load(weight, mu_s, mu_a, USE[-1])
+            return f"needs a press of {needed:.1f} N, limits.normal_force is {most:g} N", LEAST_PRESS
+        if wanted > most:
+            return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", wanted
+        use = friction_use(wanted, weight, mu_s, mu_a)
+        if use > USE[-1]:
+            needed = mu_s * (weight + wanted) / (USE[-1] * wanted)
+            return (
+                f"pressed with {wanted:g} N the tip slips before the object: straight sliding takes {use:.2f} "
+                f"of its friction, allowed {USE[-1]:g}; contact friction {mu_a:g}, needed {needed:.3f}"
+            ), wanted
+        return None, wanted
 
-    def _drive(self, task: Task, press: Press, backward: bool, rho: float | None = None) -> Drive:
-        """Return the object as a vehicle, as believed; ``rho`` [m] overrides what the pressure gives.
+    def _places(self, task: Task, load: float) -> list[Point]:
+        """Where to press, in B [m]."""
+        com, given = task.object.center_of_mass, task.motion.contacts
+        if given is not None:
+            return [(x - com[0], y - com[1]) for x, y in given[:1]]
+        return top_places(task.object, EDGE)
+
+    def _vehicle(self, task: Task, contact: Contact, backward: bool) -> Unicycle:
+        """Return the object as a vehicle, as believed.
 
         Raises ValueError where the object tips or the contact is at the CoM.
         """
-        belief, body = task.believed, task.object
-        rho = rho if rho is not None else belief.rho
-        height = body.shape.height
-        if rho is not None:
-            e, reach = press.axis, rho * rho / press.lever
-            shift = (-1.0 if backward else 1.0) * height * belief.support_friction
-            back = shift - reach
-            return Drive(press, backward, (press.cop[0] + back * e[0], press.cop[1] + back * e[1]), reach)
+        belief, body, point = task.believed, task.object, contact.point
+        mu, height = belief.support_friction, body.shape.height
+        cop = pressed_cop(point, contact.load, belief.mass * GRAVITY)
 
-        def pressure_at(cop: Point) -> PressureSamples:
-            return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
+        def pressure_at(p: Point) -> PressureSamples:
+            return support_pressure(body.shape, 1.0, body.center_of_mass, p, RESOLUTION)
 
-        axle, reach = straight_axle(pressure_at, belief.support_friction, press, height, backward)
-        return Drive(press, backward, axle, reach)
+        if belief.rho is not None:
+            return Unicycle(point, cop, belief.rho, backward, height * mu)
+        shift = -height * mu if backward else height * mu
+        return Unicycle(point, cop, straight_rho(pressure_at, cop, point, shift), backward, height * mu)
+
+    def _pivot(self, task: Task, contact: Contact, turn: float) -> tuple[Unicycle, Pose2]:
+        """Return the object as a vehicle that turns on the spot to the side of ``turn``, and the frame at the
+        point that stays where it is; the drag's height moves it off the axis. Raises as ``_vehicle`` does.
+        """
+        belief, body, point = task.believed, task.object, contact.point
+        cop = pressed_cop(point, contact.load, belief.mass * GRAVITY)
+        if belief.rho is not None:
+            car = Unicycle(point, cop, belief.rho)
+            return car, car.X_BV
+
+        def pressure_at(p: Point) -> PressureSamples:
+            return support_pressure(body.shape, 1.0, body.center_of_mass, p, RESOLUTION)
+
+        (ex, ey), side = Unicycle(point, cop, 1.0).axis, math.copysign(1.0, turn)
+        twist = pressed_twist(
+            pressure_at, belief.support_friction, cop, point, body.shape.height, (-side * ey, side * ex)
+        )
+        pivot = (-twist.vy / twist.w, twist.vx / twist.w)
+        back = (cop[0] - pivot[0]) * ex + (cop[1] - pivot[1]) * ey
+        return Unicycle(point, cop, math.sqrt(back * math.dist(point, cop))), Pose2(*pivot, math.atan2(ey, ex))
 
     def _draft(self, task: Task, contact: Contact, backward: bool, vehicle: str) -> Choice:
         """Judge one contact and direction but for the arm's reach."""
         belief, body = task.believed, task.object
-        press = Press(contact.point, contact.load, belief.mass * GRAVITY)
-        what = f"{'pushed' if backward else 'pulled'} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
+        drive = "turned about its axle" if vehicle == "pivot" else "pushed" if backward else "pulled"
+        what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
 
         def refused(why: str) -> Choice:
             return Choice(self.name, False, f"{what}: {why}", (contact,))
 
         if not inside_top(body, contact.point, EDGE):
             return refused(f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top")
+        turn = remainder(task.goal.yaw - task.start.yaw, TURN)
         try:
-            e = press.axis
-            shift = (-1.0 if backward else 1.0) * body.shape.height * belief.support_friction
-            cop = (press.cop[0] + shift * e[0], press.cop[1] + shift * e[1])
-            room = room_inside(body, cop)
-            if room < TIPPING_ROOM:
-                return refused(
-                    f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
-                    f"{room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
-                )
-            drive = self._drive(task, press, backward)
+            if vehicle == "pivot":
+                car, X_BV = self._pivot(task, contact, turn)
+            else:
+                car = self._vehicle(task, contact, backward)
+                X_BV = car.X_BV
         except ValueError as error:
             return refused(str(error))
-        X_BV, X_GB = drive.X_BV, body.X_GB
-        start, goal = (X.compose(X_GB).compose(X_BV) for X in (task.start, task.goal))
-        look_ahead = task.motion.look_ahead or min(max(0.35 * drive.swing, 0.04), 0.10)
+        (ex, ey), shift = car.axis, body.shape.height * belief.support_friction
+        room = room_inside(body, (car.cop[0] + shift * ex, car.cop[1] + shift * ey))
+        if room < TIPPING_ROOM:
+            return refused(
+                f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
+                f"{room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+            )
+        start, goal = (X.compose(body.X_GB).compose(X_BV) for X in (task.start, task.goal))
+        straight = math.hypot(goal.x - start.x, goal.y - start.y)
+        look_ahead = task.motion.look_ahead or min(max(0.35 * car.swing, 0.04), 0.10)
         angle = CAR_ANGLE if vehicle in ("car", "forklift") else STEEPEST
-        tightest = min(math.tan(angle) / drive.reach, drive.tightest)
-        run_in, curvature, path = _path(start, goal, look_ahead, tightest)
-        speed = task.motion.speed * (PUSHED_SPEED if backward else 1.0)
+        tightest, gentle = math.tan(angle) / abs(car.reach), SWING / car.swing
+        run_in, curvature = 0.0, 0.0
+        path: MotionPath
+        if vehicle == "pivot":
+            path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+            if straight > task.tolerance.position:
+                return refused(
+                    f"the virtual axle has to stay in its place, goal and start have it {straight * 1e3:.1f} mm "
+                    f"apart, allowed {task.tolerance.position * 1e3:g} mm"
+                )
+        else:
+            curvatures = _curvatures(gentle, tightest)
+            run_in, curvature, path = gentlest(start, goal, curvatures, [k * look_ahead for k in RUN_INS])
+        speed = task.motion.speed * (PUSHED_SPEED if backward else 1.0) * min(1.0, gentle / (curvature or gentle))
         time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
-        use = friction_use(press.load, press.weight, belief.support_friction, belief.contact_friction)
-        margin = atan(belief.contact_friction) - atan(belief.contact_friction * use)
+        use = friction_use(
+            contact.load, belief.mass * GRAVITY, belief.support_friction, belief.contact_friction
+        )
+        margin = atan(belief.contact_friction) - atan(use * belief.contact_friction)
+        level = belief.support_friction * (belief.mass * GRAVITY + contact.load)
         parameters = {
-            "backward": float(backward),
-            "axle_x": drive.axle[0],
-            "axle_y": drive.axle[1],
-            "axle_yaw": X_BV.yaw,
-            "axle_from_com": math.hypot(*drive.axle),
-            "reach": drive.reach,
-            "lever": press.lever,
-            "rho": math.sqrt(drive.reach * press.lever),
-            "cop_x": press.cop[0],
-            "cop_y": press.cop[1],
-            "look_ahead": look_ahead,
-            "curvature": curvature,
-            "run_in": run_in,
+            **_figures(car, X_BV, level), "look_ahead": look_ahead, "curvature": curvature, "run_in": run_in,
             "speed": speed,
-            "push_force": belief.support_friction * press.total,
-            "press_force": press.load,
-            "friction_use": use,
-        }
+            "press_force": contact.load, "friction_use": use,
+        }  # fmt: skip
         reason = (
-            f"{what} with {press.load:.1f} N: path {path.length:.3f} m, "
-            f"virtual axle {1e3 * math.dist(drive.axle, press.cop):.0f} mm from the centre of pressure, "
+            f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
+            f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "
             f"{use:.2f} of the tip's friction used"
         )
-        choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        straight = math.hypot(goal.x - start.x, goal.y - start.y)
-        if path.length > LOOP_RATIO * straight + 4.0 / tightest:
-            return replace(
-                choice, feasible=False, reason=f"{what}: only by a loop of {path.length:.2f} m, "
-                f"allowed {LOOP_RATIO * straight + 4.0 / tightest:.2f} m",
-            )  # fmt: skip
-        return choice
-
-    def _within_reach(self, task: Task, drafts: list[Choice]) -> list[Choice]:
-        """Return the choices, those infeasible that the arm cannot follow."""
-        out = []
-        for choice in drafts:
-            if choice.feasible:
-                problem = path_problem(task, choice, self.vehicle_frame(choice))
-                if problem is not None:
-                    what = choice.reason.split(":")[0]
-                    choice = replace(choice, feasible=False, reason=f"{what}: {problem}")
-            out.append(choice)
-        return sorted(out, key=lambda c: not c.feasible)
+        longest = LOOP_RATIO * straight + 4.0 / gentle
+        if vehicle != "pivot" and path.length > longest:
+            return refused(f"only by a loop of {path.length:.2f} m, allowed {longest:.2f} m")
+        return Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
         p = choice.parameters
         return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
 
-    def tracker(self, plan: Plan) -> PressSlideTracker:
-        """Return the look-ahead law for a plan."""
-        p, (contact,) = plan.choice.parameters, plan.choice.contacts
-        press = Press(contact.point, contact.load, plan.task.believed.mass * GRAVITY)
-        drive = Drive(press, p["backward"] > 0.0, (p["axle_x"], p["axle_y"]), p["reach"])
+    def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
+        """Return the look-ahead law for a plan, or that of a turn on the spot."""
+        figures, car = plan.choice.parameters, _car(plan.choice)
+        if isinstance(plan.path, TwistPath):
+            return PivotTracker(car, plan.X_BV, figures["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
-        law = LookAheadAlignment(p["look_ahead"], math.tan(STEEPEST) / drive.reach, fixed)
-        return PressSlideTracker(law, drive, p["push_force"])
+        law = LookAheadAlignment(figures["look_ahead"], math.tan(STEEPEST) / abs(car.reach), fixed)
+        return UnicycleTracker(law, car, figures["push_force"])
 
     def allocator(
         self,
@@ -299,67 +273,91 @@ class PressSlide:
         rho = rho if rho is not None else 0.5 * max(math.hypot(*contact.point), EDGE)
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
-    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
+    def identifier(self, plan: Plan) -> AxleIdentifier:
+        """Return what identifies the virtual axle on the way."""
+        car = _car(plan.choice)
+        predicted = Identified(_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
+        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever)
+
+    def replan(
+        self,
+        plan: Plan,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> Plan | None:
         """Return the plan from the object's true pose and the true contact; None if its path is longer than
-        ``longest`` [m].
+        ``longest`` [m]. ``identified``: the axle as it was seen to be.
         """
-        task, figures, (old,) = plan.task, plan.choice.parameters, plan.choice.contacts
-        press = Press(touched[0], old.load, task.believed.mass * GRAVITY)
+        figures, contact = plan.choice.parameters, plan.choice.contacts[0]
+        task = _by_shape(plan.task) if "by_shape" in figures else plan.task
+        turning = plan.path.rate(0.0)[2] if isinstance(plan.path, TwistPath) else 0.0
+        contact = replace(contact, point=touched[0])
         try:
-            drive = self._drive(task, press, figures["backward"] > 0.0)
+            if turning:
+                car, X_BV = self._pivot(task, contact, turning)
+            else:
+                car = self._vehicle(task, contact, figures["backward"] > 0.0)
         except ValueError:
             return None
-        X_BV = drive.X_BV
-        start = X_WB.compose(X_BV)
-        goal = plan.goal.compose(task.object.X_GB).compose(X_BV)
-        run_in, curvature, path = _path(start, goal, figures["look_ahead"], drive.tightest, longest)
+        level = figures["push_force"]
+        if identified is not None and not turning:
+            rho = math.sqrt(identified.reach * abs(car.lever))
+            car = replace(car, rho=rho, shift=0.0)
+            car = replace(car, shift=identified.axle - _ahead(car))
+            level = identified.drag
+        X_BV = X_BV if turning else car.X_BV
+        start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
+        path: MotionPath
+        if turning:
+            path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+        else:
+            run_ins = [k * figures["look_ahead"] for k in RUN_INS]
+            curvatures = _curvatures(SWING / car.swing, max(figures["curvature"], SWING / car.swing))
+            path = gentlest(start, goal, curvatures, run_ins, longest)[2]
         if path.length > longest:
             return None
-        parameters = {
-            **figures,
-            "axle_x": drive.axle[0],
-            "axle_y": drive.axle[1],
-            "axle_yaw": X_BV.yaw,
-            "axle_from_com": math.hypot(*drive.axle),
-            "reach": drive.reach,
-            "lever": press.lever,
-            "rho": math.sqrt(drive.reach * press.lever),
-            "cop_x": press.cop[0],
-            "cop_y": press.cop[1],
-            "curvature": curvature,
-            "run_in": run_in,
-        }
         choice = replace(
-            plan.choice, contacts=(replace(old, point=touched[0]),), path=path, path_length=path.length,
-            parameters=parameters,
+            plan.choice, contacts=(contact,), path=path, path_length=path.length,
+            parameters={**figures, **_figures(car, X_BV, level)},
         )  # fmt: skip
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
-def _path(
-    start: Pose2, goal: Pose2, look_ahead: float, tightest: float, longest: float | None = None
-) -> tuple[float, float, ArcPath]:
-    """Return run-in [m], curvature [1/m] and path of the virtual axle: gentle turns and a long straight end
-    if there is room.
+def _by_shape(task: Task) -> Task:
+    """The task with nothing said of rho: the object's shape decides."""
+    return replace(task, belief=replace(task.believed, rho=None))
 
-    ``longest`` [m]: what counts as room; default: by how far the goal is.
-    """
-    straight = math.hypot(goal.x - start.x, goal.y - start.y)
-    best: tuple[float, float, ArcPath] | None = None
-    for share in (0.5, 0.75, 1.0):
-        for looks in RUN_INS:
-            run_in, curvature = looks * look_ahead, share * tightest
-            room = longest if longest is not None else 1.15 * straight + 1.0 / curvature
-            turned = shortest_path(start, advance(goal, 0.0, -run_in), curvature, curvature)
-            pieces = tuple(p for p in (*turned.pieces, (0.0, run_in)) if p[1] > 0.0)
-            path = ArcPath(start, pieces)
-            if path.length <= room:
-                return run_in, curvature, path
-            if best is None or path.length < best[2].length:
-                best = (run_in, curvature, path)
-    assert best is not None
-    return best
+
+def _curvatures(gentle: float, tightest: float) -> list[float]:
+    """The curvatures that are tried [1/m], none above the tightest."""
+    return sorted({min(k * gentle, tightest) for k in TIGHTER})
+
+
+def _ahead(car: Unicycle) -> float:
+    """Coordinate of the virtual axle on the heading axis, from the CoM [m]."""
+    X_BV, (ex, ey) = car.X_BV, car.axis
+    return X_BV.x * ex + X_BV.y * ey
+
+
+def _figures(car: Unicycle, X_BV: Pose2, level: float) -> dict[str, float]:
+    """What a choice remembers of its vehicle."""
+    return {
+        "backward": float(car.backward), "cop_x": car.cop[0], "cop_y": car.cop[1], "rho": car.rho,
+        "height_shift": car.shift, "lever": abs(car.lever), "axle_from_com": math.hypot(*X_BV.position),
+        "axle_x": X_BV.x, "axle_y": X_BV.y, "axle_yaw": X_BV.yaw,
+        "push_force": level,
+    }  # fmt: skip
+
+
+def _car(choice: Choice) -> Unicycle:
+    """The vehicle of a choice."""
+    p, (contact,) = choice.parameters, choice.contacts
+    return Unicycle(
+        contact.point, (p["cop_x"], p["cop_y"]), p["rho"], p["backward"] > 0.0, p["height_shift"]
+    )
 
 
 MODE = PressSlide()

@@ -10,15 +10,17 @@ from dataclasses import replace
 from math import cos, remainder, sin, sqrt, tan
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
-from pushpressslide.modes.base import Guidance, path_problem
+from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering, rear_stanley
@@ -310,7 +312,17 @@ class RearPush:
             rho if rho is not None else 0.5 * math.hypot(*contact.point),
         )
 
-    def replan(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...], longest: float) -> Plan | None:
+    def identifier(self, plan: Plan) -> None:
+        """Return nothing: the car's length is not identified."""
+
+    def replan(
+        self,
+        plan: Plan,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> Plan | None:
         """Return the plan from the object's true pose and the true contact; None if its path is longer than
         ``longest`` [m].
 

@@ -12,6 +12,7 @@ from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.execution.normal_force import NormalForceState
+from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
 
@@ -72,6 +73,7 @@ class ControllerState:
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
+    axle: AxleState = AxleState()  # what is identified of the virtual axle in this stretch
     grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
     failure: tuple[ReasonCode, str] | None = None
 

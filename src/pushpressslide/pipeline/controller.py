@@ -18,12 +18,13 @@ from time import perf_counter
 
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
+from pushpressslide.identification.online import AxleState, Identified
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import Guidance
 from pushpressslide.pipeline.control_state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
@@ -76,6 +77,7 @@ class Controller:
         task = plan.task
         self.plan, self.mode, self.binding = plan, MODES[plan.choice.mode], bind(plan)
         self.stretches = plan.stretches
+        self.identifiers = [self.mode.identifier(stretch) for stretch in self.stretches]
         lengths = [stretch.path.length for stretch in self.stretches]
         self.before = [sum(lengths[:i]) for i in range(len(lengths))]  # [m] of joint path
         self.X_GB = task.object.X_GB
@@ -142,7 +144,8 @@ class Controller:
         """Begin to move, by a plan made anew from where object and contacts turn out to be."""
         plan = state.binding.plan
         longest = TOUCH_DETOUR * (plan.path.length - state.progress) + TOUCH_SLACK
-        fresh = self.mode.replan(plan, X_WB, touched_points(plan, X_WB, measurement.tips), longest)
+        touched = touched_points(plan, X_WB, measurement.tips)
+        fresh = self.mode.replan(plan, X_WB, touched, longest, self._identified(state))
         moving = self._begin(state, "move", measurement)
         if fresh is not None:
             moving = replace(moving, binding=bind(fresh), progress=0.0, clock_start=measurement.time)
@@ -218,7 +221,7 @@ class Controller:
         grip = min(1.0, max(GRIP_LEAST, state.grip + rate * dt))
         next_state = replace(
             state, progress=guidance.progress, lost=since, grip=grip, tips=tuple(memories),
-            last_time=measurement.time,
+            last_time=measurement.time, axle=self._seen(state, measurement, X_WB),
         )  # fmt: skip
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
@@ -244,7 +247,10 @@ class Controller:
                 self._begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1
             )
         if state.lost is None:
-            better = corrected(self.mode, plan, X_WB, touched, guidance, left, time - state.corrected)
+            better = corrected(
+                self.mode, plan, X_WB, touched, guidance, left, time - state.corrected,
+                self._identified(state),
+            )  # fmt: skip
             if better is not None:
                 fresh, progress, clock = better
                 return replace(
@@ -258,10 +264,22 @@ class Controller:
         touched = touched_points(plan, X_WB, measurement.tips)
         fresh = self.mode.replan(plan, X_WB, touched, TOUCH_DETOUR * plan.path.length + TOUCH_SLACK) or plan
         return replace(
-            state, stretch=state.stretch + 1, binding=bind(fresh), progress=0.0,
+            state, stretch=state.stretch + 1, axle=AxleState(), binding=bind(fresh), progress=0.0,
             clock_start=measurement.time, corrected=measurement.time, reference=fresh,
             reference_start=measurement.time,
         )  # fmt: skip
+
+    def _seen(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleState:
+        """Return what is identified of the virtual axle, this tick included."""
+        identifier = self.identifiers[state.stretch]
+        if identifier is None:
+            return state.axle
+        force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
+        return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
+
+    def _identified(self, state: ControllerState) -> Identified | None:
+        identifier = self.identifiers[state.stretch]
+        return None if identifier is None else identifier.identified(state.axle)
 
     def _release(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         duration = ramp_time(RETREAT)

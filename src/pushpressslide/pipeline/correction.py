@@ -8,15 +8,18 @@ import math
 from dataclasses import replace
 
 from pushpressslide.core.control import TipState
+from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder
-from pushpressslide.modes.base import Guidance, Mode
+from pushpressslide.identification.online import Identified
+from pushpressslide.modes.base import Mode
 
 SLID = 2.5e-3  # [m] of a contact along its face
 OFF_PATH = 1e-3  # [m] of the tracking point from the path
 OFF_HEADING = 0.0175  # [rad] of the heading from the path's; 1 degree
+OFF_AXLE = 0.015  # [m] of the virtual axle from where the plan has it
 ROOM = 0.02  # [m] of path that must be left
 PAUSE = 0.4  # [s] between two re-plans
 DETOUR = 1.1  # times the way that is left: a longer plan has turned a loop and is not taken
@@ -70,18 +73,25 @@ def corrected(
     guidance: Guidance,
     left: float,
     since_last: float,
+    identified: Identified | None = None,
 ) -> tuple[Plan, float, float] | None:
     """Return a better plan from here, with the progress [m] and the clock [s] to start it at speed; None if
     all is well.
 
     Made when a contact has slid or the tracking point is off the path, ``left`` [m] before the end, unless
-    that would take a detour.
+    that would take a detour; or when the virtual axle is ``identified`` to be elsewhere.
     """
     _, across, heading = guidance.error
     off = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING or slide(plan, touched) > SLID
-    if not off or left < ROOM or since_last < PAUSE:
+    X = plan.X_BV
+    planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
+    moved = identified is not None and abs(identified.axle - planned) > OFF_AXLE
+    if not (off or moved) or left < ROOM or since_last < PAUSE:
         return None
-    fresh = mode.replan(plan, X_WB, touched, DETOUR * left + SLACK)
+    longest = DETOUR * left + SLACK
+    if moved and identified is not None:  # the path of another point has another length
+        longest += 2.0 * abs(identified.axle - planned)
+    fresh = mode.replan(plan, X_WB, touched, longest, identified)
     if fresh is None:
         return None
     # at speed: the new path begins with the way on which its profile would have reached it

@@ -22,6 +22,7 @@ class Unicycle:
     cop: Point  # [m] in B, with the press
     rho: float  # [m] > 0
     backward: bool = False  # drive with the contact behind the axle
+    shift: float = 0.0  # [m] ahead by which the drag at the contact's height moves the centre of pressure
 
     def __post_init__(self) -> None:
         if not self.rho > 0.0:
@@ -44,10 +45,20 @@ class Unicycle:
         return ((self.contact[0] - self.cop[0]) / d, (self.contact[1] - self.cop[1]) / d)
 
     @property
+    def reach(self) -> float:
+        """Signed tan(force angle) per curvature [m]: rho^2 / d."""
+        return self.rho * self.rho / self.lever
+
+    @property
     def X_BV(self) -> Pose2:
-        """Pose of the vehicle frame in the body frame: origin cop - (rho^2/d) e."""
-        e, back = self.axis, self.rho * self.rho / self.lever
-        return Pose2(self.cop[0] - back * e[0], self.cop[1] - back * e[1], math.atan2(e[1], e[0]))
+        """Pose of the vehicle frame in the body frame: origin cop + (shift - rho^2/d) e."""
+        e, ahead = self.axis, self.shift - self.reach
+        return Pose2(self.cop[0] + ahead * e[0], self.cop[1] + ahead * e[1], math.atan2(e[1], e[0]))
+
+    @property
+    def swing(self) -> float:
+        """Distance from the axle to the contact [m]."""
+        return abs(self.lever + self.reach - self.shift)
 
     @property
     def minimum_turning_radius(self) -> float:
@@ -69,7 +80,7 @@ class Unicycle:
         f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
         """
         e, d = self.axis, self.lever
-        along, across = speed, self.rho * self.rho / d * turn_rate
+        along, across = speed, self.reach * turn_rate
         size = math.hypot(along, across)
         if size == 0.0:
             return (0.0, 0.0)
@@ -79,7 +90,7 @@ class Unicycle:
     def contact_velocity(self, speed: float, turn_rate: float) -> Point:
         """Return the velocity [m/s] in B of the contact point: v e + (d + rho^2/d) w t."""
         e, d = self.axis, self.lever
-        across = (d + self.rho * self.rho / d) * turn_rate
+        across = (d + self.reach - self.shift) * turn_rate
         return (speed * e[0] - across * e[1], speed * e[1] + across * e[0])
 
     def least_friction_force(self, force_angle: float, max_force: float) -> float:

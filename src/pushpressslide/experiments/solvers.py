@@ -1,0 +1,119 @@
+"""The allocation problems put to solvers: what the closed forms are checked against and compared with.
+
+Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for the discs of presses.
+Never in a control loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Point
+from pushpressslide.mechanics.friction import cone_edges
+
+Array = NDArray[np.float64]
+PushSolver = Callable[[Array], Array | None]
+"""A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there are none."""
+PressSolver = Callable[[Array, Array], Array | None]
+"""The same for presses, with their two normal forces (2,) [N]."""
+
+
+def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
+    """Return G (3, 4): G f is the wrench, moment about ``about``, of forces f at two points [m]."""
+    (x1, y1), (x2, y2) = ((x - about[0], y - about[1]) for x, y in points)
+    return np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-y1, x1, -y2, x2]])
+
+
+def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
+    """Return C (4, 4): C f >= 0 says that both forces are inside their friction cones."""
+    rows = np.zeros((4, 4))
+    for i, normal in enumerate(normals):
+        right, left = cone_edges(normal, friction)
+        rows[2 * i, 2 * i : 2 * i + 2] = (-right[1], right[0])
+        rows[2 * i + 1, 2 * i : 2 * i + 2] = (left[1], -left[0])
+    return rows
+
+
+def least_friction_cost(points: Sequence[Point], normals: Sequence[Point]) -> Array:
+    """Return H (4, 4): f^T H f is the sum of squared friction forces, plus a constant for a given wrench.
+
+    The constant's G^T G makes H positive definite and moves no minimum.
+    """
+    tangents = np.zeros((2, 4))
+    for i, (nx, ny) in enumerate(normals):
+        tangents[i, 2 * i : 2 * i + 2] = (-ny, nx)
+    grasp = grasp_matrix(points)
+    return np.asarray(tangents.T @ tangents + grasp.T @ grasp)
+
+
+def daqp_pushes(
+    points: Sequence[Point],
+    normals: Sequence[Point],
+    friction: float,
+    *,
+    reuse: bool = False,
+    **settings: float,
+) -> PushSolver:
+    """Return DAQP on the problem of ``two_contact_allocator``, split "least_friction".
+
+    ``reuse``: one workspace, of which a call changes the bounds alone. ``settings`` are DAQP's own.
+    """
+    import daqp
+
+    cost, linear = least_friction_cost(points, normals), np.zeros(4)
+    rows = np.ascontiguousarray(np.vstack([grasp_matrix(points), cone_matrix(normals, friction)]))
+    upper, lower = np.full(7, 1e30), np.zeros(7)
+    sense = np.array([5, 5, 5, 0, 0, 0, 0], dtype=np.int32)
+    model = daqp.Model()
+    model.setup(cost, linear, rows, upper, lower, sense)
+    model.settings = settings
+
+    def fresh(wrench: Array) -> Array | None:
+        upper[:3] = lower[:3] = wrench
+        forces, _, flag, _ = daqp.solve(cost, linear, rows, upper, lower, sense, **settings)
+        return forces if flag > 0 else None
+
+    def reused(wrench: Array) -> Array | None:
+        upper[:3] = lower[:3] = wrench
+        model.update(bupper=upper, blower=lower)
+        forces, _, flag, _ = model.solve()
+        return forces if flag > 0 else None
+
+    return reused if reuse else fresh
+
+
+def clarabel_presses(points: Sequence[Point], friction: float, *, reuse: bool = False) -> PressSolver:
+    """Return Clarabel on the problem of ``two_press_allocator``, moment about B's origin: the least sum of
+    squared forces inside the discs.
+
+    ``reuse``: one solver, of which a call changes the right-hand side alone.
+    """
+    import clarabel
+    from scipy.sparse import csc_matrix
+
+    cost, linear = csc_matrix(np.eye(4)), np.zeros(4)
+    discs = np.zeros((6, 4))
+    discs[(1, 2, 4, 5), (0, 1, 2, 3)] = -1.0
+    rows = csc_matrix(np.vstack([grasp_matrix(points), discs]))
+    cones = [clarabel.ZeroConeT(3), clarabel.SecondOrderConeT(3), clarabel.SecondOrderConeT(3)]
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    options.presolve_enable = False  # must be off to change data
+    offsets = np.zeros(9)
+    kept = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
+
+    def solve(wrench: Array, normals: Array) -> Array | None:
+        offsets[:3] = wrench
+        offsets[3], offsets[6] = friction * normals
+        if reuse:
+            kept.update(b=offsets)
+            solution = kept.solve()
+        else:
+            solution = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options).solve()
+        return np.array(solution.x) if solution.status == clarabel.SolverStatus.Solved else None
+
+    return solve

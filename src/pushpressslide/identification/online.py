@@ -1,0 +1,98 @@
+"""Identification on the way: where the virtual axle of one contact is, what turns the object, what holds it.
+
+From measured poses and the measured contact force alone. The axle is the point of the heading axis (x of the
+vehicle frame V, through the CoM) that does not move across it; rho follows from its distance to the centre of
+pressure (docs/mechanics.md, sections 2 and 4).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.twist_path import screw
+
+WINDOW = 0.2  # [s] over which a twist is taken: short against a turn, long against the noise of poses
+MEMORY = 1.5  # [s] of turning that is remembered; what was seen stays while nothing new is
+LEAST_TURN = 0.02  # [rad/s] below which a twist says nothing about the axle
+LEAST_SPEED = 0.01  # [m/s] below which the force may be less than what slides the object
+PRIOR = 0.01  # [rad^2/s^2] what the prediction weighs, as turning that was seen
+BOUND = 6.0  # factor about the prediction that the estimates stay within
+# share of the axle's distance by which it has to be off its prediction: the exact surface's own change with
+# the force's angle, which the prediction's user takes into account, is less
+OFF = 0.5
+
+
+class Identified(NamedTuple):
+    """What was seen so far, the prediction where nothing was."""
+
+    axle: float  # [m] of the virtual axle on the heading axis, from the CoM
+    reach: float  # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
+    drag: float  # [N] the force that slides the object straight, mu_s N
+
+
+class AxleState(NamedTuple):
+    """Sums with forgetting, and the window that is being filled."""
+
+    pose: Pose2 | None = None  # X_WB at its start
+    time: float = 0.0  # [s] of its start
+    force: Point = (0.0, 0.0)  # [N] summed over its ticks, along and across the heading axis
+    ticks: int = 0
+    ww: float = 0.0
+    vw: float = 0.0
+    fw: float = 0.0
+    gg: float = 0.0
+    drag: float | None = None  # [N]
+
+
+class AxleIdentifier:
+    """Least squares with forgetting about a prediction; its state goes in and out."""
+
+    def __init__(self, yaw: float, predicted: Identified, lever: float) -> None:
+        """Bind to the heading axis at ``yaw`` [rad] in B.
+
+        ``lever`` [m] is the contact's signed distance ahead of the centre of pressure along that axis.
+        """
+        self._axis = (math.cos(yaw), math.sin(yaw))
+        self._predicted = predicted
+        self._sign, self._ratio = math.copysign(1.0, lever), abs(lever) / predicted.reach
+
+    def step(self, state: AxleState, time: float, X_WB: Pose2, force: Point) -> AxleState:
+        """Return the next state; ``force`` [N] is the tip's on the object, along the support, in B."""
+        if state.pose is None:
+            return state._replace(pose=X_WB, time=time, force=(0.0, 0.0), ticks=0)
+        (ex, ey), (sum_e, sum_t) = self._axis, state.force
+        sum_e, sum_t = sum_e + force[0] * ex + force[1] * ey, sum_t + force[1] * ex - force[0] * ey
+        span, ticks = time - state.time, state.ticks + 1
+        if span < WINDOW:
+            return state._replace(force=(sum_e, sum_t), ticks=ticks)
+        vx, vy, w = (value / span for value in screw(state.pose, X_WB))
+        along, across = vx * ex + vy * ey, vy * ex - vx * ey
+        keep = math.exp(-span / MEMORY)
+        ww, vw, fw, gg, drag = state.ww, state.vw, state.fw, state.gg, state.drag
+        size = math.hypot(sum_e, sum_t)
+        if abs(w) > LEAST_TURN and size > 0.0:
+            ww, vw = keep * ww + w * w, keep * vw - across * w
+            # reach w f_e = f_t v_e
+            turned = w * sum_e / size
+            fw, gg = keep * fw + self._sign * sum_t / size * along * turned, keep * gg + turned * turned
+        if math.hypot(along, across) > LEAST_SPEED and size > 0.0:
+            level = size / ticks * math.sqrt(1.0 + self._ratio * (sum_t / size) ** 2)
+            drag = level if drag is None else keep * drag + (1.0 - keep) * level
+        return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
+
+    def identified(self, state: AxleState) -> Identified | None:
+        """Return the estimates, within bounds of the prediction; None while they do not contradict it, or rest
+        on too little turning.
+        """
+        axle, reach, drag = self._predicted
+        seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
+        if state.ww < PRIOR or abs(seen - axle) < OFF * reach:
+            return None
+        turning = (state.fw + PRIOR * reach) / (state.gg + PRIOR)
+        return Identified(
+            min(max(seen, axle - BOUND * reach), axle + BOUND * reach),
+            min(max(turning, reach / BOUND), reach * BOUND),
+            drag if state.drag is None else min(max(state.drag, drag / BOUND), drag * BOUND),
+        )

@@ -1,0 +1,111 @@
+"""Pairs of wrench and motion, from recorded pushes; the conventions are those of the logs.
+
+Source: docs/identification.md. All in the body frame B: origin at the projected centre of mass, axes of the
+object as tracked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Point, wrap_angle
+from pushpressslide.identification.recordings import RecordedPush
+
+Array = NDArray[np.float64]
+
+LENGTH = 0.05  # [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH w), unit
+FREE_SHARE = 0.3  # of the samples in contact, left out at the start: the probe settles
+LEAST_FORCE = 0.2  # [N] mean; a push with less has not touched
+LEAST_MOTION = 1e-3  # [m] of (x, y, LENGTH yaw); a push with less gives no direction
+TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])  # and from "on the sensor" to "on the object"
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """n pushes, one row each."""
+
+    wrenches: Array  # (n, 3) mean fx, fy [N], tau [N m] of the probe on the object about the CoM
+    twists: Array  # (n, 3) displacement x, y [m] of the CoM, yaw [rad], in the axes half-way
+    contacts: Array  # (n, 2) [m] mean position of the tip in B
+    heights: Array  # (n,) [m] of the tip above the object's base
+
+    def __len__(self) -> int:
+        return len(self.wrenches)
+
+    def __getitem__(self, rows: NDArray[np.intp]) -> Pairs:
+        return Pairs(self.wrenches[rows], self.twists[rows], self.contacts[rows], self.heights[rows])
+
+    @property
+    def directions(self) -> Array:
+        """Unit directions (n, 3) of the measured motions: (vx, vy, LENGTH w)."""
+        return unit(self.twists * (1.0, 1.0, LENGTH))
+
+
+def unit(rows: Array) -> Array:
+    """Return the rows (n, 3), each divided by its norm."""
+    out: Array = rows / np.linalg.norm(rows, axis=1)[:, None]
+    return out
+
+
+def measured_pairs(pushes: Sequence[RecordedPush], center_of_mass: Point) -> tuple[Pairs, list[str]]:
+    """Return the pairs of all pushes that give one, and for each of the others why it does not.
+
+    ``center_of_mass`` [m] in the object's tracked frame.
+    """
+    rows, refused = [], []
+    for number, push in enumerate(pushes, 1):
+        row = _measured(push, center_of_mass)
+        if isinstance(row, str):
+            refused.append(f"push {number}: {row}")
+        else:
+            rows.append(row)
+    table = np.array(rows).reshape(len(rows), 9)
+    return Pairs(table[:, :3], table[:, 3:6], table[:, 6:8], table[:, 8]), refused
+
+
+def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
+    """Return fx, fy, tau, dx, dy, yaw, contact x, y and height of one push, or why there is none."""
+    if not len(push.forces) or not len(push.probe):
+        return "no force or probe samples"
+    yaw = _yaw(push.before[3:])
+    turn = wrap_angle(_yaw(push.after[3:]) - yaw)
+    com = np.array(center_of_mass)
+    start = push.before[:2] + _rotated(com, yaw)
+    shift = push.after[:2] + _rotated(com, yaw + turn) - start
+    if math.hypot(shift[0], shift[1], LENGTH * turn) < LEAST_MOTION:
+        return f"moved less than {1e3 * LEAST_MOTION:g} mm"
+    force = push.forces[:, 1:] - push.forces[0, 1:]
+    touching = np.flatnonzero((force**2).sum(1) > (force.mean(0) ** 2).sum())
+    if not len(touching) or np.linalg.norm(force[touching].mean(0)) < LEAST_FORCE:
+        return f"force below {LEAST_FORCE:g} N"
+    first, last = push.forces[touching[[0, -1]], 0]
+    kept = touching[int(FREE_SHARE * len(touching)) :]
+    time = push.forces[kept, 0]
+    way = (time - first) / max(last - first, 1e-9)  # of the object between its two poses
+    probe_yaw = np.interp(time, push.probe[:, 0], np.unwrap(_yaw(push.probe[:, 4:])))
+    tip = np.stack([np.interp(time, push.probe[:, 0], push.probe[:, i]) for i in (1, 2)], axis=1)
+    object_yaw = yaw + way * turn
+    contact = _rotated(tip - start - way[:, None] * shift, -object_yaw)
+    on_object = _rotated(force[kept] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
+    torque = contact[:, 0] * on_object[:, 1] - contact[:, 1] * on_object[:, 0]
+    height = max(0.0, float(push.probe[:, 3].mean() - push.before[2]))
+    return np.concatenate(
+        [on_object.mean(0), [torque.mean()], _rotated(shift, -yaw - 0.5 * turn), [turn], contact.mean(0), [height]]
+    )
+
+
+def _yaw(quaternion: Array) -> Array:
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    out: Array = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
+    return out
+
+
+def _rotated(vectors: Array, angle: Array | float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -1,0 +1,101 @@
+"""Sets of recorded pushes: what was pushed, on which pins, and the pairs of wrench and motion.
+
+The object is the aluminium prism of the published sets (docs/identification.md); a folder's name gives the
+pins that it stands on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.pose import Point
+from pushpressslide.identification.pairs import Pairs, measured_pairs
+from pushpressslide.identification.recordings import Recording, find_recordings, read_recording
+from pushpressslide.mechanics.pressure import PressureSamples, pin_pressure, polygon_pressure
+
+GRAVITY = 9.81  # [m/s^2]
+MASS = 1.5  # [kg] of the prism
+BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))  # [m] its base, in the tracked frame: origin at the right angle
+CENTER_OF_MASS = (0.05, 0.05)  # [m] in the tracked frame
+LEAST_PUSHES = 4  # that fit and test need
+
+
+@dataclass(frozen=True, eq=False)
+class PushSet:
+    """The pushes of one folder."""
+
+    name: str
+    recordings: tuple[Recording, ...]
+    pins: tuple[Point, ...]  # [m] in B, the frame at the CoM; none: the whole base touches
+    pairs: Pairs
+    refused: tuple[str, ...]  # pushes that give no pair, and why
+
+    @property
+    def weight(self) -> float:
+        """Load on the support [N]."""
+        return MASS * GRAVITY
+
+    @property
+    def base(self) -> tuple[Point, ...]:
+        """Corners of the base [m] in B, counter-clockwise."""
+        return tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in BASE)
+
+    def static_pressure(self, resolution: int = 2) -> PressureSamples:
+        """Return the load at rest [N], in B: on the pins by statics, uniform where the whole base touches."""
+        if self.pins:
+            return pin_pressure(self.pins, (0.0, 0.0), self.weight)
+        return polygon_pressure(self.base, self.weight, resolution=resolution)
+
+
+def load_sets(
+    data: Path, progress: Callable[[float, float], None] | None = None
+) -> tuple[list[PushSet], list[Path]]:
+    """Return one set for each folder with logs at or below ``data``, and the text files that are no logs.
+
+    Raises PushPressSlideError for a log that cannot be read, or a set with fewer than ``LEAST_PUSHES``.
+    """
+    logs, others = find_recordings(data)
+    read: dict[Path, list[Recording]] = {}
+    for done, path in enumerate(logs, 1):
+        read.setdefault(path.absolute().parent, []).append(read_recording(path))
+        if progress is not None:
+            progress(done, len(logs))
+    names = _names(list(read))
+    return [_push_set(names[folder], folder, found) for folder, found in read.items()], others
+
+
+def pins_of_name(name: str) -> tuple[Point, ...]:
+    """Return the pins [m], in the tracked frame, of a folder named x1_x2_x3_y1_y2_y3 [mm]; none for others."""
+    try:
+        numbers = [1e-3 * float(word) for word in name.split("_")]
+    except ValueError:
+        return ()
+    return tuple(zip(numbers[:3], numbers[3:], strict=True)) if len(numbers) == 6 else ()
+
+
+def _names(folders: Sequence[Path]) -> dict[Path, str]:
+    """Short names that tell the folders apart."""
+    depth = 1
+    while len({folder.parts[-depth:] for folder in folders}) < len(folders):
+        depth += 1
+    return {folder: "/".join(folder.parts[-depth:]) for folder in folders}
+
+
+def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
+    pushes = [push for recording in recordings for push in recording.pushes]
+    pairs, refused = measured_pairs(pushes, CENTER_OF_MASS)
+    if len(pairs) < LEAST_PUSHES:
+        why = f" ({refused[0]})" if refused else ""
+        raise PushPressSlideError(
+            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; at least {LEAST_PUSHES} are needed"
+        )
+    pins = tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in pins_of_name(folder.name))
+    made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused))
+    try:
+        made.static_pressure()
+    except ValueError as error:
+        raise PushPressSlideError(f"{folder}: its name gives pins that cannot carry the object: {error}") from None
+    return made

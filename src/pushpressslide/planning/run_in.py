@@ -1,0 +1,45 @@
+"""Paths that end with a straight run-in, on which what error there is decays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.pose import Pose2
+from pushpressslide.planning.dubins import shortest_path
+
+
+def with_run_in(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
+    """Return the shortest path with curvature in [-right, left] [1/m] that ends with ``run_in`` [m] of
+    straight line.
+    """
+    path = shortest_path(start, advance(goal, 0.0, -run_in), left, right)
+    return ArcPath(start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0))
+
+
+def gentlest(
+    start: Pose2,
+    goal: Pose2,
+    curvatures: Sequence[float],
+    run_ins: Sequence[float],
+    longest: float | None = None,
+) -> tuple[float, float, ArcPath]:
+    """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in there is room
+    for.
+
+    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what counts as room (default: by how far the goal
+    is); where nothing fits the shortest path is returned.
+    """
+    straight = math.hypot(goal.x - start.x, goal.y - start.y)
+    best: tuple[float, float, ArcPath] | None = None
+    for curvature in curvatures:
+        room = longest if longest is not None else 1.15 * straight + 1.0 / curvature
+        for run_in in run_ins:
+            path = with_run_in(start, goal, curvature, curvature, run_in)
+            if path.length <= room:
+                return run_in, curvature, path
+            if best is None or path.length < best[2].length:
+                best = (run_in, curvature, path)
+    assert best is not None
+    return best

@@ -1,0 +1,87 @@
+"""A pressed object driven as a unicycle: along a path, and turned on the spot (docs/mechanics.md, sections 2 and
+4).
+"""
+
+from __future__ import annotations
+
+import math
+from math import atan, cos, remainder, sin, sqrt
+
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import MotionPath
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.rom.unicycle import Unicycle
+from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
+
+TURN = 2.0 * math.pi
+PIVOT_GAIN = 2.0  # [1/s] pull on the axle along the axis while turning on the spot
+PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
+
+
+class UnicycleTracker:
+    """Look-ahead alignment, and the wrench on the limit surface that turns so."""
+
+    def __init__(self, law: LookAheadAlignment, car: Unicycle, level: float) -> None:
+        """Bind the law to a vehicle; ``level`` mu_s N [N]."""
+        self._curvature, X_BV = law.curvature, car.X_BV
+        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, *car.axis)
+        self._figures = (level, car.reach, car.lever / car.reach, car.lever, car.cop)
+
+    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s]."""
+        assert isinstance(path, ArcPath)
+        qx, qy, axis, ex, ey = self._axle
+        level, reach, ratio, lever, cop = self._figures
+        yaw = X_WB.yaw
+        c, s = cos(yaw), sin(yaw)
+        x, y = X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy
+        progress, left, heading, curvature = path.nearest(x, y, progress)
+        heading_error = remainder(heading - yaw - axis, TURN)
+        turn, saturated = self._curvature((x, y, yaw + axis), left, heading_error, curvature, grip)
+        steering = atan(turn * reach)
+        along, across = cos(steering), sin(steering)
+        # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2), d^2 / rho^2 = d / reach
+        size = level / sqrt(1.0 + ratio * across * across)
+        fx, fy = size * (along * ex - across * ey), size * (across * ex + along * ey)
+        w = speed * turn
+        return Guidance(
+            progress,
+            Wrench(fx, fy, lever * size * across, cop),
+            Twist(speed * ex + w * qy, speed * ey - w * qx, w),
+            steering,
+            (0.0, left, heading_error),
+            saturated,
+        )
+
+
+class PivotTracker:
+    """Turns on the spot: the force across the axis, a little along it to keep the pivot in its place."""
+
+    def __init__(self, car: Unicycle, X_BV: Pose2, level: float) -> None:
+        """Bind to a vehicle and the frame at its pivot, x along the axis; ``level`` mu_s N [N]."""
+        self._car, self._level, self._X_BV = car, level, X_BV
+
+    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+        """Return wrench (about the centre of pressure) and twist that turn along ``path`` at ``speed``."""
+        assert isinstance(path, TwistPath)
+        car, X_BV = self._car, self._X_BV
+        X_WV = X_WB.compose(X_BV)
+        progress = path.nearest(X_WV, progress)
+        wanted = path.pose(progress)
+        along, left = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
+        w = speed * path.rate(progress)[2]
+        most = PIVOT_SHARE * abs(car.reach * w)
+        v = min(max(PIVOT_GAIN * along, -most), most)
+        fx, fy = car.force(v, w, self._level)
+        (ex, ey), d = car.axis, car.lever
+        return Guidance(
+            progress,
+            Wrench(fx, fy, d * (ex * fy - ey * fx), car.cop),
+            Twist(v * ex + w * X_BV.y, v * ey - w * X_BV.x, w),
+            math.atan2(car.reach * w, v) if w else 0.0,
+            (along, left, remainder(wanted.yaw - X_WV.yaw, TURN)),
+            False,
+        )
