@@ -59,6 +59,8 @@ def perfect(model="hand"):
         "time": DT * np.arange(n),
         "phase": phase.astype(float),
         "leg": np.zeros(n),
+        "stretch": np.zeros(n),
+        "vehicle_frame": np.tile([X_BV.x, X_BV.y, X_BV.yaw], (n, 1)),
         "object_pose": pose,
         "object_twist": np.gradient(pose, DT, axis=0),
         "reference_pose": pose.copy(),
@@ -76,6 +78,7 @@ def perfect(model="hand"):
         "tick_execute": np.zeros(n),
         "tick_total": np.full(n, 3e-5),
         "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
+        "plan_stretch": np.zeros(len(samples)),
         "plan_X_BV": np.array([X_BV.x, X_BV.y, X_BV.yaw]),
     }
     meta = {"time_step": DT, "start_tips": [[0.1, 0.2, 0.3]]}

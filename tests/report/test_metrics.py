@@ -112,7 +112,7 @@ def test_a_run_without_a_contact_phase_has_null_figures(run):
 
 
 def test_a_record_without_ticks_has_every_field_all_the_same(run):
-    kept = {name: run.record.arrays[name] for name in ("plan_path", "plan_X_BV")}
+    kept = {name: run.record.arrays[name] for name in ("plan_path", "plan_stretch", "plan_X_BV")}
     out = figures(replace(run, record=replace(run.record, arrays=kept, reason="interrupted")))
     assert set(figures(run)) == set(out)
     assert out["success"] is False

@@ -49,7 +49,7 @@ def random_task(base: Task, index: int, seed: int) -> Task:
     Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip friction 0.4 to 1.0,
     goal ahead of the start by 0.12 to 0.35 m, up to 25 degrees off its x axis, and turned by up to 50
     degrees, start and goal within the annulus ``REACH`` in front of the robot. For ``press_slide`` alone also
-    cylinders, and in half of the tasks a contact drawn within 2 to 10 cm of the centroid.
+    cylinders, and in a quarter of the tasks a contact drawn within 2 to 10 cm of the centroid.
     """
     rng = np.random.default_rng([seed, index])
     pressed = base.modes == ("press_slide",)
@@ -79,7 +79,7 @@ def random_task(base: Task, index: int, seed: int) -> Task:
         if within(start) and within(goal):
             break
     contacts = None
-    if pressed and rng.random() < 0.5:  # else the mode chooses
+    if pressed and rng.random() < 0.25:  # else the mode chooses
         body, place = ObjectModel(shape, mass, center), (math.inf, math.inf)
         while not inside_top(body, place, CONTACT_EDGE):
             r, angle = rng.uniform(0.02, 0.1), rng.uniform(-math.pi, math.pi)

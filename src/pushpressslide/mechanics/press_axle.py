@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
-from pushpressslide.mechanics.pressing import pressed_cop
-from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
+from pushpressslide.mechanics.pressure import PressureSamples, center_of_pressure, support_pressure
 from pushpressslide.mechanics.virtual_axle import axle_with_height
 
 GRAVITY = 9.81  # [m/s^2]
@@ -50,7 +49,7 @@ class PressedObject:
     @property
     def cop(self) -> Point:
         """Centre of pressure in B [m], no force along the support."""
-        return pressed_cop(self.contact, self.load, self.weight)
+        return center_of_pressure(self.weight, (0.0, 0.0), (self.load,), (self.contact,))
 
     @property
     def lever(self) -> float:

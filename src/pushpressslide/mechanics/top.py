@@ -8,7 +8,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
 
 DIRECTIONS = 12  # from the CoM in which places are offered, from G's x axis on
-SHARES = (0.85, 0.5)  # of the way from the CoM to the edge at which places are offered
+SHARES = (0.85, 0.65, 0.4)  # of the way from the CoM to the edge at which places are offered
 
 
 def _edges(body: ObjectModel) -> list[tuple[float, float, float, float]]:

@@ -14,8 +14,8 @@ from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.robots.reach import reach_problem
-from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+from pushpressslide.robots.reach import held_somehow_problem
+from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
 
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
@@ -75,6 +75,12 @@ class Mode(Protocol):
         """
         ...
 
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return a plan for another attempt at the goal, with the same contacts, from ``X_WB`` near it; None
+        where the mode cannot go back.
+        """
+        ...
+
     def replan(
         self,
         plan: Plan,
@@ -114,13 +120,9 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
     robot = task.robots[contact.arm]
     point, height = contact.tip_place(robot.tip_radius)
     points = [(*X_WB.apply(point), height) for X_WB in bodies]
-    problem = reach_problem(robot, points)
-    if problem is None:
-        return None
-    for azimuth in tool_azimuths(contact, bodies[len(bodies) // 2], robot.base):
-        if any(reach_problem(robot, points, ToolAttitude(tilt, azimuth)) is None for tilt in TOOL_TILTS[1:]):
-            return None
-    return problem
+    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
+    attitudes = [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    return held_somehow_problem(robot, points, [UPRIGHT, *attitudes])
 
 
 def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:

@@ -15,23 +15,16 @@ from math import atan, remainder
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import SpeedProfile
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.mechanics.pressing import (
-    friction_use,
-    least_load,
-    pressed_cop,
-    pressed_twist,
-    straight_rho,
-)
-from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
-from pushpressslide.mechanics.top import inside_top, room_inside, top_places
+from pushpressslide.mechanics.pressing import Press, friction_use, least_load
+from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem
-from pushpressslide.planning.run_in import gentlest
+from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
@@ -41,16 +34,20 @@ TURN = 2.0 * math.pi
 USE = (0.7, 0.8, 0.9, 0.96)  # shares of the press's friction that a motion may take, the best first
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
-TIPPING_ROOM = 0.1  # half widths that the centre of pressure stays inside the base's edge
-RESOLUTION = 4  # of the pressure samples: enough for their variance
-STEEPEST = math.radians(75.0)  # force angle from the axis that steering may ask for
-CAR_ANGLE = math.radians(45.0)  # the same for a plan as car or forklift
-SWING = 1.2  # times the speed of the virtual axle that the contact may move in a turn; tighter ones are slower
-TIGHTER = (0.5, 0.75, 1.0, 2.0, 4.0)  # curvatures that are tried, in units of that turn's
-LOOP_RATIO = 1.6  # times the straight way: a longer path has turned a loop
+TIPPING_ROOM, SAFE_ROOM = 0.2, 0.5  # half widths that the centre of pressure stays inside the base's edge
+# force angles from the motion that steering may be bounded by: the steepest that does not tip the object
+STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
+PLANNED = 0.6  # share of the bound that a plan's turns use; the rest is for corrections
+# share of the vehicle's length by which the virtual axle may move between straight and a plan's turns
+AXLE_PLAY = 0.45
+LOOP = 0.3  # [m] that a path may be longer than one without a loop
+CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
+SWING = 1.2  # times the axle's speed that the contact may move in a turn; tighter turns are slower
+TIGHTER = (0.5, 0.75, 1.0, 2.0)  # curvatures that are tried, in units of that turn's
+BACK_UPS = (0.0, 0.1, 0.2, 0.3)  # [m] that it first goes back straight, where the goal is too near for a plain path
 OVERHEAD = 4.0  # [s] approach and release
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
-RUN_INS = (5.0, 3.0, 1.5, 0.5, 0.0)  # straight ends that are tried, in look-aheads
+RUN_INS = (5.0, 3.0, 1.5)  # straight ends that are tried, in look-aheads
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
 
@@ -71,179 +68,226 @@ class PressSlide:
         what is true is found out on the way.
         """
         judged = self._judged(task)
-        if task.believed.rho is None or any(choice.feasible for choice in judged):
+        told = task.believed.rho
+        if told is None or any(choice.feasible for choice in judged):
             return judged
-        own = self._judged(_by_shape(task))
-        told = f"; planned with the shape's rho, belief.rho {task.believed.rho:g} m leads out of bounds"
-        return [
-            replace(c, reason=c.reason + told, parameters={**c.parameters, "by_shape": 1.0})
-            for c in own
-            if c.feasible
-        ] or judged
+        own = self._judged(replace(task, belief=replace(task.believed, rho=None)))
+        note = f"; planned with the shape's rho, belief.rho {told:g} m leads out of bounds"
+        return [replace(c, reason=c.reason + note) for c in own if c.feasible] or judged
 
     def _judged(self, task: Task) -> list[Choice]:
-        vehicle = task.motion.vehicle or "unicycle"
-        problem, load = self._press(task)
+        problem, loads = self._loads(task)
+        if problem is not None:
+            return [Choice(self.name, False, problem)]
+        vehicle, com, given = task.motion.vehicle or "unicycle", task.object.center_of_mass, task.motion.contacts
+        places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
         drafts = []
         for arm in range(len(task.robots)):
-            for point in self._places(task, load):
-                contact = Contact(arm, "top", point, (0.0, 0.0), task.object.shape.height, load)
-                if problem is not None:
-                    drafts.append(Choice(self.name, False, problem, (contact,)))
-                else:
-                    drafts += [
-                        self._draft(task, contact, backward, vehicle) for backward in DIRECTIONS[vehicle]
-                    ]
+            for place in places:
+                for backward in DIRECTIONS[vehicle]:
+                    for load in loads:  # a lighter press tips less
+                        contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
+                        draft = self._draft(task, contact, backward)
+                        if draft.feasible:
+                            break
+                    drafts.append(draft)
         out, found = [], 0
         for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
-            why = None
             if choice.feasible and found == ENOUGH:
-                why = f"slower than {ENOUGH} others"
+                what = choice.reason.split(" with ")[0]
+                choice = replace(choice, feasible=False, reason=f"{what}: slower than {ENOUGH} others")
             elif choice.feasible:
-                why = path_problem(task, choice, self.vehicle_frame(choice))
-                found += why is None
-            if why is not None:
-                choice = replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+                choice = self._within_reach(task, choice)
+                found += choice.feasible
             out.append(choice)
-        return sorted(out, key=lambda c: not c.feasible)
+        return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+
+    def _within_reach(self, task: Task, choice: Choice) -> Choice:
+        """Return a draft planned with the axle of its turns' force angle; infeasible out of the arm's reach."""
+        (contact,) = choice.contacts
+        figures = choice.stretches[-1].parameters
+        if task.believed.rho is None and task.motion.vehicle != "pivot":
+            backward, before = figures["backward"] > 0.0, figures
+            choice = self._draft(task, contact, backward, PLANNED * figures["steepest"])
+            if not choice.feasible:
+                return choice
+            figures = choice.stretches[-1].parameters
+            moved = math.dist((figures["axle_x"], figures["axle_y"]), (before["axle_x"], before["axle_y"]))
+            length = math.dist((before["axle_x"], before["axle_y"]), contact.point)
+            if moved > AXLE_PLAY * length:
+                what = choice.reason.split(" with ")[0]
+                why = (
+                    f"the virtual axle moves by {moved * 1e3:.0f} mm between straight and turning, allowed "
+                    f"{AXLE_PLAY:g} of the {length * 1e3:.0f} mm to the contact"
+                )
+                return replace(choice, feasible=False, reason=f"{what}: {why}")
+        problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
+        why = next((problem for problem in problems if problem is not None), None)
+        if why is None:
+            return choice
+        return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
 
     @staticmethod
-    def _press(task: Task) -> tuple[str | None, float]:
-        """Return what stands against any press, and the load [N] to press with: the least that is safe."""
+    def _loads(task: Task) -> tuple[str | None, list[float]]:
+        """Return what stands against any press, and the loads [N] to try, the safest first."""
         belief, most = task.believed, task.limits.normal_force
         mu_s, mu_a, weight = belief.support_friction, belief.contact_friction, belief.mass * GRAVITY
         wanted = task.motion.press_force
         if wanted is None:
-            for use in USE:
-                load = max(LEAST_PRESS, least_load(weight, mu_s, mu_a, use))
-                if load <= most:
-                    return None, load
+            loads = [max(LEAST_PRESS, least_load(weight, mu_s, mu_a, use)) for use in USE]
+            if loads[-1] <= most:
+                return None, sorted({load for load in loads if load <= most}, reverse=True)
             if mu_a <= mu_s:
-                why = f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags"
-                return why, LEAST_PRESS
-            needed = least_load(weight, mu_s, mu_a, USE[-1])
-            return f"needs a press of {needed:.1f} N, limits.normal_force is {most:g} N", LEAST_PRESS
+                return f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags", []
+            return f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N", []
         if wanted > most:
-            return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", wanted
+            return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", []
         use = friction_use(wanted, weight, mu_s, mu_a)
         if use > USE[-1]:
             needed = mu_s * (weight + wanted) / (USE[-1] * wanted)
             return (
                 f"pressed with {wanted:g} N the tip slips before the object: straight sliding takes {use:.2f} "
                 f"of its friction, allowed {USE[-1]:g}; contact friction {mu_a:g}, needed {needed:.3f}"
-            ), wanted
-        return None, wanted
+            ), []
+        return None, [wanted]
 
-    def _places(self, task: Task, load: float) -> list[Point]:
-        """Where to press, in B [m]."""
-        com, given = task.object.center_of_mass, task.motion.contacts
-        if given is not None:
-            return [(x - com[0], y - com[1]) for x, y in given[:1]]
-        return top_places(task.object, EDGE)
-
-    def _vehicle(self, task: Task, contact: Contact, backward: bool) -> Unicycle:
-        """Return the object as a vehicle, as believed.
-
-        Raises ValueError where the object tips or the contact is at the CoM.
-        """
-        belief, body, point = task.believed, task.object, contact.point
-        mu, height = belief.support_friction, body.shape.height
-        cop = pressed_cop(point, contact.load, belief.mass * GRAVITY)
-
-        def pressure_at(p: Point) -> PressureSamples:
-            return support_pressure(body.shape, 1.0, body.center_of_mass, p, RESOLUTION)
-
-        if belief.rho is not None:
-            return Unicycle(point, cop, belief.rho, backward, height * mu)
-        shift = -height * mu if backward else height * mu
-        return Unicycle(point, cop, straight_rho(pressure_at, cop, point, shift), backward, height * mu)
-
-    def _pivot(self, task: Task, contact: Contact, turn: float) -> tuple[Unicycle, Pose2]:
-        """Return the object as a vehicle that turns on the spot to the side of ``turn``, and the frame at the
-        point that stays where it is; the drag's height moves it off the axis. Raises as ``_vehicle`` does.
-        """
-        belief, body, point = task.believed, task.object, contact.point
-        cop = pressed_cop(point, contact.load, belief.mass * GRAVITY)
-        if belief.rho is not None:
-            car = Unicycle(point, cop, belief.rho)
-            return car, car.X_BV
-
-        def pressure_at(p: Point) -> PressureSamples:
-            return support_pressure(body.shape, 1.0, body.center_of_mass, p, RESOLUTION)
-
-        (ex, ey), side = Unicycle(point, cop, 1.0).axis, math.copysign(1.0, turn)
-        twist = pressed_twist(
-            pressure_at, belief.support_friction, cop, point, body.shape.height, (-side * ey, side * ex)
+    @staticmethod
+    def _press(task: Task, contact: Contact) -> Press:
+        belief = task.believed
+        return Press(
+            task.object, contact.point, contact.load, belief.mass * GRAVITY, belief.support_friction
         )
-        pivot = (-twist.vy / twist.w, twist.vx / twist.w)
-        back = (cop[0] - pivot[0]) * ex + (cop[1] - pivot[1]) * ey
-        return Unicycle(point, cop, math.sqrt(back * math.dist(point, cop))), Pose2(*pivot, math.atan2(ey, ex))
 
-    def _draft(self, task: Task, contact: Contact, backward: bool, vehicle: str) -> Choice:
+    def _vehicle(self, task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
+        """Return the object as a vehicle, as believed, that turns by a force at ``angle`` [rad].
+
+        Raises ValueError where it tips.
+        """
+        rho = task.believed.rho
+        if rho is not None:
+            return Unicycle(press.contact, press.cop, rho, backward, press.shift)
+        ahead, reach = press.axle(angle, backward)
+        shift = -ahead - reach if backward else ahead + reach
+        return Unicycle(press.contact, press.cop, math.sqrt(reach * press.lever), backward, shift)
+
+    def _draft(
+        self,
+        task: Task,
+        contact: Contact,
+        backward: bool,
+        angle: float = 0.0,
+        back_ups: Sequence[float] = BACK_UPS,
+    ) -> Choice:
         """Judge one contact and direction but for the arm's reach."""
-        belief, body = task.believed, task.object
-        drive = "turned about its axle" if vehicle == "pivot" else "pushed" if backward else "pulled"
+        belief, motion, vehicle = task.believed, task.motion, task.motion.vehicle
+        pivots = vehicle == "pivot"
+        drive = "turned on the spot" if pivots else "pushed" if backward else "pulled"
         what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
 
         def refused(why: str) -> Choice:
             return Choice(self.name, False, f"{what}: {why}", (contact,))
 
-        if not inside_top(body, contact.point, EDGE):
+        if not inside_top(task.object, contact.point, EDGE):
             return refused(f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top")
-        turn = remainder(task.goal.yaw - task.start.yaw, TURN)
+        left = remainder(task.goal.yaw - task.start.yaw, TURN) > 0.0
         try:
-            if vehicle == "pivot":
-                car, X_BV = self._pivot(task, contact, turn)
+            press = self._press(task, contact)
+            bounds = (0.5 * math.pi,) if pivots else STEEPEST
+            rooms = [(a, min(press.room(s * (math.pi - a if backward else a)) for s in (-1, 1))) for a in bounds]
+            if rooms[0][1] < TIPPING_ROOM:
+                return refused(
+                    f"drag at {task.object.shape.height:.3f} m tips it: the centre of pressure comes within "
+                    f"{rooms[0][1]:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+                )
+            steepest = max(a for a, room in rooms if room >= TIPPING_ROOM)
+            if vehicle in ("car", "forklift"):
+                steepest = min(steepest, CAR_ANGLE)
+            if pivots:
+                car, pivot = Unicycle(press.contact, press.cop, 1.0), press.pivot(left)
+                back = (press.cop[0] - pivot[0]) * car.axis[0] + (press.cop[1] - pivot[1]) * car.axis[1]
+                car = replace(car, rho=math.sqrt(back * press.lever))
+                X_BV = Pose2(*pivot, car.X_BV.yaw)
             else:
-                car = self._vehicle(task, contact, backward)
+                car = self._vehicle(task, press, backward, angle)
                 X_BV = car.X_BV
         except ValueError as error:
             return refused(str(error))
-        (ex, ey), shift = car.axis, body.shape.height * belief.support_friction
-        room = room_inside(body, (car.cop[0] + shift * ex, car.cop[1] + shift * ey))
-        if room < TIPPING_ROOM:
-            return refused(
-                f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
-                f"{room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
-            )
-        start, goal = (X.compose(body.X_GB).compose(X_BV) for X in (task.start, task.goal))
-        straight = math.hypot(goal.x - start.x, goal.y - start.y)
-        look_ahead = task.motion.look_ahead or min(max(0.35 * car.swing, 0.04), 0.10)
-        angle = CAR_ANGLE if vehicle in ("car", "forklift") else STEEPEST
-        tightest, gentle = math.tan(angle) / abs(car.reach), SWING / car.swing
-        run_in, curvature = 0.0, 0.0
-        path: MotionPath
-        if vehicle == "pivot":
-            path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
-            if straight > task.tolerance.position:
+        start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
+        look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
+        gentle, steady = SWING / car.length, min(1.0, rooms[0][1] / SAFE_ROOM)
+        speed = motion.speed * steady * (PUSHED_SPEED if backward else 1.0)
+        back_up, path = 0.0, self._pivot_path(start, goal, math.dist(contact.point, X_BV.position))
+        if pivots:
+            moves = math.dist(start.position, goal.position)
+            run_in, curvature = 0.0, 0.0
+            if moves > task.tolerance.position:
                 return refused(
-                    f"the virtual axle has to stay in its place, goal and start have it {straight * 1e3:.1f} mm "
-                    f"apart, allowed {task.tolerance.position * 1e3:g} mm"
+                    f"the point about which it turns has to stay in its place, from start to goal it moves by "
+                    f"{moves * 1e3:.1f} mm, allowed {task.tolerance.position * 1e3:g} mm"
                 )
         else:
-            curvatures = _curvatures(gentle, tightest)
-            run_in, curvature, path = gentlest(start, goal, curvatures, [k * look_ahead for k in RUN_INS])
-        speed = task.motion.speed * (PUSHED_SPEED if backward else 1.0) * min(1.0, gentle / (curvature or gentle))
-        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
-        use = friction_use(
-            contact.load, belief.mass * GRAVITY, belief.support_friction, belief.contact_friction
-        )
-        margin = atan(belief.contact_friction) - atan(use * belief.contact_friction)
-        level = belief.support_friction * (belief.mass * GRAVITY + contact.load)
+            curvatures = _curvatures(gentle, math.tan(PLANNED * steepest) / abs(car.reach))
+            # where it cannot go back there is no second attempt: only with a long run-in
+            returns = self._way_back(task, press, not backward) is not None
+            run_ins = [k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
+            ways = []
+            for back_up in back_ups if returns else (0.0,):
+                begin = advance(start, 0.0, -back_up)
+                run_in, curvature, path = gentlest(begin, goal, curvatures, run_ins)
+                ways.append((path.length - room(begin, goal, curvature), back_up, run_in, curvature, path))
+                if ways[-1][0] <= 0.0:
+                    break
+            over, back_up, run_in, curvature, path = min(ways, key=lambda way: max(way[0], 0.0))
+            if over > LOOP:
+                return refused(f"only by a loop of {path.length:.2f} m, {over:.2f} m too long, allowed {LOOP:g} m")
+            speed *= min(1.0, gentle / curvature)
+        time = SpeedProfile(path.length, speed, motion.acceleration).duration + OVERHEAD
+        mu = belief.contact_friction
+        use = friction_use(contact.load, press.weight, belief.support_friction, mu)
+        level = belief.support_friction * (press.weight + contact.load)
         parameters = {
-            **_figures(car, X_BV, level), "look_ahead": look_ahead, "curvature": curvature, "run_in": run_in,
-            "speed": speed,
-            "press_force": contact.load, "friction_use": use,
+            **_figures(car, X_BV, level), "steepest": steepest, "look_ahead": look_ahead,
+            "curvature": curvature, "run_in": run_in, "speed": speed, "press_force": contact.load,
+            "friction_use": use,
         }  # fmt: skip
         reason = (
             f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
             f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "
             f"{use:.2f} of the tip's friction used"
         )
-        longest = LOOP_RATIO * straight + 4.0 / gentle
-        if vehicle != "pivot" and path.length > longest:
-            return refused(f"only by a loop of {path.length:.2f} m, allowed {longest:.2f} m")
-        return Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
+        margin = atan(mu) - atan(use * mu)
+        made = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
+        return made if back_up == 0.0 else self._after_backing_up(task, press, made, back_up)
+
+    def _after_backing_up(self, task: Task, press: Press, then: Choice, way: float) -> Choice:
+        """Return the choice to drive ``way`` [m] straight the other way first, and then as ``then`` does."""
+        backward = not then.parameters["backward"] > 0.0
+        car = self._way_back(task, press, backward)
+        assert car is not None
+        start = task.start.compose(task.object.X_GB).compose(car.X_BV)
+        path = ArcPath(start, ((0.0, way),))
+        goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
+        time = SpeedProfile(way, then.parameters["speed"], task.motion.acceleration).duration
+        parameters = {**then.parameters, **_figures(car, car.X_BV, then.parameters["push_force"])}
+        parameters |= {"curvature": 1.0 / car.length, "run_in": way, "steepest": STEEPEST[0]}
+        return replace(
+            then, reason=f"{then.reason}, {way:g} m back first", path_length=way + (then.path_length or 0.0),
+            time=time + (then.time or 0.0), parameters=parameters, path=path, goal=goal, following=then,
+        )  # fmt: skip
+
+    def _way_back(self, task: Task, press: Press, backward: bool) -> Unicycle | None:
+        """The vehicle for a short straight way; None where the object would tip, or cannot be steered since the
+        drag moves the centre of pressure by more than the vehicle is long.
+        """
+        angle = math.pi - STEEPEST[0] if backward else STEEPEST[0]
+        if min(press.room(angle), press.room(-angle)) < TIPPING_ROOM:
+            return None
+        car = self._vehicle(task, press, backward, 0.0)
+        return car if car.length > car.shift else None
+
+    @staticmethod
+    def _pivot_path(start: Pose2, goal: Pose2, radius: float) -> MotionPath:
+        return TwistPath.between((start, goal), radius)
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
@@ -256,7 +300,7 @@ class PressSlide:
         if isinstance(plan.path, TwistPath):
             return PivotTracker(car, plan.X_BV, figures["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
-        law = LookAheadAlignment(figures["look_ahead"], math.tan(STEEPEST) / abs(car.reach), fixed)
+        law = LookAheadAlignment(figures["look_ahead"], math.tan(figures["steepest"]) / abs(car.reach), fixed)
         return UnicycleTracker(law, car, figures["push_force"])
 
     def allocator(
@@ -279,6 +323,28 @@ class PressSlide:
         predicted = Identified(_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever)
 
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return a plan that goes back straight and then to the goal; None for a turn on the spot, or where the
+        object would tip.
+        """
+        figures, (contact,) = plan.choice.parameters, plan.choice.contacts
+        if isinstance(plan.path, TwistPath):
+            return None
+        task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
+        angle = PLANNED * figures["steepest"]
+        choice = self._draft(
+            task, replace(contact, point=touched[0]), figures["backward"] > 0.0, angle, BACK_UPS[1:]
+        )
+        if not choice.feasible:
+            return None
+        made = None
+        for stretch in reversed(choice.stretches):
+            assert stretch.path is not None
+            profile = SpeedProfile(stretch.path.length, plan.profile.speed, plan.profile.acceleration)
+            frame = self.vehicle_frame(stretch)
+            made = Plan(plan.task, stretch, stretch.path, profile, frame, made)
+        return made
+
     def replan(
         self,
         plan: Plan,
@@ -290,45 +356,32 @@ class PressSlide:
         """Return the plan from the object's true pose and the true contact; None if its path is longer than
         ``longest`` [m]. ``identified``: the axle as it was seen to be.
         """
-        figures, contact = plan.choice.parameters, plan.choice.contacts[0]
-        task = _by_shape(plan.task) if "by_shape" in figures else plan.task
-        turning = plan.path.rate(0.0)[2] if isinstance(plan.path, TwistPath) else 0.0
-        contact = replace(contact, point=touched[0])
-        try:
-            if turning:
-                car, X_BV = self._pivot(task, contact, turning)
-            else:
-                car = self._vehicle(task, contact, figures["backward"] > 0.0)
-        except ValueError:
+        task, figures, pivots = plan.task, plan.choice.parameters, isinstance(plan.path, TwistPath)
+        contact, level = replace(plan.choice.contacts[0], point=touched[0]), figures["push_force"]
+        if contact.point == (0.0, 0.0):
             return None
-        level = figures["push_force"]
-        if identified is not None and not turning:
-            rho = math.sqrt(identified.reach * abs(car.lever))
-            car = replace(car, rho=rho, shift=0.0)
-            car = replace(car, shift=identified.axle - _ahead(car))
-            level = identified.drag
-        X_BV = X_BV if turning else car.X_BV
+        car, X_BV = replace(_car(plan.choice), contact=contact.point, cop=self._press(task, contact).cop), plan.X_BV
+        if not pivots:
+            if identified is not None:
+                car = replace(car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0)
+                car, level = replace(car, shift=identified.axle - _ahead(car)), identified.drag
+            X_BV = car.X_BV
         start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
         path: MotionPath
-        if turning:
-            path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+        if pivots:
+            path = self._pivot_path(start, goal, math.dist(contact.point, X_BV.position))
         else:
-            run_ins = [k * figures["look_ahead"] for k in RUN_INS]
-            curvatures = _curvatures(SWING / car.swing, max(figures["curvature"], SWING / car.swing))
-            path = gentlest(start, goal, curvatures, run_ins, longest)[2]
+            gentle = SWING / car.length
+            curvatures = _curvatures(gentle, max(figures["curvature"], gentle))
+            path = gentlest(start, goal, curvatures, [k * figures["look_ahead"] for k in (*RUN_INS, 0.5, 0.0)], longest)[2]
         if path.length > longest:
             return None
+        parameters = {**figures, **_figures(car, X_BV, level)}
         choice = replace(
-            plan.choice, contacts=(contact,), path=path, path_length=path.length,
-            parameters={**figures, **_figures(car, X_BV, level)},
-        )  # fmt: skip
+            plan.choice, contacts=(contact,), path=path, path_length=path.length, parameters=parameters
+        )
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
-
-
-def _by_shape(task: Task) -> Task:
-    """The task with nothing said of rho: the object's shape decides."""
-    return replace(task, belief=replace(task.believed, rho=None))
 
 
 def _curvatures(gentle: float, tightest: float) -> list[float]:
@@ -347,8 +400,7 @@ def _figures(car: Unicycle, X_BV: Pose2, level: float) -> dict[str, float]:
     return {
         "backward": float(car.backward), "cop_x": car.cop[0], "cop_y": car.cop[1], "rho": car.rho,
         "height_shift": car.shift, "lever": abs(car.lever), "axle_from_com": math.hypot(*X_BV.position),
-        "axle_x": X_BV.x, "axle_y": X_BV.y, "axle_yaw": X_BV.yaw,
-        "push_force": level,
+        "axle_x": X_BV.x, "axle_y": X_BV.y, "axle_yaw": X_BV.yaw, "push_force": level,
     }  # fmt: skip
 
 

@@ -315,6 +315,9 @@ class RearPush:
     def identifier(self, plan: Plan) -> None:
         """Return nothing: the car's length is not identified."""
 
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> None:
+        """Return nothing: a push does not go back."""
+
     def replan(
         self,
         plan: Plan,

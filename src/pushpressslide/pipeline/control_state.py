@@ -12,7 +12,7 @@ from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.execution.normal_force import NormalForceState
-from pushpressslide.identification.online import AxleState
+from pushpressslide.identification.online import AxleIdentifier, AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
 
@@ -64,7 +64,10 @@ class ControllerState:
     tips: tuple[TipMemory, ...]  # one per contact
     binding: Binding  # what is being followed now
     last_time: float  # [s]
-    stretch: int = 0  # of the plan that is being followed
+    stretch: Plan  # as planned: what is being followed, before any re-planning
+    ahead: tuple[Plan, ...]  # the stretches that come after it
+    identifier: AxleIdentifier | None  # of the virtual axle in this stretch
+    joint_start: float = 0.0  # [m] of joint path before this stretch
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
     reference: Plan | None = None  # the plan that errors are judged by: the one made at the first touch
@@ -73,6 +76,7 @@ class ControllerState:
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
+    retries: int = 0
     axle: AxleState = AxleState()  # what is identified of the virtual axle in this stretch
     grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
     failure: tuple[ReasonCode, str] | None = None

@@ -62,6 +62,8 @@ TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
 # [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
 # pull the tip sideways off its face
 JOINT_LEAD = 0.03
+ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
+GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
@@ -76,10 +78,6 @@ class Controller:
         """Prepare everything that does not change from tick to tick."""
         task = plan.task
         self.plan, self.mode, self.binding = plan, MODES[plan.choice.mode], bind(plan)
-        self.stretches = plan.stretches
-        self.identifiers = [self.mode.identifier(stretch) for stretch in self.stretches]
-        lengths = [stretch.path.length for stretch in self.stretches]
-        self.before = [sum(lengths[:i]) for i in range(len(lengths))]  # [m] of joint path
         self.X_GB = task.object.X_GB
         self.robots = task.robots
         contacts = plan.choice.contacts
@@ -97,7 +95,11 @@ class Controller:
     def init(self, measurement: Measurement) -> ControllerState:
         """Return the state at the start of the touch."""
         tips = tuple(TipMemory(measurement.tips[c.arm].position) for c in self.plan.choice.contacts)
-        return ControllerState("touch", measurement.time, tips, self.binding, measurement.time)
+        first, *ahead = self.plan.stretches
+        return ControllerState(
+            "touch", measurement.time, tips, self.binding, measurement.time, first, tuple(ahead),
+            self.mode.identifier(first),
+        )  # fmt: skip
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was thought, and the next state."""
@@ -232,15 +234,19 @@ class Controller:
         """What comes next: go on, end, touch again, take the contact anew, or follow a better plan."""
         plan, time = state.binding.plan, measurement.time
         left = plan.path.length - state.progress
+        if abs(guidance.error[1]) > ASTRAY:
+            text = f"{abs(guidance.error[1]) * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
+            return self._begin(replace(state, failure=("goal_missed", text)), "release", measurement)
         if left <= STOP:
-            if state.stretch + 1 == len(self.stretches):
+            ahead = state.ahead or self._once_more(state, measurement, X_WB)
+            if not ahead:
                 return self._begin(state, "release", measurement)
-            return self._next_stretch(state, measurement, X_WB)
+            return self._next_stretch(state, ahead, measurement, X_WB)
         patience = min(LOSS_TIME[c.kind] for c in plan.choice.contacts)
         if state.lost is not None and time - state.lost > patience:
             return replace(self._begin(state, "touch", measurement), align=False)
         touched = touched_points(plan, X_WB, measurement.tips)
-        planned = self.stretches[state.stretch]
+        planned = state.stretch
         if side_slide(planned, touched) > REGRASP and state.regrasps < REGRASPS:
             again = replace(state, binding=bind(replace(plan, choice=planned.choice, X_BV=planned.X_BV)))
             return replace(
@@ -258,28 +264,44 @@ class Controller:
                 )
         return state
 
-    def _next_stretch(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> ControllerState:
-        """Go on with the plan's next stretch, from where the object is, without letting go."""
-        plan = self.stretches[state.stretch + 1]
+    def _once_more(
+        self, state: ControllerState, measurement: Measurement, X_WB: Pose2
+    ) -> tuple[Plan, ...]:
+        """Return stretches that take the object to its goal in another attempt, if it is not there."""
+        task, at = self.plan.task, measurement.object_pose
+        off = math.dist(at.position, task.goal.position) / task.tolerance.position
+        turned = abs(wrap_angle(at.yaw - task.goal.yaw)) / task.tolerance.yaw
+        if max(off, turned) < GOOD_ENOUGH or state.retries == RETRIES:
+            return ()
+        plan = state.binding.plan
+        again = self.mode.again(plan, X_WB, touched_points(plan, X_WB, measurement.tips))
+        return () if again is None else again.stretches
+
+    def _next_stretch(
+        self, state: ControllerState, ahead: tuple[Plan, ...], measurement: Measurement, X_WB: Pose2
+    ) -> ControllerState:
+        """Go on with the next stretch of ``ahead``, from where the object is, without letting go."""
+        plan, *rest = ahead
         touched = touched_points(plan, X_WB, measurement.tips)
         fresh = self.mode.replan(plan, X_WB, touched, TOUCH_DETOUR * plan.path.length + TOUCH_SLACK) or plan
         return replace(
-            state, stretch=state.stretch + 1, axle=AxleState(), binding=bind(fresh), progress=0.0,
+            state, stretch=plan, ahead=tuple(rest), identifier=self.mode.identifier(plan),
+            joint_start=self._joint_progress(state), retries=state.retries + (not state.ahead),
+            axle=AxleState(), binding=bind(fresh), progress=0.0,
             clock_start=measurement.time, corrected=measurement.time, reference=fresh,
             reference_start=measurement.time,
         )  # fmt: skip
 
     def _seen(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleState:
         """Return what is identified of the virtual axle, this tick included."""
-        identifier = self.identifiers[state.stretch]
+        identifier = state.identifier
         if identifier is None:
             return state.axle
         force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
         return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
 
     def _identified(self, state: ControllerState) -> Identified | None:
-        identifier = self.identifiers[state.stretch]
-        return None if identifier is None else identifier.identified(state.axle)
+        return None if state.identifier is None else state.identifier.identified(state.axle)
 
     def _release(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         duration = ramp_time(RETREAT)
@@ -328,8 +350,7 @@ class Controller:
         own path.
         """
         left = state.binding.plan.path.length - state.progress
-        planned = self.stretches[state.stretch].path.length
-        return self.before[state.stretch] + max(0.0, planned - left)
+        return state.joint_start + max(0.0, state.stretch.path.length - left)
 
     def _joint_reference(self, state: ControllerState, time: float) -> float:
         """Where on the planned path the joint reference is taken in the move: with the joint-tracking term
@@ -339,7 +360,7 @@ class Controller:
         if not self.plan.task.motion.joint_tracking or reference is None:
             return here
         timed = reference.profile.at(time - state.reference_start)[0] - reference.path.length
-        timed += self.before[state.stretch] + self.stretches[state.stretch].path.length
+        timed += state.joint_start + state.stretch.path.length
         return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
 
     def _log(

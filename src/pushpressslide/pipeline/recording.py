@@ -23,6 +23,7 @@ class Recorder:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
+        self._followed: list[Plan] = []  # of each stretch that was begun
 
     def __len__(self) -> int:
         return len(self._rows.get("time", ()))
@@ -39,15 +40,21 @@ class Recorder:
         forces: Sequence[Vector3],
         ticks: Sequence[float],
         more: Mapping[str, Any] | None = None,
+        followed: Plan | None = None,
     ) -> None:
         """Append one tick; ``ticks`` are track, allocate, execute and total [s]; ``more`` holds
-        engine-specific rows.
+        engine-specific rows; ``followed`` is the stretch, as planned when it began, None before the first.
         """
         nothing = (np.nan, np.nan, np.nan)
+        if followed is not None and (not self._followed or followed is not self._followed[-1]):
+            self._followed.append(followed)
+        X_BV = (followed or self._plan).X_BV
         row: dict[str, Any] = {
             "time": time,
             "phase": PHASES.index(log.phase),
             "leg": 0,
+            "stretch": max(0, len(self._followed) - 1),
+            "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
             "object_pose": (true_pose.x, true_pose.y, true_pose.yaw),
             "object_twist": tuple(twist),
             "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
@@ -79,13 +86,15 @@ class Recorder:
         meta: Mapping[str, Any],
         path: Any = None,
     ) -> Record:
-        """Return everything so far; ``path`` is the path that was followed, if it is not the plan's."""
+        """Return everything so far; ``path`` is the path that was followed, if no tick told."""
         arrays: dict[str, NDArray[np.float64]] = {
             name: np.asarray(rows, dtype=np.float64) for name, rows in self._rows.items()
         }
-        followed = path if path is not None else self._plan.path
-        samples = [followed.pose(s) for s in np.linspace(0.0, followed.length, PATH_SAMPLES)]
+        paths = [stretch.path for stretch in self._followed] or ([] if path is None else [path])
+        paths += [stretch.path for stretch in self._plan.stretches[len(paths) :]]
+        samples = [p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)]
         arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
+        arrays["plan_stretch"] = np.repeat(np.arange(len(paths), dtype=np.float64), PATH_SAMPLES)
         X_BV = self._plan.X_BV
         arrays["plan_X_BV"] = np.array([X_BV.x, X_BV.y, X_BV.yaw])
         return Record(arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta)

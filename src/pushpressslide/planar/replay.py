@@ -40,8 +40,8 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     pose = arrays["object_pose"][frames]
     X_GV = task.object.X_GB.compose(Pose2(*(float(v) for v in arrays["plan_X_BV"])))
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
-    forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames][:, :, :2], 1, 0))
-    obstacles = []
+    forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
+    contacts, obstacles = plan.choice.contacts, []
     for obstacle in task.obstacles:
         a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
         corners = [list(obstacle.pose.apply(c)) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]
@@ -52,7 +52,9 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "pose": _degrees(pose),
         "reference": _degrees(arrays["reference_pose"][frames]),
         "tips": np.round(tips, 4).tolist(),
-        "forces": np.round(forces, 2).tolist(),
+        "forces": np.round(forces[:, :, :2], 2).tolist(),
+        "loads": np.round(np.maximum(0.0, -forces[:, :, 2]), 2).tolist(),
+        "pressing": [any(c.arm == i and c.kind == "top" for c in contacts) for i in range(len(task.robots))],
         "radii": [robot.tip_radius for robot in task.robots],
         "path": np.round(arrays["plan_path"][:, :2], 4).tolist(),
         "axle": [X_GV.x, X_GV.y, math.degrees(X_GV.yaw)],

@@ -18,6 +18,11 @@ def with_run_in(start: Pose2, goal: Pose2, left: float, right: float, run_in: fl
     return ArcPath(start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0))
 
 
+def room(start: Pose2, goal: Pose2, curvature: float) -> float:
+    """Return the length [m] up to which a path of that ``curvature`` [1/m] counts as one without a loop."""
+    return 1.15 * math.hypot(goal.x - start.x, goal.y - start.y) + 1.0 / curvature
+
+
 def gentlest(
     start: Pose2,
     goal: Pose2,
@@ -28,16 +33,15 @@ def gentlest(
     """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in there is room
     for.
 
-    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what counts as room (default: by how far the goal
-    is); where nothing fits the shortest path is returned.
+    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what counts
+    as room (default: ``room`` of the curvature); where nothing fits the shortest path is returned.
     """
-    straight = math.hypot(goal.x - start.x, goal.y - start.y)
     best: tuple[float, float, ArcPath] | None = None
     for curvature in curvatures:
-        room = longest if longest is not None else 1.15 * straight + 1.0 / curvature
+        most = longest if longest is not None else room(start, goal, curvature)
         for run_in in run_ins:
             path = with_run_in(start, goal, curvature, curvature, run_in)
-            if path.length <= room:
+            if path.length <= most:
                 return run_in, curvature, path
             if best is None or path.length < best[2].length:
                 best = (run_in, curvature, path)

@@ -30,7 +30,9 @@ MOTION_FIELDS = (
     "rms_end_effector_error", "max_position_error", "max_yaw_error", "path_rms_error", "path_max_error",
     "path_length", "tracking",
 )  # fmt: skip
-CONTACT_FIELDS = ("max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance")
+CONTACT_FIELDS = (
+    "max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance", "contacts",
+)  # fmt: skip
 
 
 def result(
@@ -141,12 +143,12 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
     tips = []
-    for i, point in enumerate(series.tip_points(task, plan.choice.contacts)):
+    for c in plan.choice.contacts:
+        point, _ = c.tip_place(task.robots[c.arm].tip_radius)
         wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
-        tips.append(np.linalg.norm(arrays["tip_position"][move, i, :2] - wanted[move, :2], axis=1))
-    tracked = series.tracked_poses(task, record)[move, :2]
-    cross_track = series.distance_to_polyline(tracked, arrays["plan_path"][:, :2])
-    way = series.travel(tracked)
+        tips.append(np.linalg.norm(arrays["tip_position"][move, c.arm, :2] - wanted[move, :2], axis=1))
+    cross_track = series.path_errors(task, record)[move]
+    tracked, stretch = series.tracked_poses(task, record)[move, :2], arrays["stretch"][move]
     errors = arrays["tracking_error"][move]
     return {
         "start_pose": pose[0],
@@ -160,7 +162,7 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "max_yaw_error": float(np.abs(yaw_error).max()) if yaw_error.size else None,
         "path_rms_error": _rms(cross_track),
         "path_max_error": float(cross_track.max()) if cross_track.size else None,
-        "path_length": float(way[-1]) if way.size else 0.0,
+        "path_length": sum(float(series.travel(tracked[stretch == i])[-1]) for i in np.unique(stretch)),
         "tracking": {
             name: {
                 "rms": _rms(errors[:, i]),
@@ -179,16 +181,36 @@ def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     move, contact = series.in_phase(record, "move"), series.contact_phase(record)
     felt = normals[series.in_phase(record, "touch", "move", "release")]
     step = np.diff(time, append=time[-1])
-    lost = contact & (normals < series.CONTACT_FORCE).any(axis=1)
+    lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    outside = np.linalg.norm(tangents, axis=2) > (1.0 + CONE_TOLERANCE) * task.contact_friction * normals
+    use = np.linalg.norm(tangents, axis=2) / (task.contact_friction * np.maximum(normals, series.CONTACT_FORCE))
+    outside = touching & (use > 1.0 + CONE_TOLERANCE)
+    slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
     count = int(touching.sum())
     return {
         "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
-        "contact_loss_time": float(step[lost].sum()),
-        "cone_violation_fraction": float((outside & touching).sum() / count) if count else None,
-        "slip_distance": float(sum(series.slip(plan, record, i)[-1] for i in range(normals.shape[1]))),
+        "contact_loss_time": float(step[lost.any(axis=1)].sum()),
+        "cone_violation_fraction": float(outside.sum() / count) if count else None,
+        "slip_distance": sum(slips),
+        "contacts": [
+            {
+                "arm": c.arm,
+                "kind": c.kind,
+                "load": c.load if c.kind == "top" else None,
+                "max_normal_force": float(np.nanmax(felt[:, i])) if felt.size else None,
+                "mean_normal_force": _mean(normals[touching[:, i], i]),
+                "mean_friction_use": _mean(use[touching[:, i], i]),
+                "contact_loss_time": float(step[lost[:, i]].sum()),
+                "cone_violation_fraction": _mean(outside[touching[:, i], i]),
+                "slip_distance": slips[i],
+            }
+            for i, c in enumerate(plan.choice.contacts)
+        ],
     }
+
+
+def _mean(values: Array) -> float | None:
+    return float(values.mean()) if values.size else None
 
 
 def _torque_violations(task: Task, record: Record) -> float | None:
@@ -249,11 +271,12 @@ def _max_tilt(record: Record) -> float | None:
 
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
-    """What was foreseen, to set beside what happened."""
+    """What was foreseen, of all stretches together, to set beside what happened."""
+    margins = [s.choice.friction_margin for s in plan.stretches if s.choice.friction_margin is not None]
     return {
-        "path_length": plan.path.length,
-        "motion_duration": plan.profile.duration,
-        "friction_margin": plan.choice.friction_margin,
+        "path_length": sum(series.path_length(stretch.path) for stretch in plan.stretches),
+        "motion_duration": sum(stretch.profile.duration for stretch in plan.stretches),
+        "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),
         "condition": record.meta.get("condition_planned"),
         "clearance": record.meta.get("clearance_planned"),

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.path import ArcPath, SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
@@ -20,13 +21,18 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
         "schema": SCHEMA,
         "task": plan.task.name,
         "choice": _choice_to_dict(plan.choice),
-        "path": _path_to_dict(plan.path),
-        "profile": {
-            "length": plan.profile.length,
-            "speed": plan.profile.speed,
-            "acceleration": plan.profile.acceleration,
-        },
-        "X_BV": _pose_to_list(plan.X_BV),
+        "stretches": [
+            {
+                "path": _path_to_dict(stretch.path),
+                "profile": {
+                    "length": stretch.profile.length,
+                    "speed": stretch.profile.speed,
+                    "acceleration": stretch.profile.acceleration,
+                },
+                "X_BV": _pose_to_list(stretch.X_BV),
+            }
+            for stretch in plan.stretches
+        ],
     }
     if choices:
         out["choices"] = [_choice_to_dict(choice) for choice in choices]
@@ -37,13 +43,14 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on other data."""
     if data["schema"] != SCHEMA:
         raise ValueError(f"schema {data['schema']}, this version reads {SCHEMA}")
-    return Plan(
-        task,
-        _choice_from_dict(data["choice"]),
-        _path_from_dict(data["path"]),
-        SpeedProfile(**data["profile"]),
-        Pose2(*data["X_BV"]),
-    )
+    plan = None
+    choices = _choice_from_dict(data["choice"]).stretches
+    for choice, stretch in reversed(list(zip(choices, data["stretches"], strict=True))):
+        path, profile = _path_from_dict(stretch["path"]), SpeedProfile(**stretch["profile"])
+        plan = Plan(task, choice, path, profile, Pose2(*stretch["X_BV"]), plan)
+    if plan is None:
+        raise ValueError("a plan without stretches")
+    return plan
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
@@ -68,12 +75,20 @@ def _pose_to_list(pose: Pose2) -> list[float]:
     return [pose.x, pose.y, pose.yaw]
 
 
-def _path_to_dict(path: ArcPath) -> dict[str, Any]:
-    return {"start": _pose_to_list(path.start), "pieces": [list(piece) for piece in path.pieces]}
+def _path_to_dict(path: MotionPath) -> dict[str, Any]:
+    """Arcs as (curvature, length), constant twists as (vx, vy, w, length) with their radius."""
+    if isinstance(path, ArcPath):
+        return {"start": _pose_to_list(path.start), "pieces": [list(piece) for piece in path.pieces]}
+    pieces = [[*rate, length] for rate, length in path.pieces]
+    return {"start": _pose_to_list(path.start), "pieces": pieces, "radius": path.radius}
 
 
-def _path_from_dict(data: Mapping[str, Any]) -> ArcPath:
-    return ArcPath(Pose2(*data["start"]), tuple((float(k), float(length)) for k, length in data["pieces"]))
+def _path_from_dict(data: Mapping[str, Any]) -> MotionPath:
+    start = Pose2(*data["start"])
+    if "radius" not in data:
+        return ArcPath(start, tuple((float(k), float(length)) for k, length in data["pieces"]))
+    pieces = tuple(((float(x), float(y), float(w)), float(length)) for x, y, w, length in data["pieces"])
+    return TwistPath(start, pieces, float(data["radius"]))
 
 
 def _choice_to_dict(choice: Choice) -> dict[str, Any]:
@@ -88,6 +103,7 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
                 "point": list(c.point),
                 "normal": list(c.normal),
                 "height": c.height,
+                "load": c.load,
             }
             for c in choice.contacts
         ],
@@ -96,18 +112,23 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "friction_margin": choice.friction_margin,
         "parameters": dict(choice.parameters),
         "path": None if choice.path is None else _path_to_dict(choice.path),
+        "goal": None if choice.goal is None else _pose_to_list(choice.goal),
+        "following": None if choice.following is None else _choice_to_dict(choice.following),
     }
 
 
 def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
     contacts = tuple(
         Contact(
-            c["arm"], c["kind"], (c["point"][0], c["point"][1]), (c["normal"][0], c["normal"][1]), c["height"]
-        )
+            c["arm"], c["kind"], (c["point"][0], c["point"][1]), (c["normal"][0], c["normal"][1]),
+            c["height"], c["load"],
+        )  # fmt: skip
         for c in data["contacts"]
     )
     path = None if data["path"] is None else _path_from_dict(data["path"])
     return Choice(
         data["mode"], data["feasible"], data["reason"], contacts, data["path_length"], data["time"],
         data["friction_margin"], data["parameters"], path,
+        None if data["goal"] is None else Pose2(*data["goal"]),
+        None if data["following"] is None else _choice_from_dict(data["following"]),
     )  # fmt: skip

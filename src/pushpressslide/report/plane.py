@@ -36,33 +36,30 @@ def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Return the plan from above: the tracking point's path, footprints, obstacles, bases and contacts."""
+    """Return the plan from above: the tracking point's paths, footprints, obstacles, bases and contacts."""
     made, axes = style.figure(height=5.6)
-    ax = axes[0]
-    poses = [plan.object_pose(plan.path.length * i / (STATIONS + 1)) for i in range(STATIONS + 2)]
-    _surroundings(ax, plan.task)
-    _footprints(ax, plan.task, poses[1:-1], style.SKY, "planned on the way")
-    _footprint(ax, plan.task, plan.task.start, style.BLACK, "start", fill=True)
-    _footprint(ax, plan.task, plan.task.goal, style.GREEN, "goal", fill=True)
-    line = [plan.path.pose(s) for s in np.linspace(0.0, plan.path.length, 200)]
-    ax.plot(
-        [p.x for p in line], [p.y for p in line], color=style.BLUE, label="path of the tracking point", lw=1.8
-    )
-    ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
-    X_WB = plan.task.start.compose(plan.task.object.X_GB)
+    ax, task, stretches = axes[0], plan.task, plan.stretches
+    each = max(2, STATIONS // len(stretches))
+    poses = [
+        stretch.object_pose(stretch.path.length * i / (each + 1)) for stretch in stretches for i in range(each + 2)
+    ]
+    _surroundings(ax, task)
+    _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
+    _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
+    _footprint(ax, task, task.goal, style.GREEN, "goal", fill=True)
+    for i, stretch in enumerate(stretches):
+        line = [stretch.path.pose(s) for s in np.linspace(0.0, stretch.path.length, 200)]
+        label = None if i else "path of the tracking point"
+        ax.plot([p.x for p in line], [p.y for p in line], color=style.BLUE, label=label, lw=1.8)
+        ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
+    X_WB = task.start.compose(task.object.X_GB)
     ax.plot(X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass")
-    for i, contact in enumerate(plan.choice.contacts):
-        x, y = X_WB.apply(contact.point)
-        label = "contact" if i == 0 else None
-        if contact.kind == "top":
-            ax.plot(x, y, "X", color=style.ORANGE, ms=9, label=label)
-        else:
-            n = X_WB.rotate(contact.normal)
-            _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
-            ax.plot([], [], color=style.ORANGE, label=label, marker=">", ms=6)
-    corners = [c for pose in [*poses, plan.task.start, plan.task.goal] for c in outline(plan.task, pose)]
-    seconds = plan.profile.duration
-    _frame(ax, plan.task, corners, f"Plan: {plan.choice.mode}, {plan.path.length:.3f} m in {seconds:.1f} s")
+    _contacts(ax, plan, X_WB)
+    corners = [c for pose in [*poses, task.start, task.goal] for c in outline(task, pose)]
+    way = sum(series.path_length(stretch.path) for stretch in stretches)
+    seconds = sum(stretch.profile.duration for stretch in stretches)
+    parts = f", {len(stretches)} stretches" if len(stretches) > 1 else ""
+    _frame(ax, task, corners, f"Plan: {plan.choice.mode}, {way:.3f} m in {seconds:.1f} s{parts}")
     return made
 
 
@@ -70,7 +67,7 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     """Return the run from above: reference path, tracked point, footprints, goal, measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
-    pose, reference = record.arrays["object_pose"], record.arrays["plan_path"]
+    pose = record.arrays["object_pose"]
     tracked = series.tracked_poses(task, record)
     (at,) = np.nonzero(series.contact_phase(record))
     at = at if len(at) else np.arange(len(pose))
@@ -88,11 +85,19 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
             ax.plot(
                 ends[:, 0], ends[:, 1], color=style.PURPLE, marker="s", ms=4, label=name.removeprefix("body_")
             )
-    ax.plot(reference[:, 0], reference[:, 1], "--", color=style.BLACK, lw=1.6, label="reference path")
-    ax.plot(tracked[at, 0], tracked[at, 1], color=style.BLUE, lw=1.6, label="tracking point")
+    for i, reference in enumerate(series.stretch_paths(record)):
+        first = i == 0
+        gone = at[record.arrays["stretch"][at] == i]
+        ax.plot(*tracked[gone, :2].T, color=style.BLUE, lw=2.4, label="tracking point" if first else None)
+        ax.plot(
+            *reference[:, :2].T, "--", color=style.BLACK, lw=1.0, label="reference path" if first else None
+        )
     largest = _forces(ax, task, plan, record, picks[1:-1])
+    _contacts(ax, plan, poses[0].compose(task.object.X_GB))
     if largest > 0.0:
-        ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=f"contact force, largest {largest:.1f} N")
+        flat = "in the plane, " if any(c.kind == "top" for c in plan.choice.contacts) else ""
+        label = f"contact force, {flat}largest {largest:.1f} N"
+        ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
     corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
     corners += [(float(x), float(y)) for x, y in tracked[at][::50, :2]]
     _frame(
@@ -107,18 +112,39 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
 def _forces(ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[int]) -> float:
     """Draw the measured forces at the picked ticks, each at its contact; return the largest [N]."""
     force, pose = record.arrays["measured_force"][:, :, :2], record.arrays["object_pose"]
-    sizes = np.linalg.norm(force[picks], axis=2) if len(picks) else np.zeros((0, 1))
+    arms = [contact.arm for contact in plan.choice.contacts]
+    sizes = np.linalg.norm(force[np.ix_(picks, arms)], axis=2)
     largest = float(np.nanmax(sizes)) if sizes.size else 0.0
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
         X_WB = Pose2(*(float(v) for v in pose[tick])).compose(task.object.X_GB)
-        for i, contact in enumerate(plan.choice.contacts):
+        for contact in plan.choice.contacts:
             x, y = X_WB.apply(contact.point)
-            fx, fy = (float(v) * ARROW / largest for v in force[tick, i])
-            if math.hypot(fx, fy) > 0.05 * ARROW:
-                _arrow(ax, (x - fx, y - fy), (x, y), style.AMBER)
+            fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])
+            if contact.kind == "top":
+                ax.plot(x, y, "o", color=style.AMBER, ms=4, zorder=4)
+            if math.hypot(fx, fy) > 0.05 * ARROW:  # a push ends where it acts, a press's shear begins there
+                tail, head = ((x, y), (x + fx, y + fy))
+                if contact.kind == "side":
+                    tail, head = (x - fx, y - fy), tail
+                _arrow(ax, tail, head, style.AMBER)
     return largest
+
+
+def _contacts(ax: Axes, plan: Plan, X_WB: Pose2) -> None:
+    """Draw where the tips touch the object at ``X_WB``: a dot on top, a short arrow into a side."""
+    told: set[str] = set()
+    for contact in plan.choice.contacts:
+        x, y = X_WB.apply(contact.point)
+        label = None if contact.kind in told else {"top": "press on top", "side": "push on a side"}[contact.kind]
+        told.add(contact.kind)
+        if contact.kind == "top":
+            ax.plot(x, y, "o", color=style.ORANGE, ms=8, label=label, ls="", zorder=6)
+        else:
+            n = X_WB.rotate(contact.normal)
+            _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
+            ax.plot([], [], color=style.ORANGE, label=label, marker=">", ms=6)
 
 
 def _arrow(ax: Axes, tail: tuple[float, float], head: tuple[float, float], color: str) -> None:
@@ -180,6 +206,9 @@ def _surroundings(ax: Axes, task: Task) -> None:
             [centre[0], centre[0] + ahead * math.cos(robot.base_yaw)],
             [centre[1], centre[1] + ahead * math.sin(robot.base_yaw)], color="#6B7280", lw=1.5,
         )  # fmt: skip
+        if len(task.robots) > 1:
+            place = (centre[0], centre[1] - 0.5 * BASE_RADIUS)
+            ax.annotate(f"arm {i}", place, ha="center", va="center", fontsize=7.5, color=style.BLACK)
 
 
 def _frame(ax: Axes, task: Task, corners: Sequence[tuple[float, float]], title: str) -> None:

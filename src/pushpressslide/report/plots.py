@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,16 +26,21 @@ MOST_POINTS = 20000  # of a curve; more than a figure can show
 LEAST_REACH = (
     0.1  # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill the panel
 )
+MEASURED: dict[str, Any] = {"color": style.BLUE}
+COMMANDED: dict[str, Any] = {"color": style.ORANGE, "lw": 1.0, "ls": "--"}
 
 
 def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
     """Return every figure that the record has the data for, by name, in the order to be shown."""
+    from pushpressslide.report.axle_figures import axle_over_time
+
     if series.ticks(record) < 2:
         return {}
     makers: dict[str, Callable[[Task, Plan, Record], Figure | None]] = {
         "path": path_figure,
         "errors": errors_figure,
         "tracking": tracking_figure,
+        "axle": axle_over_time,
         "forces": forces_figure,
         "torques": torques_figure,
         "speeds": speeds_figure,
@@ -93,44 +98,43 @@ def tracking_figure(task: Task, plan: Plan, record: Record) -> Figure:
 
 
 def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
-    """Return commanded and measured contact forces, normal and tangential, with the true friction cone."""
-    arms = len(plan.choice.contacts)
-    if not arms:
+    """Return commanded and measured contact forces, normal and tangential, with the true friction cone.
+
+    Two panels for each contact. A press is set beside its planned load, its shear beside the friction disc.
+    """
+    contacts = plan.choice.contacts
+    if not contacts:
         return None
-    made, axes = style.figure(2 * arms, 1.0 + 2.2 * 2 * arms)
-    time = record.arrays["time"]
+    made, axes = style.figure(2 * len(contacts), 1.0 + 2.2 * 2 * len(contacts))
+    time, stretch = record.arrays["time"], record.arrays["stretch"].astype(int)
     normals, tangents = series.contact_forces(plan, record)
     asked_n, asked_t = series.contact_forces(plan, record, "command_force")
     quiet = ~series.in_phase(record, "touch", "move", "release")
     for values in (normals, tangents):
         values[quiet] = np.nan
-    for i, contact in enumerate(plan.choice.contacts):
+    for i, contact in enumerate(contacts):
         upper, lower = axes[2 * i], axes[2 * i + 1]
-        which = f"arm {i}: " if arms > 1 else ""
-        upper.plot(*_thin(time, normals[:, i]), color=style.BLUE, label="measured")
-        upper.plot(*_thin(time, asked_n[:, i]), color=style.ORANGE, lw=1.0, ls="--", label="commanded")
-        upper.set_ylabel(f"{which}normal [N]")
-        cone = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
-        sampled, edge = _thin(time, cone)
-        lower.fill_between(
-            sampled,
-            -edge,
-            edge,
-            color=style.GREEN,
-            alpha=0.14,
-            lw=0,
-            label=f"friction cone, mu = {task.contact_friction:g}",
-        )
-        first, second = ("left", "up") if contact.kind == "side" else ("x of object", "y of object")
-        lower.plot(*_thin(time, tangents[:, i, 0]), color=style.BLUE, label=f"measured, {first}")
-        lower.plot(
-            *_thin(time, asked_t[:, i, 0]), color=style.ORANGE, lw=1.0, ls="--", label=f"commanded, {first}"
-        )
-        if np.nanmax(np.abs(tangents[:, i, 1]), initial=0.0) > 1e-6:
-            lower.plot(
-                *_thin(time, tangents[:, i, 1]), color=style.PURPLE, lw=0.9, label=f"measured, {second}"
-            )
-        lower.set_ylabel(f"{which}tangential [N]")
+        which = f"arm {contact.arm}: " if len(task.robots) > 1 else ""
+        upper.plot(*_thin(time, normals[:, i]), label="measured", **MEASURED)
+        upper.plot(*_thin(time, asked_n[:, i]), label="commanded", **COMMANDED)
+        edge = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
+        if contact.kind == "top":
+            loads = np.array([part.choice.contacts[i].load for part in plan.stretches])[stretch]
+            loads[~series.in_phase(record, "move")] = np.nan
+            upper.plot(*_thin(time, loads), color=style.GREEN, lw=1.0, label="planned load")
+            upper.set_ylabel(f"{which}press [N]")
+            lower.set_ylabel(f"{which}shear [N]")
+            _band(lower, time, np.zeros_like(edge), edge, f"friction disc, mu = {task.contact_friction:g}")
+            lower.plot(*_thin(time, np.linalg.norm(tangents[:, i], axis=1)), label="measured", **MEASURED)
+            lower.plot(*_thin(time, np.linalg.norm(asked_t[:, i], axis=1)), label="commanded", **COMMANDED)
+        else:
+            upper.set_ylabel(f"{which}normal [N]")
+            lower.set_ylabel(f"{which}tangential [N]")
+            _band(lower, time, -edge, edge, f"friction cone, mu = {task.contact_friction:g}")
+            lower.plot(*_thin(time, tangents[:, i, 0]), label="measured, left", **MEASURED)
+            lower.plot(*_thin(time, asked_t[:, i, 0]), label="commanded, left", **COMMANDED)
+            if np.nanmax(np.abs(tangents[:, i, 1]), initial=0.0) > 1e-6:
+                lower.plot(*_thin(time, tangents[:, i, 1]), color=style.PURPLE, lw=0.9, label="measured, up")
     _time_axis(axes, record, "Contact force of the tip on the object")
     return made
 
@@ -170,9 +174,12 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     made, (top, bottom) = style.figure(2, 4.4)
     time, twist = record.arrays["time"], record.arrays["object_twist"]
     arm = series.tracked_poses(task, record)[:, :2] - record.arrays["object_pose"][:, :2]
+    cruise = [p.profile.cruise * series.path_length(p.path) / (p.path.length or 1.0) for p in plan.stretches]
+    planned = np.array(cruise)[record.arrays["stretch"].astype(int)]
+    planned[~series.in_phase(record, "move")] = np.nan
     speed = np.hypot(twist[:, 0] - twist[:, 2] * arm[:, 1], twist[:, 1] + twist[:, 2] * arm[:, 0])
     top.plot(*_thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
-    top.axhline(1e3 * plan.profile.cruise, color=style.ORANGE, ls="--", lw=1.1, label="planned cruise")
+    top.plot(*_thin(time, 1e3 * planned), color=style.ORANGE, ls="--", lw=1.1, label="planned cruise")
     bottom.plot(*_thin(time, np.degrees(twist[:, 2])), color=style.BLUE, label="object")
     top.set_ylabel("speed [mm/s]")
     bottom.set_ylabel("yaw rate [deg/s]")
@@ -221,6 +228,11 @@ def timed_errors(record: Record) -> tuple[Array, Array, Array]:
 def _thin(time: Array, values: Array) -> tuple[Array, Array]:
     step = max(1, len(time) // MOST_POINTS)
     return time[::step], values[::step]
+
+
+def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
+    sampled, bottom = _thin(time, low)
+    ax.fill_between(sampled, bottom, _thin(time, high)[1], color=style.GREEN, alpha=0.14, lw=0, label=label)
 
 
 def _time_axis(axes: Sequence[Axes], record: Record, title: str) -> None:

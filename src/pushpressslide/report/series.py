@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import PHASES
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Cylinder, Task
@@ -26,12 +29,13 @@ def wrap_angles(angles: Array) -> Array:
     return np.asarray((angles + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def compose(poses: Array, X_BC: Pose2) -> Array:
-    """Return X_AC (N, 3) of poses X_AB (N, 3) and one pose X_BC; the yaw is not wrapped."""
+def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
+    """Return X_AC (N, 3) of poses X_AB (N, 3) and X_BC, one or (N, 3); the yaw is not wrapped."""
+    dx, dy, turn = (X_BC.x, X_BC.y, X_BC.yaw) if isinstance(X_BC, Pose2) else X_BC.T
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    x = poses[:, 0] + c * X_BC.x - s * X_BC.y
-    y = poses[:, 1] + s * X_BC.x + c * X_BC.y
-    return np.stack([x, y, poses[:, 2] + X_BC.yaw], axis=1)
+    x = poses[:, 0] + c * dx - s * dy
+    y = poses[:, 1] + s * dx + c * dy
+    return np.stack([x, y, poses[:, 2] + turn], axis=1)
 
 
 def planar_poses(positions: Array) -> Array:
@@ -69,34 +73,45 @@ def contact_phase(record: Record) -> Mask:
 
 
 def tracked_poses(task: Task, record: Record) -> Array:
-    """Return X_WV (N, 3): the tracking point and its heading."""
-    x, y, yaw = (float(v) for v in record.arrays["plan_X_BV"])
-    return compose(record.arrays["object_pose"], task.object.X_GB.compose(Pose2(x, y, yaw)))
+    """Return X_WV (N, 3): the tracking point, as planned for the stretch of each tick, and its heading."""
+    return compose(compose(record.arrays["object_pose"], task.object.X_GB), record.arrays["vehicle_frame"])
 
 
-def tip_points(task: Task, contacts: tuple[Contact, ...]) -> list[tuple[float, float]]:
-    """Return, for each contact, where in B [m] the centre of a tip that touches it is."""
-    return [
-        (
-            c.point[0] - task.robots[c.arm].tip_radius * c.normal[0],
-            c.point[1] - task.robots[c.arm].tip_radius * c.normal[1],
-        )
-        for c in contacts
-    ]
+def stretch_paths(record: Record) -> list[Array]:
+    """Return the reference path of each stretch of the plan: (K, 3) poses of V in the world."""
+    path, of = record.arrays["plan_path"], record.arrays["plan_stretch"]
+    return [path[of == i] for i in np.unique(of)]
+
+
+def path_errors(task: Task, record: Record) -> Array:
+    """Return the distance [m] (N,) of the tracking point to the path of the stretch that it is on."""
+    tracked, out = tracked_poses(task, record)[:, :2], np.empty(ticks(record))
+    for i, path in enumerate(stretch_paths(record)):
+        at = record.arrays["stretch"] == i
+        out[at] = distance_to_polyline(tracked[at], path[:, :2])
+    return out
+
+
+def path_length(path: MotionPath) -> float:
+    """Return the way [m] of the tracking point along a path; a turn on the spot is none."""
+    if isinstance(path, ArcPath):
+        return path.length
+    return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in path.pieces)
 
 
 def contact_forces(plan: Plan, record: Record, name: str = "measured_force") -> tuple[Array, Array]:
-    """Return the normal (N, A) and the two tangential components (N, A, 2) [N] of forces ON the object.
+    """Return the normal (N, C) and the two tangential components (N, C, 2) [N] of forces ON the object.
 
-    Side contact: along the face's inward normal; to the left of it, and up. Top contact: down; x and y in B.
-    ``name`` is the record's array, world axes.
+    For C contacts, each of its own arm. Side contact: along the face's inward normal; to the left of it, and
+    up. Top contact: down; x and y in B. ``name`` is the record's array, world axes.
     """
     forces, yaw = record.arrays[name], record.arrays["object_pose"][:, 2]
-    normals, tangents = np.empty(forces.shape[:2]), np.empty((*forces.shape[:2], 2))
+    contacts = plan.choice.contacts
+    normals, tangents = np.empty((len(yaw), len(contacts))), np.empty((len(yaw), len(contacts), 2))
     c, s = np.cos(yaw), np.sin(yaw)
-    for i, contact in enumerate(plan.choice.contacts):
-        x, y = c * forces[:, i, 0] + s * forces[:, i, 1], -s * forces[:, i, 0] + c * forces[:, i, 1]
-        z = forces[:, i, 2]
+    for i, contact in enumerate(contacts):
+        wx, wy, z = forces[:, contact.arm].T
+        x, y = c * wx + s * wy, -s * wx + c * wy
         if contact.kind == "top":
             normals[:, i], tangents[:, i, 0], tangents[:, i, 1] = -z, x, y
         else:
@@ -106,14 +121,13 @@ def contact_forces(plan: Plan, record: Record, name: str = "measured_force") -> 
     return normals, tangents
 
 
-def surface_coordinates(plan: Plan, record: Record, arm: int) -> Array:
-    """Return where on the object's surface tip ``arm`` touches: (N, 2) [m].
+def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
+    """Return where on the object's surface the tip of ``contact`` touches: (N, 2) [m].
 
     Side contact: along the face (round a cylinder: the arc) and up; top contact: x and y in B. A sphere
     touches a flat face at the foot of its centre, whatever the force, so that the tip's centre decides.
     """
-    task, contact = plan.task, plan.choice.contacts[arm]
-    tip, pose = record.arrays["tip_position"][:, arm], record.arrays["object_pose"]
+    tip, pose = record.arrays["tip_position"][:, contact.arm], record.arrays["object_pose"]
     c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     dx, dy = tip[:, 0] - pose[:, 0], tip[:, 1] - pose[:, 1]
     x, y = c * dx + s * dy, -s * dx + c * dy  # in G; B has the same axes
@@ -150,15 +164,17 @@ def travel(points: Array, play: float = 0.0) -> Array:
     return way
 
 
-def slip(plan: Plan, record: Record, arm: int) -> Array:
-    """Return the cumulative slip [m] (N,) of tip ``arm`` along the surface, in phase "move" while it touches.
+def slip(plan: Plan, record: Record, index: int) -> Array:
+    """Return the cumulative slip [m] (N,) of contact ``index`` along the surface, in phase "move" while its
+    tip touches.
 
     Each stretch of unbroken contact is taken by itself: where the tip lands after a loss is no slip. Jitter
     below ``SLIP_PLAY`` is not summed (see ``travel``). A tip that rolls counts as one that slips.
     """
     normals, _ = contact_forces(plan, record)
-    touching = in_phase(record, "move") & (normals[:, arm] >= CONTACT_FORCE)
-    points, out, before = surface_coordinates(plan, record, arm), np.zeros(ticks(record)), 0.0
+    touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
+    points = surface_coordinates(plan.task, record, plan.choice.contacts[index])
+    out, before = np.zeros(ticks(record)), 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], touching, [False]]).astype(np.int8)))
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
         way = before + travel(points[start:stop], SLIP_PLAY)

@@ -78,7 +78,9 @@ def legend(axes: Axes, **options: Any) -> None:
 
 
 def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
-    """Tint the stretches of time that belong to each phase; ``label`` also names them along the top."""
+    """Tint the time of each phase, and mark where a stretch of the plan begins after another; ``label`` also
+    names the phases along the top.
+    """
     time, phase = record.arrays["time"], record.arrays["phase"]
     if not len(time):
         return
@@ -95,4 +97,6 @@ def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
                 0.5 * (start + end), 1.02, name, transform=axes.get_xaxis_transform(), ha="center",
                 va="bottom", fontsize=8.5, color=GREY,
             )  # fmt: skip
+    for begun in np.flatnonzero(np.diff(record.arrays["stretch"])) + 1:
+        axes.axvline(float(time[begun]), color=GREY, linewidth=0.9, ls=":", zorder=0.5)
     axes.set_xlim(float(time[0]), float(time[-1]) or 1.0)

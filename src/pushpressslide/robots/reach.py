@@ -22,6 +22,7 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 """Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
 
 QUICK_ITERATIONS = 30
+HOPELESS = -0.03  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 
@@ -82,8 +83,43 @@ def reach_problem(
     """
     kin = arm_kinematics(robot)
     found = reachable(kin, np.array(points, dtype=np.float64).reshape(-1, 3), attitude, None, joint_margin)
-    if found.ok.all():
-        return None
+    return None if found.ok.all() else _problem(kin, robot, points, found, joint_margin)
+
+
+def held_somehow_problem(
+    robot: Robot, points: Sequence[tuple[float, float, float]], attitudes: Sequence[ToolAttitude]
+) -> str | None:
+    """Return in one line why a robot cannot bring its tip's centre to all points [m] with the tool held in any
+    one of ``attitudes``; or None.
+
+    The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the farthest.
+    """
+    kin = arm_kinematics(robot)
+    p = np.array(points, dtype=np.float64).reshape(-1, 3)
+    far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
+    hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
+    problem = None
+    for attitude in attitudes:
+        found = reachable(kin, p[hardest], attitude, None, REACH_MARGIN)
+        if not found.ok.all():
+            problem = problem or _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
+            if found.miss.max() > robot.tip_length + HOPELESS:
+                break  # no tilt makes up for that
+            continue
+        found = reachable(kin, p, attitude, None, REACH_MARGIN)
+        if found.ok.all():
+            return None
+        problem = problem or _problem(kin, robot, points, found, REACH_MARGIN)
+    return problem
+
+
+def _problem(
+    kin: ArmKinematics,
+    robot: Robot,
+    points: Sequence[tuple[float, float, float]],
+    found: Reach,
+    joint_margin: float,
+) -> str:
     worst = int(np.argmax(np.where(found.ok, -1.0, found.miss)))
     x, y, z = (float(v) for v in points[worst])
     far = float(np.hypot(x - robot.base[0], y - robot.base[1]))

@@ -56,9 +56,9 @@ class Unicycle:
         return Pose2(self.cop[0] + ahead * e[0], self.cop[1] + ahead * e[1], math.atan2(e[1], e[0]))
 
     @property
-    def swing(self) -> float:
-        """Distance from the axle to the contact [m]."""
-        return abs(self.lever + self.reach - self.shift)
+    def length(self) -> float:
+        """Distance from the axle to the contact [m], the shift left out."""
+        return abs(self.lever + self.reach)
 
     @property
     def minimum_turning_radius(self) -> float:

@@ -26,7 +26,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Robot, Shape, Task
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
 from pushpressslide.sim.robot_models import add_robot
-from pushpressslide.sim.scenes import object_friction, rest_height, solid_inertia
+from pushpressslide.sim.scenes import object_friction, rest_height, solid_inertia, tile_size
 from pushpressslide.sim.station import ContactForceSensor
 from pushpressslide.sim.surfaces import (
     compliant_properties,
@@ -119,7 +119,7 @@ class _Rig:
         plant.set_contact_model(ContactModel.kHydroelastic)
         plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
         thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
-        soft = compliant_properties(own, 0.25 * body.shape.height)
+        soft = compliant_properties(own, min(0.25 * body.shape.height, tile_size(body.shape)))
         plant.RegisterCollisionGeometry(thing, RigidTransform(), object_shape(body.shape), "object", soft)
         half = _reach(body.shape) + ROOM
         grid = support_grid((START.x - half, START.x + half, START.y - half, START.y + half), probe.tile)

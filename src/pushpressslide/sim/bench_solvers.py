@@ -1,5 +1,5 @@
-"""The allocation problems put to Drake's solvers, for the benchmarks: one program each, of which a call changes
-the wrench and, for presses, the radii of the discs.
+"""The allocation problems put to Drake's solvers, for the benchmarks: one program each, of which a call
+changes the wrench and, for presses, the radii of the discs.
 """
 
 from __future__ import annotations

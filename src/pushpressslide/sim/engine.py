@@ -148,6 +148,7 @@ def run(
             tips.append(TipState(arm.state.position, arm.state.velocity, force))
         executed = perf_counter() - executing
         commands: Commands
+        followed = state.reference if state is not None else None
         references = []
         if time < approach_time:
             commands, log = (None,) * len(arms), _waiting(plan)
@@ -187,7 +188,7 @@ def run(
             twist=(x[object_v + 3], x[object_v + 4], x[object_v + 2]),
             commands=commands, tips=[t.position for t in tips], forces=forces,
             ticks=(*controller.ticks, executed, total),
-            more=_rows(x, object_q, arms, references, forces, bodies),
+            more=_rows(x, object_q, arms, references, forces, bodies), followed=followed,
         )  # fmt: skip
         if state is not None and state.phase == "done":
             reason = state.failure or ("goal_reached", "")
@@ -225,10 +226,7 @@ def run(
         "models": models,
         "start_tips": start_tips,
     }
-    followed = state.reference.path if state is not None and state.reference is not None else None
-    return recorder.record(
-        reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta, followed
-    )
+    return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta)
 
 
 def _waiting(plan: Plan) -> ControlLog:

@@ -29,7 +29,8 @@ from pushpressslide.sim.clearance import ClearanceModel
 
 Array = NDArray[np.float64]
 
-STEP = 0.015  # [m] of the tip between samples
+STEP = 0.015  # [m] of the way between samples
+TURN_ARM = 0.2  # [m] of way that a turn by one radian counts for
 JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
@@ -126,7 +127,12 @@ def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
     lengths, bodies, done = [], [], 0.0
     for stretch in plan.stretches:
         length, X_VB = stretch.path.length, stretch.X_BV.inverse()
-        grid = np.linspace(0.0, length, max(8, math.ceil(length / STEP)) + 1)[0 if not lengths else 1 :]
+        ends = stretch.path.pieces
+        turned = sum(
+            abs(piece[0] if isinstance(piece[0], float) else piece[0][2]) * piece[1] for piece in ends
+        )
+        count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
+        grid = np.linspace(0.0, length, count + 1)[0 if not lengths else 1 :]
         lengths += [done + float(s) for s in grid]
         bodies += [stretch.path.pose(float(s)).compose(X_VB) for s in grid]
         done += length

@@ -1,0 +1,182 @@
+"""One object on its support and the tips at it: quasi-static, tick by tick, under tip commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pushpressslide.core.control import TipCommand, TipState, Vector3
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point, Pose2, cross
+from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import moved
+from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.pressure import center_of_pressure, total_load
+from pushpressslide.planar.contact import FREE, ContactStatus, SideContact, TipLaw, TopContact
+from pushpressslide.planar.faces import Face, face_of
+from pushpressslide.planar.sliding import slide
+from pushpressslide.planar.support import Support
+
+GRAVITY = 9.81  # [m/s^2]
+TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it
+
+
+@dataclass(frozen=True, slots=True)
+class WorldState:
+    """Where everything is, and what led there in the tick before."""
+
+    X_WB: Pose2
+    tips: tuple[TipState, ...]  # one per robot; the force is zero without contact
+    contacts: tuple[ContactStatus, ...]  # one per robot
+    twist: Twist  # in B
+    tipping: bool  # the load is off the base
+
+
+@dataclass(frozen=True, slots=True)
+class _Reach:
+    """One commanded tip at the start of a tick, in B."""
+
+    contact: Contact
+    radius: float  # [m]
+    place: Point  # [m] of the tip's centre
+    gap: float  # [m] to the face, infinite beside it
+    law: TipLaw
+    press: float  # [N] on the top
+    climb: float  # [m/s] upwards
+
+    def touching(self, cop: Point, friction: float, dt: float) -> SideContact | TopContact | None:
+        """Return what the tip may do at its face in a tick; None if it does not come near it."""
+        x, y = self.place[0] - cop[0], self.place[1] - cop[1]
+        if self.press > 0.0:
+            return TopContact((x, y), self.law, friction * self.press)
+        if self.contact.kind == "top" or self.gap == math.inf:
+            return None
+        nx, ny = self.law.axis
+        out = self.gap + self.radius
+        point, center = (x + out * nx, y + out * ny), (x + self.gap * nx, y + self.gap * ny)
+        return SideContact(point, center, self.law, friction, self.gap / dt)
+
+
+class World:
+    """A task's object on its table, and the tips; the truth, not what is believed.
+
+    The object has no inertia and the tips no mass: a tip exerts what its command asks for at the velocity it
+    has, so the cap of its servo, which is for an arm's inertia, has no part here. A tip touches in a point;
+    its friction acts in the plane. Movable obstacles are not modelled: the object passes through them.
+    """
+
+    def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
+        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the tick.
+
+        Raises PushPressSlideError for an object on a wall.
+        """
+        if task.support.kind != "table":
+            raise PushPressSlideError(f"support.kind {task.support.kind!r}; the planar engine allows: table")
+        self.task, self.contacts, self.dt = task, tuple(contacts), dt
+        self.support = Support(task.object.shape, task.object.center_of_mass)
+        radii = [task.robots[c.arm].tip_radius for c in contacts]
+        self.faces = [face_of(task.object, self.support, c, r) for c, r in zip(contacts, radii, strict=True)]
+
+    def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:
+        """Return the state with the object at ``X_WG`` and each tip ``gap`` [m] before its contact on an
+        object at ``planned``; a tip without a contact is at its robot's base.
+        """
+        X_WB = planned.compose(self.task.object.X_GB)
+        places = [robot.base for robot in self.task.robots]
+        for contact in self.contacts:
+            point, height = contact.tip_place(self.task.robots[contact.arm].tip_radius, gap)
+            places[contact.arm] = (*X_WB.apply(point), height)
+        tips = tuple(_resting(place) for place in places)
+        X_WB = X_WG.compose(self.task.object.X_GB)
+        return WorldState(X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False)
+
+    def step(self, state: WorldState, commands: Sequence[TipCommand | None]) -> WorldState:
+        """Return the state one tick on; a tip without a command stays where it is."""
+        X_WB, dt = state.X_WB, self.dt
+        reaches = [
+            self._reach(state, contact, face, command)
+            for contact, face in zip(self.contacts, self.faces, strict=True)
+            if (command := commands[contact.arm]) is not None
+        ]
+        cop, load = self._load(state, reaches)
+        cop, friction, tipping = self.support.under(cop)
+        mu = self.task.contact_friction
+        touching = [reach.touching(cop, mu, dt) for reach in reaches]
+        limit = self.task.support.friction * load
+        guess = state.twist.moved_to(cop)
+        vx, vy, w = slide(
+            friction, limit, [t for t in touching if t is not None], (guess.vx, guess.vy, guess.w)
+        )
+        twist = Twist(vx, vy, w, cop)
+        origin = twist.moved_to((0.0, 0.0))
+        X_after = moved(X_WB, (origin.vx, origin.vy, w), dt)
+
+        tips = [_resting(tip.position) for tip in state.tips]
+        statuses: list[ContactStatus] = ["free"] * len(tips)
+        for reach, contact in zip(reaches, touching, strict=True):
+            response = FREE if contact is None else contact.response((vx, vy, w))
+            velocity = reach.law.velocity(response.force)
+            fx, fy = X_WB.rotate(response.force)
+            ux, uy = X_WB.rotate(velocity)
+            x, y, z = state.tips[reach.contact.arm].position
+            if response.status == "free":
+                x, y = x + dt * ux, y + dt * uy
+            else:  # with the object, but for its slip
+                (px, py), carried = reach.place, twist.moved_to(reach.place)
+                sx, sy = velocity[0] - carried.vx, velocity[1] - carried.vy
+                x, y = X_after.apply((px + dt * sx, py + dt * sy))
+            tips[reach.contact.arm] = TipState(
+                (x, y, z + dt * reach.climb), (ux, uy, reach.climb), (fx, fy, -reach.press)
+            )
+            statuses[reach.contact.arm] = response.status
+        return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
+
+    def _reach(self, state: WorldState, contact: Contact, face: Face, command: TipCommand) -> _Reach:
+        """Return what a tip does in a tick as far as it does not depend on the object's motion."""
+        X_WB, dt = state.X_WB, self.dt
+        x, y, z = state.tips[contact.arm].position
+        place = X_WB.unapply((x, y))
+        gap, normal = face.gap(place, z)
+        # f_0 in the plane, along the command's axes: what the tip exerts while it does not move
+        c, s = math.cos(command.normal_yaw), math.sin(command.normal_yaw)
+        (kn, kt, kz), (bn, bt, bz) = command.stiffness, command.damping
+        dx, dy = command.position[0] - x, command.position[1] - y
+        ux, uy, uz = command.velocity
+        fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
+        ft = kt * (c * dy - s * dx) + bt * (c * uy - s * ux)
+        force = X_WB.unrotate((command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft))
+        # at a side the dampings are taken along the face's own axes, a few degrees off the command's
+        axis = normal if contact.kind == "side" else X_WB.unrotate((c, s))
+        along = (axis[0] * force[0] + axis[1] * force[1], cross(axis, force))
+        law = TipLaw(axis, along, (_damping(bn, kn, dt), _damping(bt, kt, dt)))
+        lift, damping = command.force[2] + kz * (command.position[2] - z) + bz * uz, _damping(bz, kz, dt)
+        press = -(lift + damping * gap / dt) if contact.kind == "top" else 0.0
+        radius = self.task.robots[contact.arm].tip_radius
+        if press > 0.0:
+            return _Reach(contact, radius, place, gap, law, press, -gap / dt)
+        return _Reach(contact, radius, place, gap, law, 0.0, lift / damping)
+
+    def _load(self, state: WorldState, reaches: Sequence[_Reach]) -> tuple[Point, float]:
+        """Return CoP [m] in B and load [N] on the support, by the presses of this tick and the horizontal
+        forces of the one before.
+        """
+        own, top = self.task.object.mass * GRAVITY, self.task.object.shape.height
+        presses = [reach.press for reach in reaches]
+        tips = [state.tips[reach.contact.arm] for reach in reaches]
+        cop = center_of_pressure(
+            own, (0.0, 0.0), presses, [reach.place for reach in reaches],
+            [state.X_WB.unrotate((tip.force[0], tip.force[1])) for tip in tips],
+            [top if r.contact.kind == "top" else t.position[2] for r, t in zip(reaches, tips, strict=True)],
+        )  # fmt: skip
+        return cop, total_load(own, presses)
+
+
+def _damping(damping: float, stiffness: float, dt: float) -> float:
+    """Return what a tip's force loses with its velocity over a tick: its spring is taken at the end of it."""
+    return max(damping + stiffness * dt, TIP_DRAG)
+
+
+def _resting(position: Vector3) -> TipState:
+    return TipState(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -1,0 +1,216 @@
+"""The page of identified pushes: a table, and for each set a figure of predictions, surface and support."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.identification.scoring import Identification
+from pushpressslide.mechanics.rho import rho_pole
+from pushpressslide.report import style
+from pushpressslide.report.page import document, image
+from pushpressslide.report.page_tables import table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+MODELS = {
+    "ellipsoid": ("ellipsoid, rho alone", style.ORANGE, "-"),
+    "full_ellipsoid": ("ellipsoid, full", style.AMBER, "--"),
+    "quartic": ("convex quartic", style.PURPLE, "-"),
+    "pressure": ("fitted pressure", style.BLUE, "-"),
+    "no_fit": ("no fit", style.GREEN, "--"),
+    "no_fit_uniform": ("no fit, even load", style.GREY, ":"),
+}
+"""Label, colour and line of each model."""
+
+LEGEND = (
+    "rho: of the ellipsoid fitted to all pushes of the set, beside the mean distance of the load at rest to "
+    "its centre, from the places of the pins or for an even load on the base. Friction: of object and board, "
+    "from the forces. Errors: angle between predicted and measured direction of motion (vx, vy, 50 mm w), "
+    "mean over pushes that were held out of the fit. No fit: from the places of the pins, or the outline of "
+    "the base as a rigid face on an elastic board, and the weight alone."
+)
+CAPTION = (
+    "Above, held-out pushes: how often the error is below a bound, and the turn that each push was predicted "
+    "to make (mean over the splits) against the turn it made. Below, fitted to all pushes: force and moment "
+    "of each push with the surfaces (the band spans the directions of the force), and the support with the "
+    "loads at rest and the forces of the pushes."
+)
+
+
+def write_identification(
+    identifications: Sequence[Identification], out: Path, how: str, notes: Sequence[str]
+) -> Path:
+    """Write ``out``/report.html and ``out``/plots/<set>.png; return the path of the page.
+
+    ``how`` says how the pushes were split; ``notes`` what was left out.
+    """
+    body = ["<h1>Support identified from pushes</h1>", f"<p>{escape(how)} {escape(LEGEND)}</p>"]
+    body.append(_table(identifications))
+    body += [f"<p>{escape(note)}</p>" for note in notes]
+    for found in identifications:
+        name = found.push_set.name
+        picture = style.png(set_figure(found))
+        write_whole(out / "plots" / f"{name.replace('/', '-')}.png", picture)
+        body.append(f"<section><h2>{escape(name)}</h2>{image(picture, name, CAPTION)}</section>")
+    return write_whole(out / "report.html", document("Support identified from pushes", "".join(body)))
+
+
+def predicted_rho(found: Identification) -> tuple[float, float | None]:
+    """Return rho [m] from the layout: of the pins, or of an even load; and of a rigid face, None on pins."""
+    uniform = found.push_set.uniform_pressure()
+    expected = rho_pole(found.push_set.static_pressure())
+    return (expected, None) if uniform is None else (rho_pole(uniform), expected)
+
+
+HEAD = (
+    "set", "pushes", "friction", "rho", "rho predicted", "for a rigid face", *(m[0] for m in MODELS.values()),
+)  # fmt: skip
+
+
+def cells(found: Identification) -> list[str]:
+    """Return the row of a set under ``HEAD``: rho in mm, mean held-out errors in degrees; "" for none."""
+    lengths = (found.ellipsoid.rho, *predicted_rho(found))
+    return [
+        found.push_set.name,
+        str(len(found.push_set.pairs)),
+        f"{found.pressure.friction:.3f}",
+        *("" if rho is None else f"{1e3 * rho:.1f}" for rho in lengths),
+        *(f"{math.degrees(found.scores[m].mean):.1f}" if m in found.scores else "" for m in MODELS),
+    ]
+
+
+def _table(identifications: Sequence[Identification]) -> str:
+    units = ["", "", "", *[" [mm]"] * 3, *[" [°]"] * len(MODELS)]
+    head = [name + unit for name, unit in zip(HEAD, units, strict=True)]
+    rows = []
+    for found in identifications:
+        name, *figures = cells(found)
+        row = [f'<td class="n">{text}</td>' for text in figures]
+        rows.append([f'<th scope="row">{escape(name)}</th>', *row])
+    return table(head, rows, numbers=len(head) - 1)
+
+
+def set_figure(found: Identification) -> Figure:
+    """Return the figure of one set: errors, turns, surface, support."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(style.SETTINGS):
+        made = Figure(figsize=(style.WIDTH + 1.0, 7.6), dpi=style.DPI, layout="constrained")
+        (errors, turns), (surface, support) = made.subplots(2, 2)
+        _errors(errors, found)
+        _turns(turns, found)
+        _surface(surface, found)
+        _support(support, found)
+    return made
+
+
+def _errors(axes: Axes, found: Identification) -> None:
+    for name, (label, color, line) in MODELS.items():
+        if name in found.scores:
+            errors = np.sort(np.degrees(found.scores[name].errors.ravel()))
+            share = 100.0 * np.arange(1, len(errors) + 1) / len(errors)
+            axes.plot(errors, share, line, color=color, label=f"{label}: mean {errors.mean():.1f}°")
+    axes.set_xlim(0.0, 45.0)
+    axes.set_ylim(0.0, 101.0)
+    axes.set_xlabel("error of the direction [deg]")
+    axes.set_ylabel("held-out pushes below [%]")
+    axes.legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
+    style.title(axes, "How far predictions are off")
+
+
+def _turns(axes: Axes, found: Identification) -> None:
+    measured = _turn(found.push_set.pairs.directions)
+    axes.plot((-90.0, 90.0), (-90.0, 90.0), color=style.PALE, lw=1.2, zorder=1)
+    for name, mark in (("ellipsoid", "x"), ("pressure", "o")):
+        label, color, _ = MODELS[name]
+        predicted = _turn(found.scores[name].mean_directions)
+        size = 22 if mark == "x" else 16
+        axes.scatter(
+            measured, predicted, size, color=color, marker=mark, linewidths=1.0, label=label, zorder=2
+        )
+    axes.set_aspect("equal")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_ticks(range(-90, 91, 30))
+    axes.set_xlabel("measured turn, atan(50 mm w / v) [deg]")
+    axes.set_ylabel("predicted, held out [deg]")
+    axes.legend(loc="upper left")
+    style.title(axes, "Turn against translation")
+
+
+def _turn(directions: Array) -> Array:
+    out: Array = np.degrees(np.arcsin(np.clip(directions[:, 2], -1.0, 1.0)))
+    return out
+
+
+def _surface(axes: Axes, found: Identification) -> None:
+    w = found.push_set.pairs.wrenches
+    angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 61)
+    outline = np.stack([np.cos(angle), 1e3 * found.ellipsoid.rho * np.sin(angle)])
+    radius = _radius(found, angle)
+    band = np.hstack([radius.min(1) * outline, (radius.max(1) * outline)[:, ::-1]])
+    axes.fill(*band, color=style.SKY, alpha=0.35, lw=0.0, label=MODELS["pressure"][0])
+    label, color, _ = MODELS["ellipsoid"]
+    axes.plot(*(found.ellipsoid.max_force * outline), color=color, label=label)
+    force = np.hypot(w[:, 0], w[:, 1])
+    axes.scatter(force, 1e3 * w[:, 2], 14, color=style.BLACK, zorder=3, label="measured")
+    axes.set_xlim(left=0.0)
+    axes.set_xlabel("force [N]")
+    axes.set_ylabel("moment about the CoM [N mm]")
+    axes.legend(loc="center left")
+    style.title(axes, "Limit surface: force and moment while sliding")
+
+
+def _radius(found: Identification, angle: Array) -> Array:
+    """Return the norm [N] of (|F|, tau / rho) on the fitted surface, for each angle atan2(tau / rho, |F|).
+
+    One column for each of 24 directions of the force; for the loads at rest.
+    """
+    turn = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
+    steep, around = np.meshgrid(angle, turn, indexing="ij")
+    flat = np.cos(steep)
+    moment = found.ellipsoid.rho * np.sin(steep)
+    wrenches = np.stack([flat * np.cos(around), flat * np.sin(around), moment], axis=2).reshape(-1, 3)
+    levels = found.pressure.slides(wrenches, np.zeros(len(wrenches)))[1]
+    out: Array = (found.pressure.max_force / levels).reshape(steep.shape)
+    return out
+
+
+def _support(axes: Axes, found: Identification) -> None:
+    push_set, pressure = found.push_set, found.pressure
+    outline = 1e3 * np.array([*push_set.base, push_set.base[0]])
+    axes.plot(*outline.T, color=style.GREY, lw=1.2, label="base")
+    points = 1e3 * pressure.points
+    if push_set.pins:
+        axes.scatter(*points.T, 900.0 * pressure.shares, color=style.SKY, lw=0.0)
+        for point, share in zip(points, pressure.shares, strict=True):
+            axes.annotate(f"{100.0 * share:.0f} %", point, ha="center", va="center", fontsize=8)
+    else:
+        areas = pressure.radii**2
+        ratio = pressure.shares / areas * areas.sum()
+        spots = axes.scatter(*points.T, 22, c=ratio, cmap="cividis_r", vmin=0.0, vmax=3.0, lw=0.0)
+        axes.figure.colorbar(spots, ax=axes, label="pressure over its mean", shrink=0.8, extend="max")
+    contacts, forces = 1e3 * push_set.pairs.contacts, push_set.pairs.wrenches[:, :2]
+    axes.quiver(
+        *contacts.T, *forces.T, pivot="tip", angles="xy", scale_units="xy", scale=0.22, width=0.003,
+        color=style.ORANGE, label="forces",
+    )  # fmt: skip
+    axes.plot(0.0, 0.0, "+", color=style.BLACK, ms=9, label="CoM")
+    axes.set_aspect("equal")
+    axes.margins(0.14)
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.legend(loc="upper right")
+    style.title(axes, "Fitted load at rest, and the pushes")
