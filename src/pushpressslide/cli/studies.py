@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import app, print_outcome, task_of
+from pushpressslide.cli.app import app, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
     Engine,
     EngineName,
@@ -80,19 +80,36 @@ def reproduce(
 
 @app.command()
 def identify(
-    data: Annotated[Path, typer.Argument(metavar="DATA", help="Recorded motions.")],
+    data: Annotated[
+        Path, typer.Argument(metavar="DATA", help="A log of recorded pushes, or a folder with logs.")
+    ],
     seed: Seed = 0,
+    splits: Annotated[
+        int, typer.Option("--splits", min=1, max=10_000, help="Random splits to score on.")
+    ] = 20,
+    fit_share: Annotated[
+        float, typer.Option("--fit-share", min=0.05, max=0.95, help="Share of the pushes that is fitted.")
+    ] = 0.5,
     out: Out = None,
     as_json: Json = False,
+    quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Identify rho and friction from recorded motions.
+    """Identify rho, friction and pressure from recorded pushes.
 
-    The model is scored on motions that were held out.
+    The models are scored on pushes that were held out.
     """
     work = part("experiments.identify", "identify", "identify")
     folder = results_folder(out, "identify", force)
-    print_outcome(work(data, seed=seed, out=folder), folder, as_json)
+    with progress_bar(f"pushes of {data.name}", not quiet) as progress:
+        options = {"seed": seed, "splits": splits, "fit_share": fit_share}
+        result, found = work(data, out=folder, progress=progress, **options)
+    if as_json:
+        print_json(result)
+    elif not quiet:
+        from pushpressslide.cli.identification_table import lines
+
+        typer.echo("\n".join([*lines(found, result), str(folder / "report.html")]))
 
 
 @app.command()
@@ -103,9 +120,21 @@ def bench(
     seed: Seed = 0,
     out: Out = None,
     as_json: Json = False,
+    quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Run the benchmarks beside the alternatives, as ratios."""
+    """Run the benchmarks beside the alternatives, as ratios.
+
+    Names: pushes, presses, tick, agreement, coverage, turning.
+    """
     work = part("experiments.bench", "bench", "bench")
     folder = results_folder(out, "bench", force)
-    print_outcome(work(names or None, seed=seed, out=folder), folder, as_json)
+    with progress_bar("benchmarks", not quiet) as progress:
+        result = work(names or None, seed=seed, out=folder, progress=progress)
+    if as_json:
+        print_json(result)
+    elif not quiet:
+        from pushpressslide.cli.bench_table import print_benchmarks
+
+        print_benchmarks(result["benchmarks"])
+        typer.echo(folder)

@@ -110,6 +110,16 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True)
+class ToolUse:
+    """The object is a tool: with a side face it pushes another body to that body's goal."""
+
+    body: str  # name of a movable obstacle
+    goal: Pose2  # of that body's centre, in the world
+    face: int  # index of the edge of the tool's footprint that pushes
+    straight: float  # [m] of way from the touch to the goal
+
+
+@dataclass(frozen=True, slots=True)
 class Limits:
     """Bounds of the run."""
 
@@ -178,6 +188,7 @@ class Task:
     contact_friction: float = 0.6  # pair end effector/object, in (0, 2)
     tolerance: Tolerance = field(default_factory=Tolerance)
     obstacles: tuple[Obstacle, ...] = ()
+    tool: ToolUse | None = None  # then ``goal`` is where the tool has the other body at its goal
     modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
     limits: Limits = field(default_factory=Limits)
     belief: Belief | None = None  # never None once loaded

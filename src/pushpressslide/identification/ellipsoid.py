@@ -1,4 +1,4 @@
-"""Ellipsoids fitted to pushes: with one parameter (rho), and with all six.
+"""Ellipsoids fitted to pushes: with one parameter (rho), and of any shape about the centre of mass.
 
 Source: docs/mechanics.md, section 1; docs/identification.md.
 """
@@ -6,11 +6,13 @@ Source: docs/mechanics.md, section 1; docs/identification.md.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.identification.fitting import least_squares
 from pushpressslide.identification.pairs import LENGTH, Pairs, unit
 
 Array = NDArray[np.float64]
@@ -18,19 +20,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FittedEllipsoid:
-    """H(W) = w^T M w with w = (fx, fy, tau / LENGTH); M is positive definite."""
+    """H(W) = w^T M w with w = (fx, fy, tau / LENGTH); the surface is H = 1."""
 
-    matrix: Array  # (3, 3) [1/N^2]; H is 1 at the typical push of the fit
-
-    @property
-    def rho(self) -> float:
-        """Length rho [m]: root of the ratio of the mean translational to the rotational stiffness."""
-        return LENGTH * math.sqrt(0.5 * (self.matrix[0, 0] + self.matrix[1, 1]) / self.matrix[2, 2])
+    matrix: Array  # (3, 3) [1/N^2], positive definite
 
     @property
     def max_force(self) -> float:
-        """mu N [N]: the force that slides the object without a turn, mean over its directions."""
-        return 1.0 / math.sqrt(0.5 * (self.matrix[0, 0] + self.matrix[1, 1]))
+        """mu N [N], mean over the directions of the force."""
+        return 1.0 / math.sqrt(0.5 * float(self.matrix[0, 0] + self.matrix[1, 1]))
+
+    @property
+    def rho(self) -> float:
+        """Largest moment over ``max_force`` [m]."""
+        return LENGTH / (self.max_force * math.sqrt(float(self.matrix[2, 2])))
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
         """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3); heights play no part."""
@@ -38,18 +40,26 @@ class FittedEllipsoid:
 
 
 def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid, isotropic in translation, whose directions are nearest to the measured ones.
+    """Return the ellipsoid, isotropic in translation, with the rho that fits the directions best.
 
-    Least squares over rho alone; mu N is the median over the pushes.
+    Its mu N is the median over the pushes.
     """
-    return _fit(pairs, lambda z: np.diag([1.0, 1.0, math.exp(2.0 * z[0])]), 1)
+    return _fit(pairs, lambda z: np.diag((1.0, 1.0, math.exp(z[0]))), 1)
 
 
 def fit_full(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid of any shape, M = L L^T, whose directions are nearest to the measured ones."""
+    """Return the ellipsoid of any shape about the CoM that fits the directions best; mu N as above."""
 
     def matrix(z: Array) -> Array:
-        low = np.array([[1.0, 0.0, 0.0], [z[1], math.exp(z[2]), 0.0], [z[3], z[4], math.exp(z[0])]])
-        return low @ low.T
+        root = np.array([[1.0, 0.0, 0.0], [z[1], math.exp(z[2]), 0.0], [z[3], z[4], math.exp(0.5 * z[0])]])
+        product: Array = root @ root.T
+        return product
 
     return _fit(pairs, matrix, 5)
+
+
+def _fit(pairs: Pairs, matrix: Callable[[Array], Array], parameters: int) -> FittedEllipsoid:
+    w = pairs.wrenches / (1.0, 1.0, LENGTH)
+    z = least_squares(lambda z: unit(w @ matrix(z)), pairs.directions, np.zeros(parameters), ridge=1e-3)
+    shape = matrix(z)
+    return FittedEllipsoid(shape / np.median(np.einsum("ni,ij,nj->n", w, shape, w)))

@@ -19,10 +19,11 @@ from pushpressslide.identification.recordings import RecordedPush
 Array = NDArray[np.float64]
 
 LENGTH = 0.05  # [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH w), unit
-FREE_SHARE = 0.3  # of the samples in contact, left out at the start: the probe settles
+FREE_SHARE = 0.3  # of the samples in contact, the first, that are left out
 LEAST_FORCE = 0.2  # [N] mean; a push with less has not touched
 LEAST_MOTION = 1e-3  # [m] of (x, y, LENGTH yaw); a push with less gives no direction
-TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])  # and from "on the sensor" to "on the object"
+# From the force on the sensor, in its frame, to that on the object, in the frame of the tool.
+TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +73,8 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     """Return fx, fy, tau, dx, dy, yaw, contact x, y and height of one push, or why there is none."""
     if not len(push.forces) or not len(push.probe):
         return "no force or probe samples"
-    yaw = _yaw(push.before[3:])
-    turn = wrap_angle(_yaw(push.after[3:]) - yaw)
+    yaw = float(_yaw(push.before[3:]))
+    turn = wrap_angle(float(_yaw(push.after[3:])) - yaw)
     com = np.array(center_of_mass)
     start = push.before[:2] + _rotated(com, yaw)
     shift = push.after[:2] + _rotated(com, yaw + turn) - start
@@ -95,7 +96,14 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     torque = contact[:, 0] * on_object[:, 1] - contact[:, 1] * on_object[:, 0]
     height = max(0.0, float(push.probe[:, 3].mean() - push.before[2]))
     return np.concatenate(
-        [on_object.mean(0), [torque.mean()], _rotated(shift, -yaw - 0.5 * turn), [turn], contact.mean(0), [height]]
+        [
+            on_object.mean(0),
+            [torque.mean()],
+            _rotated(shift, -yaw - 0.5 * turn),
+            [turn],
+            contact.mean(0),
+            [height],
+        ]
     )
 
 

@@ -15,6 +15,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.identification.pairs import Pairs, measured_pairs
 from pushpressslide.identification.recordings import Recording, find_recordings, read_recording
 from pushpressslide.mechanics.pressure import PressureSamples, pin_pressure, polygon_pressure
+from pushpressslide.mechanics.punch import punch_pressure
 
 GRAVITY = 9.81  # [m/s^2]
 MASS = 1.5  # [kg] of the prism
@@ -43,11 +44,15 @@ class PushSet:
         """Corners of the base [m] in B, counter-clockwise."""
         return tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in BASE)
 
-    def static_pressure(self, resolution: int = 2) -> PressureSamples:
-        """Return the load at rest [N], in B: on the pins by statics, uniform where the whole base touches."""
+    def static_pressure(self) -> PressureSamples:
+        """Return the load at rest [N] in B: on the pins by statics, else that of a rigid face."""
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
-        return polygon_pressure(self.base, self.weight, resolution=resolution)
+        return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
+
+    def uniform_pressure(self) -> PressureSamples | None:
+        """Return the load at rest [N] in B, spread evenly; None on pins."""
+        return None if self.pins else polygon_pressure(self.base, self.weight, resolution=6)
 
 
 def load_sets(
@@ -68,7 +73,7 @@ def load_sets(
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Return the pins [m], in the tracked frame, of a folder named x1_x2_x3_y1_y2_y3 [mm]; none for others."""
+    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm]; none for any other name."""
     try:
         numbers = [1e-3 * float(word) for word in name.split("_")]
     except ValueError:
@@ -90,12 +95,15 @@ def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
     if len(pairs) < LEAST_PUSHES:
         why = f" ({refused[0]})" if refused else ""
         raise PushPressSlideError(
-            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; at least {LEAST_PUSHES} are needed"
+            f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; "
+            f"at least {LEAST_PUSHES} are needed"
         )
     pins = tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in pins_of_name(folder.name))
     made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused))
     try:
         made.static_pressure()
     except ValueError as error:
-        raise PushPressSlideError(f"{folder}: its name gives pins that cannot carry the object: {error}") from None
+        raise PushPressSlideError(
+            f"{folder}: its name gives pins that cannot carry the object: {error}"
+        ) from None
     return made

@@ -77,7 +77,7 @@ def read_recording(path: Path) -> Recording:
 
 
 def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
-    """Return the logs below ``data`` (a log, or a folder with logs at any depth), and the texts that are none.
+    """Return the logs in ``data``, a log or a folder with logs at any depth, and the texts that are none.
 
     In a folder every .txt file counts whose first line is a number, but for the recorder's lists of commanded
     pushes ("pushaction"). Raises PushPressSlideError where there is no log.
@@ -85,11 +85,15 @@ def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
     if data.is_file():
         return [data], []
     if not data.is_dir():
-        raise PushPressSlideError(f"{data}: there is no such file or folder; give a log of pushes, or a folder")
+        raise PushPressSlideError(
+            f"{data}: there is no such file or folder; give a log of pushes, or a folder"
+        )
     texts = sorted(path for path in data.rglob("*.txt") if path.is_file())
     logs = [path for path in texts if "pushaction" not in path.name and _starts_with_a_number(path)]
     if not logs:
-        raise PushPressSlideError(f"{data}: holds no log of pushes; expected .txt files, here or in its folders")
+        raise PushPressSlideError(
+            f"{data}: holds no log of pushes; expected .txt files, here or in its folders"
+        )
     return logs, [path for path in texts if path not in set(logs)]
 
 
@@ -116,7 +120,9 @@ def _wrong(path: Path, row: Row, expected: str) -> PushPressSlideError:
 
 
 def _ended(path: Path, rows: Sequence[Row], expected: str) -> PushPressSlideError:
-    return PushPressSlideError(f"{path}: line {rows[-1][0]}: the file ends within a push; expected {expected}")
+    return PushPressSlideError(
+        f"{path}: line {rows[-1][0]}: the file ends within a push; expected {expected}"
+    )
 
 
 def _count(path: Path, rows: Sequence[Row], at: int, what: str) -> int:

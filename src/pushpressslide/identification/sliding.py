@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[Array, Array]:
-    """Return the unit directions (m, 3) of sliding and the forces mu N (m,) [N] that put the wrenches on the surface.
+    """Return unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each wrench on the surface.
 
     ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, of the loads; ``shares`` (m, n) of the total load for
     each wrench; ``wrenches`` (m, 3) [N, N m], not zero. All about the origin, directions as in ``Pairs``.
@@ -37,29 +37,30 @@ def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[
     for _ in range(60):
         px, py, speed = speeds(nu)
         units = np.stack([px, py, x * py - y * px + radii_squared * nu[:, 2:]], axis=2) / speed[:, :, None]
-        gradient = np.einsum("mn,mni->mi", shares, units)
+        gradient = (shares[:, None] @ units)[:, 0]
         k = shares / speed
-        hessian = -np.einsum("mn,mni,mnj->mij", k, units, units, optimize=True)
+        hessian = -(k[:, :, None] * units).transpose(0, 2, 1) @ units
         hessian[:, 0, 0] += k.sum(1)
         hessian[:, 1, 1] += k.sum(1)
         hessian[:, 2, 2] += k @ arms
         hessian[:, [0, 2], [2, 0]] -= (k @ y)[:, None]
         hessian[:, [1, 2], [2, 1]] += (k @ x)[:, None]
-        slopes = np.einsum("mij,mi->mj", basis, gradient)
+        slopes = (gradient[:, None] @ basis)[:, 0]
         curvature = basis.transpose(0, 2, 1) @ hessian @ basis
         curvature += 1e-12 * (1.0 + np.trace(curvature, axis1=1, axis2=2))[:, None, None] * np.eye(2)
         step = -np.linalg.solve(curvature, slopes[:, :, None])[:, :, 0]
         descent = (slopes * step).sum(1)
+        change = (basis @ step[:, :, None])[:, :, 0]
         length = np.ones(len(step))
         for _ in range(30):
-            new = nu + np.einsum("mij,mj->mi", basis, length[:, None] * step)
+            new = nu + length[:, None] * change
             new_power = (shares * speeds(new)[2]).sum(1)
             short = new_power > power + 1e-4 * length * descent + 1e-14
             if not short.any():
                 break
             length[short] *= 0.5
         nu, power = new, new_power
-        if np.abs(length[:, None] * step).max() < 1e-9:
+        if np.abs(length[:, None] * change).max() < 1e-9:
             break
     return unit(nu), size / power
 

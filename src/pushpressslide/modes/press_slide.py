@@ -18,7 +18,7 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import Press, friction_use, least_load
@@ -40,6 +40,7 @@ STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
 PLANNED = 0.6  # share of the bound that a plan's turns use; the rest is for corrections
 # share of the vehicle's length by which the virtual axle may move between straight and a plan's turns
 AXLE_PLAY = 0.45
+TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 LOOP = 0.3  # [m] that a path may be longer than one without a loop
 CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
 SWING = 1.2  # times the axle's speed that the contact may move in a turn; tighter turns are slower
@@ -212,6 +213,10 @@ class PressSlide:
                 X_BV = car.X_BV
         except ValueError as error:
             return refused(str(error))
+        load, off = _tool_load(task, X_BV.yaw)
+        if off > TOOL_SKEW:
+            return refused(f"it drives {math.degrees(off):.1f} deg off the normal of tool.face, allowed "
+                f"{math.degrees(TOOL_SKEW):g} deg")
         start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
         look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
         gentle, steady = SWING / car.length, min(1.0, rooms[0][1] / SAFE_ROOM)
@@ -229,7 +234,8 @@ class PressSlide:
             curvatures = _curvatures(gentle, math.tan(PLANNED * steepest) / abs(car.reach))
             # where it cannot go back there is no second attempt: only with a long run-in
             returns = self._way_back(task, press, not backward) is not None
-            run_ins = [k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
+            straight = 0.0 if task.tool is None else task.tool.straight
+            run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
             ways = []
             for back_up in back_ups if returns else (0.0,):
                 begin = advance(start, 0.0, -back_up)
@@ -243,7 +249,10 @@ class PressSlide:
             speed *= min(1.0, gentle / curvature)
         time = SpeedProfile(path.length, speed, motion.acceleration).duration + OVERHEAD
         mu = belief.contact_friction
-        use = friction_use(contact.load, press.weight, belief.support_friction, mu)
+        use = friction_use(contact.load, press.weight, belief.support_friction, mu) + load / (mu * contact.load)
+        if use > USE[-1]:
+            return refused(f"with the pushed body's {load:.1f} N straight sliding takes {use:.2f} of the tip's "
+                f"friction, allowed {USE[-1]:g}")
         level = belief.support_friction * (press.weight + contact.load)
         parameters = {
             **_figures(car, X_BV, level), "steepest": steepest, "look_ahead": look_ahead,
@@ -382,6 +391,19 @@ class PressSlide:
         )
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
+
+
+def _tool_load(task: Task, heading: float) -> tuple[float, float]:
+    """What a body pushed by the object adds to the drag [N], and how far ``heading`` [rad] in B is off the
+    pushing face's normal [rad].
+    """
+    shape, tool = task.object.shape, task.tool
+    if tool is None or isinstance(shape, Cylinder):
+        return 0.0, 0.0
+    (ax, ay), (bx, by) = (shape.footprint[(tool.face + i) % len(shape.footprint)] for i in (0, 1))
+    body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
+    outward = math.atan2(ax - bx, by - ay)
+    return body.friction * body.mass * GRAVITY, abs(remainder(heading - outward, TURN))
 
 
 def _curvatures(gentle: float, tightest: float) -> list[float]:

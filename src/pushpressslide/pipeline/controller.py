@@ -63,6 +63,7 @@ TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
 # pull the tip sideways off its face
 JOINT_LEAD = 0.03
 ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
+DRAG = (0.5, 2.5)  # bounds of the feed-forward's ratio to the plan's
 GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
@@ -177,6 +178,7 @@ class Controller:
         self.ticks = (tracked - started, perf_counter() - tracked)
 
         contacts = binding.plan.choice.contacts
+        gain = self.force_gain * self._drag_ratio(state)
         commands, memories = [], []
         lost, use = False, 0.0
         dt = measurement.time - state.last_time
@@ -189,7 +191,7 @@ class Controller:
             shear = math.hypot(*(f - normal_force * d for f, d in zip(tip.force[:2], n[:2], strict=True)))
             lost = lost or normal_force < max(0.5 * self.threshold, LOSS_SHARE * contact.load)
             use = max(use, shear / (self.friction * max(normal_force, self.threshold)))
-            f = X_WB.rotate((self.force_gain * f_B[0], self.force_gain * f_B[1]))
+            f = X_WB.rotate((gain * f_B[0], gain * f_B[1]))
             at_tip = guidance.twist.moved_to(inside)
             wanted = X_WB.rotate((at_tip.vx, at_tip.vy))
             before = memory.velocity or (0.0, 0.0)
@@ -299,6 +301,15 @@ class Controller:
             return state.axle
         force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
         return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
+
+    def _drag_ratio(self, state: ControllerState) -> float:
+        """What the object's drag was seen to be over what it was planned to be: friction, mass, or a load that
+        it pushes.
+        """
+        seen = state.axle.drag
+        if seen is None:
+            return 1.0
+        return min(max(seen / state.stretch.choice.parameters["push_force"], DRAG[0]), DRAG[1])
 
     def _identified(self, state: ControllerState) -> Identified | None:
         return None if state.identifier is None else state.identifier.identified(state.axle)

@@ -177,8 +177,10 @@ def _check_bodies(task: Task) -> None:
     for name, pose in object_poses:
         for field, robot in arms:
             _check_base(task, name, task.object.shape, pose, field, robot)
+        pushed = task.tool.body if task.tool is not None and name == "goal" else None
         for obstacle in task.obstacles:
-            _check_apart(task, name, task.object.shape, pose, obstacle)
+            if obstacle.name != pushed:
+                _check_apart(task, name, task.object.shape, pose, obstacle)
     for i, obstacle in enumerate(task.obstacles):
         field = f"obstacles[{i}].pose"
         for base_field, robot in arms:

@@ -65,7 +65,8 @@ def task_data(task: Task) -> dict[str, Any]:
         },
         "contact": {"friction": task.contact_friction},
         "start": _pose(task.start),
-        "goal": _pose(task.goal),
+        "goal": _pose(task.goal) if task.tool is None else {**_pose(task.tool.goal), "body": task.tool.body},
+        **({} if task.tool is None else {"tool": {"face": task.tool.face}}),
         "tolerance": {"position": task.tolerance.position, "yaw_deg": degrees(task.tolerance.yaw)},
         "robots": [
             {

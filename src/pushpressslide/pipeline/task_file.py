@@ -29,6 +29,7 @@ from pushpressslide.pipeline.task_checks import MODELS, check
 from pushpressslide.pipeline.task_dump import dump_task
 from pushpressslide.pipeline.task_reader import nearest, read
 from pushpressslide.pipeline.task_schema import SCHEMA
+from pushpressslide.pipeline.tool_use import tool_use
 from pushpressslide.pipeline.task_shapes import centroid, convexity_fault, depth_inside, signed_area
 from pushpressslide.pipeline.task_yaml import apply_overrides, read_yaml
 
@@ -75,16 +76,19 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     _refuse_unsupported(d, source)
     belief, contact_friction = d["belief"], d["contact"]["friction"]
     model = ObjectModel(*_object(d["object"], source))
+    obstacles = _obstacles(d["obstacles"], source)
+    tool, goal = tool_use(d, model, obstacles, source)
     task = Task(
         name=d["name"],
         object=model,
         start=_pose(d["start"]),
-        goal=_pose(d["goal"]),
+        goal=goal,
         robots=tuple(_robot(r, i, source) for i, r in enumerate(d["robots"])),
         support=Support(d["support"]["kind"], d["support"]["friction"]),
         contact_friction=contact_friction,
         tolerance=Tolerance(d["tolerance"]["position"], math.radians(d["tolerance"]["yaw_deg"])),
-        obstacles=_obstacles(d["obstacles"], source),
+        obstacles=obstacles,
+        tool=tool,
         modes=d["modes"],
         limits=_limits(d["limits"], source),
         belief=Belief(
@@ -116,8 +120,6 @@ def _refuse_unsupported(d: Mapping[str, Any], source: str) -> None:
         raise TaskError(
             source, "support.pose", d["support"]["pose"], "only a wall has a pose; leave it out for a table"
         )
-    if d["goal"]["body"] not in (None, "object"):
-        raise TaskError(source, "goal.body", d["goal"]["body"], f"{later}; allowed: object")
     if d["legs"]:
         raise TaskError(source, "legs", d["legs"], f"{later}; leave it out")
 

@@ -180,6 +180,16 @@ SCHEMA = _section(
             "wanted pose of the shape's frame G",
             {**_pose(), "body": Field("name", "the body to be moved: object, or an obstacle", default=None)},
         ),
+        "tool": _section(
+            "the object is a tool that pushes the goal's body",
+            {
+                "face": Field(
+                    "integer", "index of the edge of the tool's footprint that pushes", low=0, high=63,
+                    default=1,
+                ),
+            },
+            {},
+        ),
         "tolerance": _section(
             "when the goal counts as reached",
             {

@@ -1,0 +1,90 @@
+"""A convex polynomial of fourth order, which needs nothing known of the support.
+
+After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar sliding", ICRA 2016;
+here as a sum of fourth powers with coefficients >= 0, which is convex without a condition.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.identification.ellipsoid import fit_one_parameter
+from pushpressslide.identification.pairs import LENGTH, Pairs, unit
+
+Array = NDArray[np.float64]
+
+POWERS = 60  # spread evenly over the half sphere; 15 would span all quartics, if all were allowed
+RIDGE = 0.3  # toward the sphere; values from 0.1 to 0.5 predict alike
+LEVEL_WEIGHT = 0.1  # of H = 1 at the measured wrenches, beside the directions: friction scatters
+
+
+@dataclass(frozen=True, eq=False)
+class FittedQuartic:
+    """H(W) = sum_k c_k (a_k . (fx, fy, tau / rho))^4, to a factor."""
+
+    axes: Array  # (k, 3) unit vectors a_k
+    coefficients: Array  # (k,) c_k >= 0
+    rho: float  # [m] of the one-parameter ellipsoid
+
+    def directions(self, wrenches: Array, heights: Array) -> Array:
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3); heights play no part."""
+        along = wrenches / (1.0, 1.0, self.rho) @ self.axes.T
+        return unit((along**3 * self.coefficients) @ self.axes * (1.0, 1.0, LENGTH / self.rho))
+
+
+def fit_quartic(pairs: Pairs) -> FittedQuartic:
+    """Return the sum of fourth powers whose directions are nearest to the measured ones.
+
+    Non-negative least squares of directions and levels, with a ridge toward the sphere in (fx, fy, tau/rho).
+    """
+    from scipy import optimize
+
+    rho = fit_one_parameter(pairs).rho
+    w = pairs.wrenches / (1.0, 1.0, rho)
+    typical = float(np.median(np.linalg.norm(w, axis=1)))
+    axes = _half_sphere(POWERS)
+    along = w @ axes.T / typical
+    gradients = 4.0 * along[:, None, :] ** 3 * (axes * (1.0, 1.0, LENGTH / rho)).T  # (n, 3, k)
+    sphere = np.full(POWERS, 5.0 / POWERS)  # the mean of (a . u)^4 over unit vectors is 1/5
+    measured = pairs.directions
+
+    def residuals(c: Array) -> tuple[Array, Array]:
+        """Return the residuals and their derivatives."""
+        g = gradients @ c
+        size = np.linalg.norm(g, axis=1)[:, None, None]
+        e = g[:, :, None] / size
+        across = (gradients - e * (e * gradients).sum(1, keepdims=True)) / size
+        level = LEVEL_WEIGHT * along**4
+        value = np.concatenate(
+            [(e[:, :, 0] - measured).ravel(), level @ c - LEVEL_WEIGHT, RIDGE * (c - sphere)]
+        )
+        return value, np.vstack([across.reshape(-1, POWERS), level, RIDGE * np.eye(POWERS)])
+
+    c, (value, slope) = sphere, residuals(sphere)
+    for _ in range(30):  # Gauss-Newton; each step is linear and non-negative, and is halved until it gains
+        step = optimize.nnls(slope, slope @ c - value)[0] - c
+        length = 1.0
+        while length > 1e-3:
+            new_value, new_slope = residuals(c + length * step)
+            if new_value @ new_value < value @ value:
+                break
+            length *= 0.5
+        else:
+            break
+        gain = 1.0 - (new_value @ new_value) / (value @ value)
+        c, value, slope = c + length * step, new_value, new_slope
+        if gain < 1e-4:
+            break
+    return FittedQuartic(axes, c, rho)
+
+
+def _half_sphere(n: int) -> Array:
+    i = np.arange(n) + 0.5
+    height = 1.0 - i / n
+    angle = i * (math.pi * (1.0 + math.sqrt(5.0)))
+    flat = np.sqrt(1.0 - height**2)
+    return np.stack([flat * np.cos(angle), flat * np.sin(angle), height], axis=1)

@@ -1,0 +1,119 @@
+"""What is identified from a set of pushes, and how well models predict pushes they were not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.identification.ellipsoid import FittedEllipsoid, fit_full, fit_one_parameter
+from pushpressslide.identification.fitted_pressure import PressureModel, fit_pressure, static_model
+from pushpressslide.identification.fitting import SlidingModel
+from pushpressslide.identification.pairs import Pairs, unit
+from pushpressslide.identification.push_sets import PushSet
+from pushpressslide.identification.quartic import fit_quartic
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Fit = Callable[[Pairs], SlidingModel]
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Held-out predictions of one model over s splits with t test pushes each."""
+
+    errors: Array  # (s, t) [rad] angle between predicted and measured direction
+    mean_directions: (
+        Array  # (n, 3) unit: mean held-out prediction of each push; NaN where it was never held out
+    )
+
+    @property
+    def mean(self) -> float:
+        """Mean error [rad] over splits and pushes."""
+        return float(self.errors.mean())
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation [rad] over the splits of their mean error."""
+        return float(self.errors.mean(axis=1).std())
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """What one set of pushes says; the models here are fitted to all of its pushes."""
+
+    push_set: PushSet
+    ellipsoid: FittedEllipsoid  # one parameter
+    pressure: PressureModel
+    scores: Mapping[str, Score]  # held out; the keys are those of ``fits_of``
+
+
+def identified(
+    push_set: PushSet, fit_share: float, splits: int, seed: int, progress: Progress | None = None
+) -> Identification:
+    """Return the models of a set, fitted to all of its pushes, and the scores of models fitted to parts.
+
+    ``splits`` random parts with ``fit_share`` of the pushes each; the same seed gives the same parts.
+    """
+    pairs = push_set.pairs
+    parts = random_splits(len(pairs), fit_share, splits, seed)
+    scores = score(pairs, fits_of(push_set), parts, progress)
+    pressure = fit_pressure(pairs, push_set.static_pressure())
+    return Identification(push_set, fit_one_parameter(pairs), pressure, scores)
+
+
+def fits_of(push_set: PushSet) -> dict[str, Fit]:
+    """Return every model by its name, as a function that fits it to pairs."""
+    expected, uniform = push_set.static_pressure(), push_set.uniform_pressure()
+    fits: dict[str, Fit] = {
+        "ellipsoid": fit_one_parameter,
+        "full_ellipsoid": fit_full,
+        "quartic": fit_quartic,
+        "pressure": lambda pairs: fit_pressure(pairs, expected),
+        "no_fit": lambda pairs: static_model(expected),
+    }
+    if uniform is not None:
+        fits["no_fit_uniform"] = lambda pairs: static_model(uniform)
+    return fits
+
+
+def random_splits(n: int, fit_share: float, splits: int, seed: int) -> list[tuple[Rows, Rows]]:
+    """Return ``splits`` random parts of n pushes: rows to fit, rows to test; at least one in each."""
+    generator = np.random.default_rng(seed)
+    cut = min(max(round(fit_share * n), 1), n - 1)
+    orders = [generator.permutation(n) for _ in range(splits)]
+    return [(order[:cut], order[cut:]) for order in orders]
+
+
+def score(
+    pairs: Pairs,
+    fits: Mapping[str, Fit],
+    splits: list[tuple[Rows, Rows]],
+    progress: Progress | None = None,
+) -> dict[str, Score]:
+    """Return the score of each model, fitted to the first and tested on the second rows of each split.
+
+    Of the test pushes a model is given the wrench and the height of the contact, and no more.
+    """
+    measured = pairs.directions
+    errors: dict[str, list[Array]] = {name: [] for name in fits}
+    sums = {name: np.zeros((len(pairs), 3)) for name in fits}
+    for done, (fitted, held_out) in enumerate(splits, 1):
+        to_fit, to_test = pairs[fitted], pairs[held_out]
+        for name, fit in fits.items():
+            predicted = fit(to_fit).directions(to_test.wrenches, to_test.heights)
+            errors[name].append(angles(predicted, measured[held_out]))
+            sums[name][held_out] += predicted
+        if progress is not None:
+            progress(done, len(splits))
+    with np.errstate(invalid="ignore"):
+        return {name: Score(np.array(errors[name]), unit(sums[name])) for name in fits}
+
+
+def angles(a: Array, b: Array) -> Array:
+    """Return the angles [rad] (n,) between unit directions (n, 3)."""
+    out: Array = 2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(a - b, axis=1), 1.0))
+    return out

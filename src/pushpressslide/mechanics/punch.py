@@ -1,0 +1,48 @@
+"""Pressure under a rigid flat face on an elastic support: highest at the rim.
+
+The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson, "Contact Mechanics",
+1985, section 3.4 and 5.9): the load settles so that the support sinks as a plane under the whole face, each
+load sinking it by 1/distance. The elastic constants do not matter. A face that is harder than its support
+comes near it, and measured pushes of one agree (docs/identification.md).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pushpressslide.core.pose import Point
+from pushpressslide.mechanics import quadrature
+from pushpressslide.mechanics.pressure import CELL_RADIUS, PressureSamples
+
+
+def punch_pressure(
+    polygon: Sequence[Point], load: float = 1.0, cop: Point | None = None, resolution: int = 4
+) -> PressureSamples:
+    """Return the pressure of a rigid, frictionless face on an elastic half-space.
+
+    Convex ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default the centroid. About
+    24 ``resolution``^2 samples; rho is then about 1 % low. Raises ValueError for a CoP so far out that an
+    edge would lift.
+    """
+    corners = quadrature.as_polygon(polygon)
+    points, areas = quadrature.polygon_rule(corners, resolution)
+    area, first, _ = quadrature.moments(corners)
+    center = first / area if cop is None else np.array(cop, dtype=np.float64)
+    n = len(areas)
+    system = np.zeros((n + 3, n + 3))
+    distance = np.linalg.norm(points[:, None] - points[None], axis=2)
+    # A cell sinks under its own load like a disc of its area.
+    np.fill_diagonal(distance, 0.5 * np.sqrt(areas / math.pi))
+    system[:n, :n] = 1.0 / distance
+    system[:n, n] = system[n, :n] = 1.0
+    system[:n, n + 1 :] = points - center
+    system[n + 1 :, :n] = (points - center).T
+    loads = np.linalg.solve(system, np.append(np.zeros(n), (1.0, 0.0, 0.0)))[:n]
+    if loads.min() < 0.0:
+        raise ValueError(
+            f"centre of pressure ({center[0]:.4g}, {center[1]:.4g}) m lifts an edge of the rigid face"
+        )
+    return PressureSamples(points, load * loads, CELL_RADIUS * np.sqrt(areas))
