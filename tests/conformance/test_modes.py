@@ -44,7 +44,9 @@ def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
 
 
 def guided(mode: Mode, made: Plan, rng: random.Random):
-    """Return what the mode's tracker asks for near some point of the plan's path, and the stretch it is on."""
+    """Return what the mode's tracker asks for near some point of the plan's path, and the stretch it is
+    on.
+    """
     made = rng.choice(made.stretches)
     s = rng.uniform(0.0, made.path.length)
     X_WV = made.path.pose(s).compose(
@@ -58,9 +60,7 @@ def guided(mode: Mode, made: Plan, rng: random.Random):
 def allocator(mode: Mode, choice: Choice, friction: float):
     """Return the allocator that a controller binds to a choice."""
     p = choice.parameters
-    return mode.allocator(
-        choice.contacts, friction, p.get("rho"), (p.get("cop_x", 0.0), p.get("cop_y", 0.0))
-    )
+    return mode.allocator(choice.contacts, friction, p.get("rho"), (p.get("cop_x", 0.0), p.get("cop_y", 0.0)))
 
 
 @every_mode
@@ -164,7 +164,7 @@ def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside
 @every_mode
 def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(mode: Mode) -> None:
     rng = random.Random(3)
-    for choice, made in planned(mode, 12):
+    for _, made in planned(mode, 12):
         friction = made.task.believed.contact_friction
         for _ in range(20):
             guidance, stretch = guided(mode, made, rng)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from pushpressslide.core.pose import Pose2, wrap_angle
 
@@ -54,7 +55,7 @@ class TwistPath:
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
         """Return the path through ``poses`` of V, from each to the next at a constant twist."""
         pieces = []
-        for a, b in zip(poses, poses[1:], strict=False):
+        for a, b in pairwise(poses):
             vx, vy, w = screw(a, b)
             length = math.sqrt(vx * vx + vy * vy + (radius * w) ** 2)
             if length > 0.0:

@@ -19,6 +19,9 @@ from pushpressslide.mechanics.rho import rho_straight
 from pushpressslide.mechanics.top import room_inside
 
 RESOLUTION = 4  # of the pressure samples: enough for twists within a percent
+USES = (0.7, 0.8, 0.9, 0.96)  # shares of the press's friction that a motion may take, the best first
+MOST_USE = USES[-1]
+LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding is used
 
 
@@ -36,6 +39,32 @@ def least_load(weight: float, mu_support: float, mu_contact: float, use: float =
     """
     room = use * mu_contact - mu_support
     return mu_support * weight / room if room > 0.0 else math.inf
+
+
+def press_loads(
+    weight: float, mu_support: float, mu_contact: float, most: float, wanted: float | None = None
+) -> tuple[str | None, list[float]]:
+    """Return what stands against any press of up to ``most`` [N], and the loads [N] to try, the safest first;
+    ``wanted`` [N] is the only one where it is given.
+    """
+    if wanted is None:
+        loads = [max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use)) for use in USES]
+        if loads[-1] <= most:
+            return None, sorted({load for load in loads if load <= most}, reverse=True)
+        if mu_contact <= mu_support:
+            why = f"contact friction {mu_contact:g} must exceed the support's, {mu_support:g}: no press drags"
+            return why, []
+        return f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N", []
+    if wanted > most:
+        return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", []
+    use = friction_use(wanted, weight, mu_support, mu_contact)
+    if use > MOST_USE:
+        needed = mu_support * (weight + wanted) / (MOST_USE * wanted)
+        return (
+            f"pressed with {wanted:g} N the tip slips before the object: straight sliding takes {use:.2f} of "
+            f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, needed {needed:.3f}"
+        ), []
+    return None, [wanted]
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:
@@ -73,7 +102,9 @@ def pressed_twist(
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """A press at ``contact`` [m] in B; raises ValueError for one at the CoM, where there is no heading axis."""
+    """A press at ``contact`` [m] in B; raises ValueError for one at the CoM, where there is no heading
+    axis.
+    """
 
     body: ObjectModel
     contact: Point
@@ -129,8 +160,8 @@ class Press:
         )
 
     def axle(self, angle: float, backward: bool) -> tuple[float, float]:
-        """Return where the virtual axle is on the heading axis, ahead of the CoP [m], and the tan(force angle)
-        per curvature there [m], both of the mean of forces to the left and to the right.
+        """Return where the virtual axle is on the heading axis, ahead of the CoP [m], and the tan(force
+        angle) per curvature there [m], both of the mean of forces to the left and to the right.
 
         ``angle`` in [0, pi/2) from the direction of motion: along the axis, or ``backward`` against it. Near
         zero exact to first order: x_cop +- h mu - rho_x^2 / d. Raises ValueError where the object tips.

@@ -12,11 +12,12 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
 
+GRAVITY, TURN = 9.81, 2.0 * math.pi
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
@@ -95,8 +96,23 @@ class Mode(Protocol):
         ...
 
 
+def tool_load(task: Task, heading: float) -> tuple[float, float]:
+    """Return what a body pushed by the object adds to the drag [N], and how far ``heading`` [rad] in B is
+    off the pushing face's normal [rad].
+    """
+    shape, tool = task.object.shape, task.tool
+    if tool is None or isinstance(shape, Cylinder):
+        return 0.0, 0.0
+    (ax, ay), (bx, by) = (shape.footprint[(tool.face + i) % len(shape.footprint)] for i in (0, 1))
+    body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
+    outward = math.atan2(ax - bx, by - ay)
+    return body.friction * body.mass * GRAVITY, abs(math.remainder(heading - outward, TURN))
+
+
 def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
-    """Return what stands against the path of a choice: time, workspace, reach of the tips; None if nothing."""
+    """Return what stands against the path of a choice: time, workspace, reach of the tips; None if
+    nothing.
+    """
     path = choice.path
     if path is None:
         return "no path"

@@ -38,9 +38,7 @@ def bind(plan: Plan) -> Binding:
     tip_points = tuple(c.tip_place(robots[c.arm].tip_radius)[0] for c in choice.contacts)
     figures = choice.parameters
     cop = (figures.get("cop_x", 0.0), figures.get("cop_y", 0.0))
-    allocate = mode.allocator(
-        choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop
-    )
+    allocate = mode.allocator(choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop)
     return Binding(plan, mode.tracker(plan), allocate, tip_points)
 
 

@@ -26,44 +26,32 @@ from pushpressslide.execution.normal_force import NormalForceRegulator, NormalFo
 from pushpressslide.identification.online import AxleState, Identified
 from pushpressslide.modes import MODES
 from pushpressslide.pipeline.control_state import (
-    FREE_DAMPING,
-    FREE_STIFFNESS,
-    SERVO_CAP,
     ControllerState,
     TipMemory,
-    approached,
     bind,
     by_arm,
-    contact_yaw,
-    pressed,
     ramp_time,
     smooth,
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
+from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, touch
 
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
 # [s] without contact force before a tip goes back to touch: a side push rides over a gap, a press must not
 LOSS_TIME = {"side": 0.12, "top": 0.02}
-LOSS_SHARE = 0.3  # of its planned load below which a press counts as lost
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
-# [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
-HEIGHT_STIFFNESS, HEIGHT_DAMPING = 2000.0, 300.0
-PRESS_DAMPING = 150.0  # [N s/m] of a pressing tip along its normal, which is force controlled
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
-# [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
-TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
 # [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
 # pull the tip sideways off its face
 JOINT_LEAD = 0.03
 ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
-DRAG = (0.5, 2.5)  # bounds of the feed-forward's ratio to the plan's
 GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
@@ -86,11 +74,12 @@ class Controller:
         push = TOUCH_SHARE * plan.choice.parameters["push_force"] / max(sides, 1)
         self.touch_forces = [c.load if c.kind == "top" else max(0.6, push) for c in contacts]
         self.threshold = max(0.25, 4.0 * task.sensing.force_noise)
-        self.friction = task.believed.contact_friction
         motion = task.motion
-        self.damping = motion.servo_damping if motion.velocity_servo else 0.0
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         self.regulator = NormalForceRegulator(f_max=task.limits.normal_force)
+        damping = motion.servo_damping if motion.velocity_servo else 0.0
+        friction = task.believed.contact_friction
+        self.mover = TipMover(damping, friction, self.threshold, self.regulator)
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
     def init(self, measurement: Measurement) -> ControllerState:
@@ -177,58 +166,30 @@ class Controller:
         allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
         self.ticks = (tracked - started, perf_counter() - tracked)
 
-        contacts = binding.plan.choice.contacts
-        gain = self.force_gain * self._drag_ratio(state)
-        commands, memories = [], []
-        lost, use = False, 0.0
-        dt = measurement.time - state.last_time
-        for memory, contact, inside, f_B, load in zip(
-            state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, strict=True
-        ):
-            tip = measurement.tips[contact.arm]
-            n = contact.direction(X_WB)
-            normal_force = pressed(tip.force, n)
-            shear = math.hypot(*(f - normal_force * d for f, d in zip(tip.force[:2], n[:2], strict=True)))
-            lost = lost or normal_force < max(0.5 * self.threshold, LOSS_SHARE * contact.load)
-            use = max(use, shear / (self.friction * max(normal_force, self.threshold)))
-            f = X_WB.rotate((gain * f_B[0], gain * f_B[1]))
-            at_tip = guidance.twist.moved_to(inside)
-            wanted = X_WB.rotate((at_tip.vx, at_tip.vy))
-            before = memory.velocity or (0.0, 0.0)
-            v = approached(before, wanted, TIP_ACCELERATION[contact.kind] * dt)
-            a = ((v[0] - before[0]) / dt, (v[1] - before[1]) / dt, 0.0) if dt > 0.0 else (0.0, 0.0, 0.0)
-            height, regulator = tip.position[2], memory.regulator
-            stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
-            if contact.kind == "top":
-                push, regulator = self.regulator.step(regulator, load, normal_force, dt)
-            else:
-                height, stiffness, damping = contact.height, HEIGHT_STIFFNESS, HEIGHT_DAMPING
-            memories.append(replace(memory, velocity=v, regulator=regulator))
-            commands.append(
-                TipCommand(
-                    force=(f[0], f[1], -push),
-                    position=(tip.position[0], tip.position[1], height),
-                    velocity=(v[0], v[1], 0.0),
-                    stiffness=(0.0, 0.0, stiffness),
-                    damping=(self.damping, self.damping, damping),
-                    normal_yaw=contact_yaw(contact, X_WB),
-                    tool_yaw=measurement.object_pose.yaw,
-                    tool_yaw_rate=guidance.twist.w,
-                    servo_cap=SERVO_CAP,
-                    progress=self._joint_reference(state, measurement.time),
-                    acceleration=a,
-                )
+        contacts, dt = binding.plan.choice.contacts, measurement.time - state.last_time
+        reference = self._joint_reference(state, measurement.time)
+        gain = self.force_gain * drag_ratio(state)
+        moved = [
+            self.mover.step(
+                memory, measurement.tips[contact.arm], contact, X_WB, guidance.twist, inside, (gain * f[0],
+                gain * f[1]), load, dt, reference,
             )
+            for memory, contact, inside, f, load in zip(
+                state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, strict=True
+            )
+        ]  # fmt: skip
+        commands, memories, felt = zip(*moved, strict=True)
+        lost, use = any(f.lost for f in felt), max(f.use for f in felt)
         log = self._log(state, measurement, guidance, wrench, allocation)
         since = (state.lost if state.lost is not None else measurement.time) if lost else None
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
         grip = min(1.0, max(GRIP_LEAST, state.grip + rate * dt))
         next_state = replace(
-            state, progress=guidance.progress, lost=since, grip=grip, tips=tuple(memories),
+            state, progress=guidance.progress, lost=since, grip=grip, tips=memories,
             last_time=measurement.time, axle=self._seen(state, measurement, X_WB),
         )  # fmt: skip
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
-        return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+        return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _after_move(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2, guidance: Guidance
@@ -251,9 +212,7 @@ class Controller:
         planned = state.stretch
         if side_slide(planned, touched) > REGRASP and state.regrasps < REGRASPS:
             again = replace(state, binding=bind(replace(plan, choice=planned.choice, X_BV=planned.X_BV)))
-            return replace(
-                self._begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1
-            )
+            return replace(self._begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1)
         if state.lost is None:
             better = corrected(
                 self.mode, plan, X_WB, touched, guidance, left, time - state.corrected,
@@ -266,9 +225,7 @@ class Controller:
                 )
         return state
 
-    def _once_more(
-        self, state: ControllerState, measurement: Measurement, X_WB: Pose2
-    ) -> tuple[Plan, ...]:
+    def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""
         task, at = self.plan.task, measurement.object_pose
         off = math.dist(at.position, task.goal.position) / task.tolerance.position
@@ -302,44 +259,22 @@ class Controller:
         force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
         return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
 
-    def _drag_ratio(self, state: ControllerState) -> float:
-        """What the object's drag was seen to be over what it was planned to be: friction, mass, or a load that
-        it pushes.
-        """
-        seen = state.axle.drag
-        if seen is None:
-            return 1.0
-        return min(max(seen / state.stretch.choice.parameters["push_force"], DRAG[0]), DRAG[1])
-
     def _identified(self, state: ControllerState) -> Identified | None:
         return None if state.identifier is None else state.identifier.identified(state.axle)
 
     def _release(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         duration = ramp_time(RETREAT)
         elapsed = measurement.time - state.since
-        back = RETREAT * smooth(elapsed / duration)
-        commands = []
+        back, progress = RETREAT * smooth(elapsed / duration), self._joint_progress(state)
         contacts = state.binding.plan.choice.contacts
-        for memory, contact in zip(state.tips, contacts, strict=True):
-            n, start = contact.direction(X_WB), memory.start
-            commands.append(
-                TipCommand(
-                    force=(0.0, 0.0, 0.0),
-                    position=(start[0] - back * n[0], start[1] - back * n[1], start[2] - back * n[2]),
-                    velocity=(0.0, 0.0, 0.0),
-                    stiffness=FREE_STIFFNESS,
-                    damping=FREE_DAMPING,
-                    normal_yaw=contact_yaw(contact, X_WB),
-                    tool_yaw=measurement.object_pose.yaw,
-                    tool_yaw_rate=0.0,
-                    servo_cap=SERVO_CAP,
-                    progress=self._joint_progress(state),
-                )
-            )
+        commands = tuple(
+            drawn_back(memory.start, contact, X_WB, back, measurement.object_pose.yaw, progress)
+            for memory, contact in zip(state.tips, contacts, strict=True)
+        )
         log = self._log(state, measurement)
         phase: Phase = "done" if elapsed > duration + 0.3 else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
-        return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+        return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _begin(self, state: ControllerState, phase: Phase, measurement: Measurement) -> ControllerState:
         """Return the state at the start of a phase; only a press that goes on keeps its regulator."""

@@ -30,9 +30,7 @@ class Sensor:
                 pose.x + s.position_noise * x, pose.y + s.position_noise * y, pose.yaw + s.yaw_noise * yaw
             )
         if s.force_noise > 0.0:
-            tips = tuple(
-                TipState(t.position, t.velocity, self._noisy(t.force)) for t in tips
-            )
+            tips = tuple(TipState(t.position, t.velocity, self._noisy(t.force)) for t in tips)
         self._line.append(Measurement(truth.time, pose, tips))
         seen = self._line[0]
         return Measurement(truth.time, seen.object_pose, seen.tips)

@@ -29,9 +29,9 @@ from pushpressslide.pipeline.task_checks import MODELS, check
 from pushpressslide.pipeline.task_dump import dump_task
 from pushpressslide.pipeline.task_reader import nearest, read
 from pushpressslide.pipeline.task_schema import SCHEMA
-from pushpressslide.pipeline.tool_use import tool_use
 from pushpressslide.pipeline.task_shapes import centroid, convexity_fault, depth_inside, signed_area
 from pushpressslide.pipeline.task_yaml import apply_overrides, read_yaml
+from pushpressslide.pipeline.tool_use import tool_use
 
 __all__ = ["dump_task", "load_task", "shipped_tasks", "task_from_data"]
 

@@ -146,7 +146,8 @@ _MOTION = {
         "normal force of a top contact; null: chosen by the mode", "N", 0, 1000, _DEFAULT.press_force, "("
     ),
     "vehicle": Field(
-        "text", "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), forklift (pushed), "
+        "text", "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), forklift "
+        "(pushed), "
         "pivot (turned about its virtual axle); null: unicycle",
         default=_DEFAULT.vehicle, choices=("unicycle", "car", "forklift", "pivot"),
     ),
@@ -154,7 +155,8 @@ _MOTION = {
         "of a pressed object's alignment with its path; null: chosen", "m", 0, 1, _DEFAULT.look_ahead, "("
     ),
     "fixed_target": _flag(
-        "align with a target fixed beyond the goal, as the paper has it, in place of one that slides along the "
+        "align with a target fixed beyond the goal, as the paper has it, in place of one that slides "
+        "along the "
         "path", _DEFAULT.fixed_target,
     ),
 }  # fmt: skip

@@ -33,7 +33,9 @@ def tool_use(
         raise TaskError(source, "goal.body", name, f"allowed: a movable body: {movable}")
     shape, face = tool.shape, d["tool"]["face"]
     if isinstance(shape, Cylinder):
-        raise TaskError(source, "goal.body", name, "allowed: object; a cylinder has no flat face to push with")
+        raise TaskError(
+            source, "goal.body", name, "allowed: object; a cylinder has no flat face to push with"
+        )
     if face >= len(shape.footprint):
         raise TaskError(source, "tool.face", face, f"allowed: 0 to {len(shape.footprint) - 1}")
     way = math.dist(body.pose.position, target.position)

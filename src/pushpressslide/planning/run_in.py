@@ -33,8 +33,8 @@ def gentlest(
     """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in there is room
     for.
 
-    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what counts
-    as room (default: ``room`` of the curvature); where nothing fits the shortest path is returned.
+    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what
+    counts as room (default: ``room`` of the curvature); where nothing fits the shortest path is returned.
     """
     best: tuple[float, float, ArcPath] | None = None
     for curvature in curvatures:

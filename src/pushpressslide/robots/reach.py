@@ -89,10 +89,11 @@ def reach_problem(
 def held_somehow_problem(
     robot: Robot, points: Sequence[tuple[float, float, float]], attitudes: Sequence[ToolAttitude]
 ) -> str | None:
-    """Return in one line why a robot cannot bring its tip's centre to all points [m] with the tool held in any
-    one of ``attitudes``; or None.
+    """Return in one line why a robot cannot bring its tip's centre to all points [m] with the tool held in
+    any one of ``attitudes``; or None.
 
-    The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the farthest.
+    The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the
+    farthest.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)

@@ -68,9 +68,7 @@ class ToolAttitude:
         up = -(zx * x + zy * y) / cz
         size = math.sqrt(1.0 + up * up)
         x, y, up = x / size, y / size, up / size
-        R_ST = np.array(
-            [[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]]
-        )
+        R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
         return R_ST if self.R_WS is UPRIGHT_WS else np.array(self.R_WS) @ R_ST
 
     def yaw(self, R_WT: Array) -> Array:

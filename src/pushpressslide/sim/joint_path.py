@@ -124,7 +124,9 @@ def _at_rest(kin: ArmKinematics) -> tuple[JointPath, ToolAttitude]:
 
 def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
     """Return arc lengths (k,) [m] over all stretches of ``plan``, and X_WB there."""
-    lengths, bodies, done = [], [], 0.0
+    lengths: list[float] = []
+    bodies: list[Pose2] = []
+    done = 0.0
     for stretch in plan.stretches:
         length, X_VB = stretch.path.length, stretch.X_BV.inverse()
         ends = stretch.path.pieces

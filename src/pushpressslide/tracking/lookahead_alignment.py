@@ -15,7 +15,9 @@ from pushpressslide.core.pose import Pose2
 
 @dataclass(frozen=True, slots=True)
 class LookAheadAlignment:
-    """The law; ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond the goal."""
+    """The law; ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond the
+    goal.
+    """
 
     look_ahead: float  # [m] > 0
     limit: float  # [1/m] largest curvature asked for

@@ -1,5 +1,5 @@
-"""A pressed object driven as a unicycle: along a path, and turned on the spot (docs/mechanics.md, sections 2 and
-4).
+"""A pressed object driven as a unicycle: along a path, and turned on the spot (docs/mechanics.md, sections 2
+and 4).
 """
 
 from __future__ import annotations

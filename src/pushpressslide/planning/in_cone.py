@@ -1,0 +1,78 @@
+"""Paths of at most three constant twists, each within a cone that moves with the body.
+
+The twists of a convex cone add up to no other directions as long as the body does not turn; what a second and
+a third piece gain comes from turning the cone: first towards where the goal lies, last back to its yaw.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Protocol
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.twist_path import TwistPath, TwistRate, moved, screw
+
+SHARES = (0.15, 0.3, 0.5, 0.75)  # lengths of the first and the last piece, in units of the screw to the goal
+
+
+class Cone(Protocol):
+    """Twists of the body that can be driven."""
+
+    def spare(self, vx: float, vy: float, w: float) -> float:
+        """Return how far inside the cone a twist lies [rad], whatever its size; negative outside."""
+        ...
+
+    def rays(self, least: float) -> list[TwistRate]:
+        """Return some twists all round the cone, with ``least`` [rad] to spare."""
+        ...
+
+
+def path_in_cone(
+    start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
+) -> TwistPath | None:
+    """Return the shortest path found from ``start`` to ``goal`` whose twists all have ``least`` [rad] to
+    spare.
+
+    A screw; or one with a piece along a ray of the cone before it, after it, or both. Lengths are measured
+    with ``radius`` [m]. Deterministic; None where nothing of up to ``longest`` [m] is found.
+    """
+    direct = screw(start, goal)
+    whole = _size(direct, radius)
+    if whole > longest:
+        return None
+    if cone.spare(*direct) >= least:
+        return TwistPath.between((start, goal), radius)
+    ways = [((0.0, 0.0, 0.0), 0.0)]
+    for ray, share in product(cone.rays(least), SHARES):
+        k = share * whole / _size(ray, radius)
+        ways.append(((k * ray[0], k * ray[1], k * ray[2]), share * whole))
+    firsts = [(moved(start, twist, 1.0), length) for twist, length in ways]
+    lasts = [(moved(goal, twist, -1.0), length) for twist, length in ways]
+    best, shortest = None, longest
+    for (first, before), (last, after) in product(firsts, lasts):
+        if before + after < shortest:
+            middle = screw(first, last)
+            length = before + after + _size(middle, radius)
+            if length < shortest and cone.spare(*middle) >= least:
+                best, shortest = (first, last), length
+    return None if best is None else TwistPath.between((start, *best, goal), radius)
+
+
+def least_spare(path: TwistPath, cone: Cone) -> float:
+    """Return how far inside the cone the worst piece of a path lies."""
+    return min((cone.spare(*rate) for rate, _ in path.pieces), default=math.inf)
+
+
+def told(spare: float, least: float) -> str:
+    """Return in words how far inside a cone something is [rad], and what is needed."""
+    if spare >= least:
+        return f"{math.degrees(spare):.0f} deg inside the cone"
+    where = (
+        f"{math.degrees(spare):.1f} deg inside" if spare >= 0.0 else f"{-math.degrees(spare):.0f} deg outside"
+    )
+    return f"{where} the cone, needed {math.degrees(least):.0f} deg inside"
+
+
+def _size(twist: TwistRate, radius: float) -> float:
+    return math.hypot(twist[0], twist[1], radius * twist[2])

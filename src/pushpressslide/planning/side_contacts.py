@@ -1,0 +1,108 @@
+"""Where two arms push an object's sides: how high, how far apart, and which arm takes which contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point, Pose2, cross, turned_left
+from pushpressslide.core.task import Cylinder, ObjectModel, Robot, Task
+from pushpressslide.mechanics.face_push import on_face as on_face
+from pushpressslide.mechanics.faces import Face, room_ahead
+
+TABLE_GAP = 0.006  # [m] of a tip above the support
+WRIST_GAP = 0.04  # [m] of the flange above the object's top
+LOW = 0.04  # [m] contact height that is taken where the tool is long enough
+TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
+TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
+GRAVITY = 9.81  # [m/s^2]
+
+
+def contact_height(task: Task) -> float:
+    """Return the height of the contacts above the support [m], one for both arms: low, since a push at height
+    h moves the CoP by h mu_s, but with the wrists above the object.
+    """
+    if task.motion.contact_height is not None:
+        return task.motion.contact_height
+    height = task.object.shape.height
+    radius = max(robot.tip_radius for robot in task.robots)
+    reach = min(robot.tip_length for robot in task.robots)
+    low = max(radius + 0.01, height + WRIST_GAP - reach)
+    inside = min(max(low, min(LOW, 0.5 * height)), height - 0.5 * radius)
+    return max(inside, radius + TABLE_GAP)
+
+
+def least_distance(task: Task) -> float:
+    """Return how far two tips' contacts have to be apart at least [m]."""
+    return sum(robot.tip_radius for robot in task.robots) + TOOL_ROOM
+
+
+def span(body: ObjectModel, face: Face) -> tuple[float, float]:
+    """Return the ends [m] of a flat face, right and left of the CoM's line along the normal (left: > 0)."""
+    assert not isinstance(body.shape, Cylinder)
+    com, corners, left = body.center_of_mass, body.shape.footprint, turned_left(face.normal)
+    ends = (corners[face.index], corners[(face.index + 1) % len(corners)])
+    b, a = ((x - com[0]) * left[0] + (y - com[1]) * left[1] for x, y in ends)
+    return a, b
+
+
+def farthest_corner(body: ObjectModel) -> float:
+    """Return the distance [m] of the farthest corner from the CoM."""
+    assert not isinstance(body.shape, Cylinder)
+    return max(math.dist(corner, body.center_of_mass) for corner in body.shape.footprint)
+
+
+def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | None:
+    """Return what stands against pushing faces at ``height`` [m]: the object's height, tipping, the force;
+    None if nothing.
+    """
+    belief = task.believed
+    if height >= task.object.shape.height:
+        top = task.object.shape.height * 1e3
+        return f"the tips touch at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
+    ahead = min(room_ahead(task.object, face) for face in pushed)
+    highest = TIPPING_SHARE * ahead / belief.support_friction
+    if height > highest:
+        return (
+            f"contacts at {height * 1e3:.0f} mm, allowed up to {highest * 1e3:.0f} mm, "
+            f"{TIPPING_SHARE:g} of the height at which the object tips"
+        )
+    level = belief.support_friction * belief.mass * GRAVITY
+    if level > task.limits.normal_force:
+        return f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N"
+    return None
+
+
+def assignments(
+    robots: Sequence[Robot], points: Sequence[Point], poses: Sequence[Pose2]
+) -> list[tuple[int, int]]:
+    """Return the ways to give two contacts to two arms that do not cross, the arms nearest to them first.
+
+    ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of an assignment is the arm of contact i.
+    """
+    out = []
+    for arms in ((0, 1), (1, 0)):
+        bases = [robots[arm].base[:2] for arm in arms]
+        tips = [[X.apply(p) for p in points] for X in poses]
+        if any(_cross(bases[0], a, bases[1], b) for a, b in tips):
+            continue
+        way = sum(math.dist(base, p) for pair in tips for base, p in zip(bases, pair, strict=True))
+        out.append((way, arms))
+    return [arms for _, arms in sorted(out)]
+
+
+def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact, ...]:
+    """Return ``contacts`` given to ``arms``, in the order of the arms."""
+    given = (replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True))
+    return tuple(sorted(given, key=lambda contact: contact.arm))
+
+
+def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Whether the segments a-b and c-d cross each other."""
+
+    def side(p: Point, q: Point, r: Point) -> bool:
+        return cross((q[0] - p[0], q[1] - p[1]), (r[0] - p[0], r[1] - p[1])) > 0.0
+
+    return side(a, b, c) != side(a, b, d) and side(c, d, a) != side(c, d, b)

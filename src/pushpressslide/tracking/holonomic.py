@@ -1,0 +1,101 @@
+"""Follows a path of twists with an object that can be driven any way, or any way within a cone
+(docs/mechanics.md, section 9).
+
+The path's twist, plus a pull towards the nearest pose of the path that is in proportion to the error and to
+the speed: friction knows no time, so errors decay over a way and not over a time. Errors are REFERENCE MINUS
+ACTUAL.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from math import cos, hypot, remainder, sin, sqrt
+
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import MotionPath
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.height_term import DraggedSurface
+
+IntoCone = Callable[[Wrench], Wrench | None]
+"""The nearest wrench that the contacts can give; None where the one asked for is such."""
+
+TURN = 2.0 * math.pi
+DECAY = 0.04  # [m] of way over which an error falls to 1/e
+SHARE = 0.5  # of the path's speed that the pull may take
+
+
+class HolonomicTracker:
+    """Feed-forward and pull, and the wrench on the limit surface that moves so.
+
+    V may be any frame of the body; the wrench is about ``about``, by default the surface's centre.
+    """
+
+    def __init__(
+        self,
+        X_BV: Pose2,
+        surface: DraggedSurface,
+        into_cone: IntoCone | None = None,
+        decay: float = DECAY,
+        share: float = SHARE,
+        about: Point | None = None,
+    ) -> None:
+        """Bind the law; ``decay`` [m] > 0, ``share`` in [0, 1), ``about`` [m] in B."""
+        self._X_BV, self._surface, self._into_cone = X_BV, surface, into_cone
+        self._decay, self._share = decay, share
+        self._about = surface.center if about is None else about
+        self._axes = (cos(X_BV.yaw), sin(X_BV.yaw))
+
+    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+        """Return wrench and twist that follow ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
+
+        ``grip`` in (0, 1] eases the pull.
+        """
+        assert isinstance(path, TwistPath)
+        X_WV = X_WB.compose(self._X_BV)
+        progress = path.nearest(X_WV, progress)
+        wanted, (vx, vy, w) = path.pose(progress), path.rate(progress)
+        x, y = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
+        turned = remainder(wanted.yaw - X_WV.yaw, TURN)
+        c, s = cos(turned), sin(turned)
+        vx, vy = c * vx - s * vy, s * vx + c * vy  # the path's twist, in V as it is
+        size = hypot(vx, vy)
+        tx, ty = (vx / size, vy / size) if size > 0.0 else (1.0, 0.0)
+        error = (tx * x + ty * y, tx * y - ty * x, turned)
+
+        off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
+        pull = speed * min(1.0 / self._decay, grip * self._share / off) if off > 0.0 else 0.0
+        vx, vy, w = speed * vx + pull * x, speed * vy + pull * y, speed * w + pull * turned
+        a, b = self._axes
+        twist = Twist(a * vx - b * vy, b * vx + a * vy, w, self._X_BV.position)
+        surface = self._surface
+        wrench = surface.wrench(twist)
+        nearest = self._into_cone(wrench) if self._into_cone is not None else None
+        if nearest is not None:
+            twist, wrench = self._driven(twist, wrench, nearest)
+        fx, fy = wrench.fx, wrench.fy
+        steering = math.atan2(a * fy - b * fx, a * fx + b * fy)
+        return Guidance(
+            progress, wrench.moved_to(self._about), twist.moved_to((0.0, 0.0)), steering, error,
+            nearest is not None or pull * self._decay < speed,
+        )  # fmt: skip
+
+    def _driven(self, twist: Twist, wanted: Wrench, nearest: Wrench) -> tuple[Twist, Wrench]:
+        """Return the twist that ``nearest`` drives, in the place of ``twist`` and slower by as much as that
+        is less than what was ``wanted``, and its wrench on the surface.
+        """
+        surface = self._surface
+        nearest = nearest.moved_to(surface.center)
+        size = hypot(nearest.fx, nearest.fy, nearest.tau / surface.rho)
+        if size == 0.0:
+            return Twist(0.0, 0.0, 0.0), nearest
+        at = twist.moved_to(surface.center)
+        power = wanted.fx * at.vx + wanted.fy * at.vy + wanted.tau * at.w  # max_force times |(v, rho w)|
+        k, scale = power * size / surface.max_force**2, surface.max_force / size
+        way = surface.twist_direction(nearest)
+        return (
+            Twist(k * way.vx, k * way.vy, k * way.w, surface.center),
+            Wrench(scale * nearest.fx, scale * nearest.fy, scale * nearest.tau, surface.center),
+        )
