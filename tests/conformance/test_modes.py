@@ -4,6 +4,7 @@ import importlib
 import math
 import random
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -32,13 +33,18 @@ def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
     return [random_task(base, index, seed=7) for index in range(count)]
 
 
+@cache
+def judged(name: str, index: int, robot: str) -> tuple[Task, list[Choice]]:
+    """Return a random task and the choices of a mode for it."""
+    task = random_tasks(MODES[name], index + 1, robot)[index]
+    return task, MODES[name].choices(task)
+
+
 def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
     """Return the feasible choices of some random tasks, with their plans."""
     out = []
-    for task in random_tasks(mode, count):
-        for choice in mode.choices(task):
-            if choice.feasible:
-                out.append((choice, plan(task, choice)))
+    for task, choices in (judged(mode.name, index, "hand") for index in range(count)):
+        out += [(choice, plan(task, choice)) for choice in choices if choice.feasible]
     assert out, "none of the random tasks can be done"
     return out
 
@@ -79,8 +85,8 @@ def test_a_mode_says_what_it_is(mode: Mode) -> None:
 def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
     mode: Mode, robot: str
 ) -> None:
-    for task in random_tasks(mode, 24 if robot == "hand" else 8, robot):
-        choices = mode.choices(task)
+    for index in range(12 if robot == "hand" else 6):
+        task, choices = judged(mode.name, index, robot)
         assert choices
         for choice in choices:
             assert choice.mode == mode.name
@@ -250,8 +256,9 @@ def mirrored(task: Task) -> Task:
 
 @every_mode
 def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
-    for task in random_tasks(mode, 12):
-        own, other = mode.choices(task), mode.choices(mirrored(task))
+    for index in range(8):
+        task, own = judged(mode.name, index, "hand")
+        other = mode.choices(mirrored(task))
         assert len(own) == len(other)
 
         def figures(choice: Choice, sign: float):

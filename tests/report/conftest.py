@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 import pytest
@@ -12,9 +13,12 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Box, ObjectModel, Robot, Task
+from pushpressslide.core.twist_path import TwistPath
 
 DT, TOUCH, MOVE, RELEASE = 0.01, 20, 400, 30  # [s], ticks
 PUSH = 3.0  # [N]
+# arm, place in B [m], load [N], shear in B [N]
+PRESSES = ((1, (0.05, -0.03), 10.0, (2.0, 1.0)), (0, (-0.05, 0.03), 6.0, (1.0, -1.0)))
 
 
 @dataclass(frozen=True)
@@ -79,16 +83,72 @@ def perfect(model="hand"):
         "tick_total": np.full(n, 3e-5),
         "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
         "plan_stretch": np.zeros(len(samples)),
-        "plan_X_BV": np.array([X_BV.x, X_BV.y, X_BV.yaw]),
     }
     meta = {"time_step": DT, "start_tips": [[0.1, 0.2, 0.3]]}
     record = Record(arrays, "goal_reached", "", "planar", 7, 0.5, ("rear_push",), meta)
     return Made(task, plan, record)
 
 
+def two_presses(model="hand"):
+    """The box pressed by two arms in two stretches: along the arc, then turned about its CoM.
+
+    Each with the load and the shear (in B) of PRESSES.
+    """
+    made = perfect(model)
+    robots = tuple(Robot(model, (0.0, y, 0.0)) for y in (0.3, -0.3))
+    contacts = tuple(Contact(arm, "top", point, (0.0, 0.0), 0.08, load) for arm, point, load, _ in PRESSES)
+    first = made.plan
+    X_BV = Pose2(0.0, 0.0, 0.0)
+    corner = first.path.end.compose(first.X_BV.inverse())
+    spin = TwistPath.between((corner, corner.compose(Pose2(0.0, 0.0, 0.5))), 0.1)
+    task = replace(made.task, robots=robots, goal=spin.end)
+    choice = replace(first.choice, mode="bimanual_press_slide", contacts=contacts)
+    last = replace(choice, path=spin, path_length=spin.length, friction_margin=0.05)
+    profile = SpeedProfile(spin.length, 0.1, 0.5)
+    then = Plan(task, last, spin, profile, X_BV)
+    first_choice = replace(choice, following=last, goal=corner)
+    plan = replace(first, task=task, choice=first_choice, following=then)
+
+    arrays = dict(made.record.arrays)
+    n, half = len(arrays["time"]), TOUCH + MOVE // 2
+    s = np.clip((np.arange(n) - TOUCH) / (MOVE // 2 - 1), 0.0, 1.0) * first.path.length
+    turn = np.clip((np.arange(n) - half) / (MOVE // 2 - 1), 0.0, 1.0) * spin.length
+    stretch = (np.arange(n) >= half).astype(float)
+    poses = [
+        then.object_pose(b) if k else plan.object_pose(a) for k, a, b in zip(stretch, s, turn, strict=True)
+    ]
+    pose = np.array([(p.x, p.y, p.yaw) for p in poses])
+    tips, forces = np.zeros((n, 2, 3)), np.zeros((n, 2, 3))
+    move = arrays["phase"] == PHASES.index("move")
+    for arm, point, load, shear in PRESSES:
+        tips[:, arm] = [(*p.apply(point), 0.08 + 0.02) for p in poses]
+        forces[move, arm] = [(*p.rotate(shear), -load) for p in compress(poses, move)]
+    samples = [part.path.pose(v) for part in plan.stretches for v in np.linspace(0.0, part.path.length, 200)]
+    frames = np.array([(f.x, f.y, f.yaw) for f in (first.X_BV, X_BV)])
+    arrays |= {
+        "object_pose": pose, "reference_pose": pose.copy(), "object_twist": np.gradient(pose, DT, axis=0),
+        "stretch": stretch, "vehicle_frame": frames[stretch.astype(int)],
+        "progress": np.where(stretch, turn, s), "tip_position": tips, "tip_reference": tips.copy(),
+        "measured_force": forces, "command_force": forces.copy(),
+        "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
+        "plan_stretch": np.repeat([0.0, 1.0], 200),
+    }  # fmt: skip
+    return Made(task, plan, replace(made.record, arrays=arrays, modes=("bimanual_press_slide",)))
+
+
 @pytest.fixture
 def run():
     return perfect()
+
+
+@pytest.fixture
+def pressed():
+    return two_presses()
+
+
+@pytest.fixture
+def presses():
+    return PRESSES
 
 
 @pytest.fixture

@@ -8,7 +8,9 @@ import pytest
 
 from pushpressslide.core import whole_file
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.files import load_run, record_from_bytes, record_to_bytes, save_run
 from pushpressslide.report.metrics import result
@@ -47,6 +49,31 @@ def test_a_plan_survives_its_file(run):
     plan = plan_from_dict(data, run.task)
     assert plan == run.plan
     assert choices_from_dict(data) == (run.plan.choice, REFUSED)
+
+
+def test_a_plan_of_two_stretches_survives_its_file(pressed):
+    data = json.loads(json.dumps(plan_to_dict(pressed.plan, (pressed.plan.choice, REFUSED)), allow_nan=False))
+    plan = plan_from_dict(data, pressed.task)
+    assert plan == pressed.plan
+    assert [type(stretch.path) for stretch in plan.stretches] == [ArcPath, TwistPath]
+    assert choices_from_dict(data) == (pressed.plan.choice, REFUSED)
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [({"schema": 1}, "schema 1, this version reads 2"), ({"stretches": []}, "shorter|longer")],
+)
+def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(pressed, change, what):
+    with pytest.raises(ValueError, match=what):
+        plan_from_dict(plan_to_dict(pressed.plan) | change, pressed.task)
+
+
+def test_a_saved_run_of_two_stretches_gives_the_same_figures_again(pressed, tmp_path):
+    back = load_run(save(pressed, tmp_path / "run"))
+    assert back.plan.following.path == pressed.plan.following.path
+    assert result(back.task, back.plan, back.record, {}) == result(
+        pressed.task, pressed.plan, pressed.record, {}
+    )
 
 
 def test_a_saved_run_gives_the_same_figures_again(run, tmp_path):

@@ -112,7 +112,7 @@ def test_a_run_without_a_contact_phase_has_null_figures(run):
 
 
 def test_a_record_without_ticks_has_every_field_all_the_same(run):
-    kept = {name: run.record.arrays[name] for name in ("plan_path", "plan_stretch", "plan_X_BV")}
+    kept = {name: run.record.arrays[name] for name in ("plan_path", "plan_stretch")}
     out = figures(replace(run, record=replace(run.record, arrays=kept, reason="interrupted")))
     assert set(figures(run)) == set(out)
     assert out["success"] is False
@@ -210,3 +210,60 @@ def test_a_press_is_measured_downwards(run):
     normals, tangents = series.contact_forces(plan, run.with_arrays(measured_force=force).record)
     assert normals[run.move, 0] == pytest.approx(10.0)
     assert np.linalg.norm(tangents[run.move, 0], axis=1) == pytest.approx(math.sqrt(5.0))
+
+
+def test_stretches_are_held_each_to_its_own_path_and_tracking_point(pressed):
+    out = figures(pressed)
+    assert out["success"]
+    assert out["path_rms_error"] < 1e-6
+    assert out["path_length"] == pytest.approx(0.3, rel=1e-5)  # to turn on the spot is no way
+    assert out["planned"]["path_length"] == pytest.approx(0.3)
+    assert out["planned"]["motion_duration"] == sum(p.profile.duration for p in pressed.plan.stretches)
+    assert out["planned"]["friction_margin"] == 0.05  # the least of its stretches
+    swapped = 1.0 - pressed.record.arrays["stretch"]
+    assert figures(pressed.with_arrays(stretch=swapped))["path_rms_error"] > 0.01
+
+
+def test_each_press_is_measured_by_its_own_arm(pressed, presses):
+    for contact, (arm, _, load, shear) in zip(figures(pressed)["contacts"], presses, strict=True):
+        assert (contact["arm"], contact["kind"], contact["load"]) == (arm, "top", load)
+        assert contact["max_normal_force"] == pytest.approx(load)
+        assert contact["mean_normal_force"] == pytest.approx(load)
+        mu = pressed.task.contact_friction
+        assert contact["mean_friction_use"] == pytest.approx(math.hypot(*shear) / (mu * load))
+        assert contact["slip_distance"] == pytest.approx(0.0, abs=1e-9)
+    out = figures(pressed)
+    assert out["max_normal_force"] == pytest.approx(10.0)
+    assert out["contact_loss_time"] == 0.0
+    assert out["rms_end_effector_error"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_one_arm_loses_is_not_put_down_to_the_other(pressed):
+    force, (at,) = pressed.record.arrays["measured_force"].copy(), np.nonzero(pressed.move)
+    force[at[100:130], 0] = 0.0
+    force[at[:40], 1, 2] = -1.0  # pressed too lightly for its shear
+    out = figures(pressed.with_arrays(measured_force=force))
+    one, nought = out["contacts"]
+    assert (one["contact_loss_time"], nought["contact_loss_time"]) == pytest.approx((0.0, 0.3))
+    assert (one["cone_violation_fraction"], nought["cone_violation_fraction"]) == pytest.approx((0.1, 0.0))
+
+
+def test_an_arm_without_a_contact_counts_for_nothing(pressed):
+    choice = replace(pressed.plan.choice, contacts=pressed.plan.choice.contacts[:1])
+    one = replace(pressed, plan=replace(pressed.plan, choice=choice))
+    rng = np.random.default_rng(2)
+    changed = {n: one.record.arrays[n].copy() for n in ("measured_force", "tip_position", "command_force")}
+    for values in changed.values():
+        values[:, 0] = rng.normal(0.0, 50.0, values[:, 0].shape)
+    changed["command_force"][:, 0] = np.nan
+    assert [contact["arm"] for contact in figures(one)["contacts"]] == [1]
+    assert figures(one.with_arrays(**changed)) == figures(one)
+
+
+def test_a_press_that_slides_on_the_top_slips_in_the_objects_frame(pressed):
+    tip, (at,) = pressed.record.arrays["tip_position"].copy(), np.nonzero(pressed.move)
+    for share, k in zip(np.linspace(0.0, 1.0, len(at)), at, strict=True):
+        yaw = pressed.record.arrays["object_pose"][k, 2]
+        tip[k, 1, :2] += Pose2(0.0, 0.0, yaw).rotate((0.006 * share, 0.008 * share))
+    slips = [c["slip_distance"] for c in figures(pressed.with_arrays(tip_position=tip))["contacts"]]
+    assert slips == pytest.approx([0.01, 0.0], abs=1.5e-4)

@@ -90,6 +90,36 @@ def test_two_arms_and_presses_have_their_own_panels(run):
     assert result(task, plan, made.record)["success"]
 
 
+def test_a_press_alone_shows_its_axle_and_stretches_are_listed(pressed, tmp_path):
+    text = write_report([save(pressed, tmp_path / "run")]).read_text()
+    assert "Tracking point, from the CoM" in text
+    assert text.count("press on top") == 2
+    assert "Arm 1: hand" in text
+    assert "axle" not in figures(pressed.task, pressed.plan, pressed.record)  # two presses have no one axle
+    choice = replace(pressed.plan.choice, contacts=pressed.plan.choice.contacts[:1])
+    plan = replace(pressed.plan, choice=choice, following=None)
+    one = pressed.with_arrays(stretch=np.zeros_like(pressed.record.arrays["stretch"]))
+    assert "axle" in figures(pressed.task, plan, one.record)
+
+
+def test_shear_of_a_press_is_drawn_with_its_load(pressed, presses):
+    panels = figures(pressed.task, pressed.plan, pressed.record)["forces"].axes
+    for (press, shear), (_, _, load, (x, y)) in zip((panels[:2], panels[2:]), presses, strict=True):
+        lines = {line.get_label(): line.get_ydata() for line in press.get_lines()}
+        assert np.nanmax(lines["measured"]) == pytest.approx(load)
+        assert np.nanmax(lines["planned load"]) == pytest.approx(load)
+        (drawn,) = (line for line in shear.get_lines() if line.get_label() == "measured")
+        assert np.nanmax(drawn.get_ydata()) == pytest.approx(np.hypot(x, y))
+
+
+def test_a_second_attempt_goes_beyond_the_plan(pressed):
+    plan = replace(pressed.plan, choice=replace(pressed.plan.choice, following=None), following=None)
+    assert result(pressed.task, plan, pressed.record)["path_rms_error"] < 1e-6
+    panel = figures(pressed.task, plan, pressed.record)["forces"].axes[0]
+    (load,) = (line.get_ydata() for line in panel.get_lines() if line.get_label() == "planned load")
+    assert np.isfinite(load[pressed.move]).mean() == pytest.approx(0.5)
+
+
 def test_the_same_figure_gives_the_same_bytes(run):
     made = [png(comparison_plot([("a", run.record, run.task, run.plan)])) for _ in range(2)]
     assert made[0] == made[1]

@@ -7,13 +7,22 @@ import pytest
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, Prism
-from pushpressslide.sim import frames
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism
+from pushpressslide.sim import frames, replay
 from pushpressslide.sim.frames import look_at, render_frames, write_video
-from pushpressslide.sim.playback import Playback, fit_view, ribbon
+from pushpressslide.sim.playback import Playback, camera_view, fit_view, ribbon
 from pushpressslide.sim.replay import write_replay
 
 PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
+
+
+def two_arms(made, arm_run):
+    """Two Pandas at rest beside the box that they press, for what is drawn."""
+    robots = tuple(replace(arm_run.task.robots[0], base=(-0.2, y, 0.0)) for y in (0.4, -0.4))
+    task = replace(made.task, robots=robots)
+    then = replace(made.plan.following, task=task)
+    joints = {f"joint_position_{i}": arm_run.record.arrays["joint_position_0"] for i in (0, 1)}
+    return replace(made.with_arrays(**joints), task=task, plan=replace(made.plan, task=task, following=then))
 
 
 def with_shape(run, shape):
@@ -124,3 +133,44 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
 
     assert Image.open(out).n_frames == 9
     assert [p.name for p in tmp_path.iterdir()] == ["run.webp"]
+
+
+def test_the_axle_is_that_of_the_stretch_that_is_followed(pressed, arm_run):
+    made = two_arms(pressed, arm_run)
+    playback = Playback(made.task, made.plan, made.record)
+    first, last = playback.vehicle_pose(100), playback.vehicle_pose(400)
+    assert first.position == pytest.approx(made.plan.path.pose(made.record.arrays["progress"][100]).position)
+    assert last.position == pytest.approx(made.plan.following.path.end.position)
+
+
+def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
+    pressed, arm_run, tmp_path, monkeypatch
+):
+    made, drawn = two_arms(pressed, arm_run), {}
+
+    def show(self, name, tail, force, scale, *_):
+        drawn.setdefault(name, []).append((tail, force, scale))
+
+    monkeypatch.setattr(replay._Marks, "_show_arrow", show)
+    text = write_replay(made.task, made.plan, made.record, tmp_path).read_text()
+    assert "press, beside its tip, 10 mm a newton" in text
+    assert sorted(drawn) == ["marks/force_0", "marks/force_1", "marks/press_0", "marks/press_1"]
+    tail, force, scale = drawn["marks/press_1"][60]
+    assert force == pytest.approx([0.0, 0.0, -10.0])
+    assert (tail + scale * force)[2] == pytest.approx(0.08)  # ends on the object's top
+    assert np.linalg.norm(drawn["marks/force_1"][60][1]) == pytest.approx(np.sqrt(5.0))
+
+
+@pytest.mark.parametrize("field", [0.6, 1.3])
+def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
+    bar = replace(run.task, object=ObjectModel(Box((0.6, 0.1, 0.05)), 1.0, (0.0, 0.0)))
+    view = camera_view(bar, run.plan, run.record.arrays["object_pose"], field)
+    corners = [
+        (*X_WG.apply(c), z)
+        for X_WG in (bar.start, bar.goal)
+        for c in bar.object.shape.footprint
+        for z in (0.0, 0.05)
+    ]
+    seen = (look_at(view).inverse() @ np.array(corners).T).T
+    assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * field)
+    assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * field) * 4.0 / 3.0

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.control import Phase, TipCommand, Vector3
+from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand, Vector3
+from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceState
-from pushpressslide.identification.online import AxleIdentifier, AxleState
+from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Tracker
 
@@ -20,6 +22,9 @@ FREE_STIFFNESS = (1500.0, 1500.0, 3000.0)  # [N/m] of a tip that touches nothing
 FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
 SERVO_CAP = 25.0  # [N] by which the servo may exceed the allocated force: it also accelerates the arm
 ALIGN_SPEED = 0.10  # [m/s] of the free tip
+# [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
+# pull the tip sideways off its face
+JOINT_LEAD = 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,3 +132,77 @@ def approached(value: Point, target: Point, step: float) -> Point:
     if size <= step:
         return target
     return (value[0] + dx * step / size, value[1] + dy * step / size)
+
+
+def begin(state: ControllerState, phase: Phase, measurement: Measurement) -> ControllerState:
+    """Return the state at the start of a phase; only a press that goes on keeps its regulator."""
+    contacts = state.binding.plan.choice.contacts
+    tips = tuple(
+        TipMemory(
+            measurement.tips[c.arm].position,
+            regulator=m.regulator if phase == "move" else NormalForceState(),
+        )
+        for m, c in zip(state.tips, contacts, strict=True)
+    )
+    return replace(
+        state, phase=phase, since=measurement.time, tips=tips, last_time=measurement.time, align=True,
+        lost=state.lost if phase == "touch" else None,
+    )  # fmt: skip
+
+
+def joint_progress(state: ControllerState) -> float:
+    """Return where on the PLANNED path the joint reference is taken: as far from the end as the object is on
+    its own path.
+    """
+    left = state.binding.plan.path.length - state.progress
+    return state.joint_start + max(0.0, state.stretch.path.length - left)
+
+
+def joint_reference(state: ControllerState, time: float) -> float:
+    """Return where on the planned path the joint reference is taken in the move [m]: with the joint-tracking
+    term where the reference is at the same ``time`` [s], the paper's q(t), at most JOINT_LEAD from the
+    object.
+    """
+    here, reference = joint_progress(state), state.reference
+    if not state.stretch.task.motion.joint_tracking or reference is None:
+        return here
+    timed = reference.profile.at(time - state.reference_start)[0] - reference.path.length
+    timed += state.joint_start + state.stretch.path.length
+    return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
+
+
+def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleState:
+    """Return what is identified of the virtual axle, this tick included."""
+    identifier = state.identifier
+    if identifier is None:
+        return state.axle
+    force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
+    return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
+
+
+def identified(state: ControllerState) -> Identified | None:
+    """Return the virtual axle where it contradicts the plan."""
+    return None if state.identifier is None else state.identifier.identified(state.axle)
+
+
+def control_log(
+    state: ControllerState,
+    measurement: Measurement,
+    guidance: Guidance | None = None,
+    wrench: Wrench | None = None,
+    allocation: Allocation | None = None,
+) -> ControlLog:
+    """Return what was thought at a tick, for the record."""
+    plan = state.reference if state.reference is not None else state.stretch
+    clock = measurement.time - state.reference_start if state.reference is not None else 0.0
+    reference = plan.object_pose(plan.profile.at(clock)[0])
+    pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
+    if guidance is None or wrench is None or allocation is None:
+        nothing = (0.0, 0.0, 0.0)
+        return ControlLog(state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok")
+    rx, ry, rt = allocation.residual
+    given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
+    return ControlLog(
+        state.phase, state.progress, pose, guidance.error, wrench.moved_to((0.0, 0.0))[:3],
+        given.moved_to((0.0, 0.0))[:3], guidance.steering, allocation.status,
+    )  # fmt: skip

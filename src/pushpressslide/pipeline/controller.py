@@ -16,21 +16,25 @@ import math
 from dataclasses import replace
 from time import perf_counter
 
-from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
-from pushpressslide.core.wrench import Wrench
-from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
-from pushpressslide.identification.online import AxleState, Identified
+from pushpressslide.execution.normal_force import NormalForceRegulator
+from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.pipeline.control_state import (
     ControllerState,
     TipMemory,
+    begin,
     bind,
     by_arm,
+    control_log,
+    identified,
+    joint_progress,
+    joint_reference,
     ramp_time,
+    seen,
     smooth,
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
@@ -39,7 +43,7 @@ from pushpressslide.pipeline.touch import align_time, touch
 
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
 # [s] without contact force before a tip goes back to touch: a side push rides over a gap, a press must not
-LOSS_TIME = {"side": 0.12, "top": 0.02}
+LOSS_TIME = {"side": 0.12, "top": 0.012}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
@@ -48,9 +52,6 @@ REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the pl
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
-# [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
-# pull the tip sideways off its face
-JOINT_LEAD = 0.03
 ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
 GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
@@ -118,16 +119,16 @@ class Controller:
         ):
             command, kept, ready, problem = touch(
                 memory, measurement.tips[contact.arm], contact, X_WB, radius, time, elapsed, aligned, dt,
-                self.regulator, force, self.threshold, gap, tool_yaw, self._joint_progress(state),
+                self.regulator, force, self.threshold, gap, tool_yaw, joint_progress(state),
             )  # fmt: skip
             commands.append(command)
             memories.append(kept)
             done = done and ready
             failure = ("contact_lost", problem) if problem is not None else failure
-        log = self._log(state, measurement)
+        log = control_log(state, measurement)
         next_state = replace(state, tips=tuple(memories), last_time=time, failure=failure)
         if failure is not None:
-            next_state = self._begin(next_state, "release", measurement)
+            next_state = begin(next_state, "release", measurement)
         elif done:
             next_state = self._planned_anew(next_state, measurement, X_WB)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
@@ -137,8 +138,8 @@ class Controller:
         plan = state.binding.plan
         longest = TOUCH_DETOUR * (plan.path.length - state.progress) + TOUCH_SLACK
         touched = touched_points(plan, X_WB, measurement.tips)
-        fresh = self.mode.replan(plan, X_WB, touched, longest, self._identified(state))
-        moving = self._begin(state, "move", measurement)
+        fresh = self.mode.replan(plan, X_WB, touched, longest, identified(state))
+        moving = begin(state, "move", measurement)
         if fresh is not None:
             moving = replace(moving, binding=bind(fresh), progress=0.0, clock_start=measurement.time)
         elif state.reference is None:
@@ -167,7 +168,7 @@ class Controller:
         self.ticks = (tracked - started, perf_counter() - tracked)
 
         contacts, dt = binding.plan.choice.contacts, measurement.time - state.last_time
-        reference = self._joint_reference(state, measurement.time)
+        reference = joint_reference(state, measurement.time)
         gain = self.force_gain * drag_ratio(state)
         moved = [
             self.mover.step(
@@ -180,13 +181,13 @@ class Controller:
         ]  # fmt: skip
         commands, memories, felt = zip(*moved, strict=True)
         lost, use = any(f.lost for f in felt), max(f.use for f in felt)
-        log = self._log(state, measurement, guidance, wrench, allocation)
+        log = control_log(state, measurement, guidance, wrench, allocation)
         since = (state.lost if state.lost is not None else measurement.time) if lost else None
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE
         grip = min(1.0, max(GRIP_LEAST, state.grip + rate * dt))
         next_state = replace(
             state, progress=guidance.progress, lost=since, grip=grip, tips=memories,
-            last_time=measurement.time, axle=self._seen(state, measurement, X_WB),
+            last_time=measurement.time, axle=seen(state, measurement, X_WB),
         )  # fmt: skip
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
         return by_arm(commands, contacts, len(self.robots)), log, next_state
@@ -199,24 +200,24 @@ class Controller:
         left = plan.path.length - state.progress
         if abs(guidance.error[1]) > ASTRAY:
             text = f"{abs(guidance.error[1]) * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
-            return self._begin(replace(state, failure=("goal_missed", text)), "release", measurement)
+            return begin(replace(state, failure=("goal_missed", text)), "release", measurement)
         if left <= STOP:
             ahead = state.ahead or self._once_more(state, measurement, X_WB)
             if not ahead:
-                return self._begin(state, "release", measurement)
+                return begin(state, "release", measurement)
             return self._next_stretch(state, ahead, measurement, X_WB)
         patience = min(LOSS_TIME[c.kind] for c in plan.choice.contacts)
         if state.lost is not None and time - state.lost > patience:
-            return replace(self._begin(state, "touch", measurement), align=False)
+            return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(plan, X_WB, measurement.tips)
         planned = state.stretch
         if side_slide(planned, touched) > REGRASP and state.regrasps < REGRASPS:
             again = replace(state, binding=bind(replace(plan, choice=planned.choice, X_BV=planned.X_BV)))
-            return replace(self._begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1)
+            return replace(begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1)
         if state.lost is None:
             better = corrected(
                 self.mode, plan, X_WB, touched, guidance, left, time - state.corrected,
-                self._identified(state),
+                identified(state),
             )  # fmt: skip
             if better is not None:
                 fresh, progress, clock = better
@@ -245,88 +246,22 @@ class Controller:
         fresh = self.mode.replan(plan, X_WB, touched, TOUCH_DETOUR * plan.path.length + TOUCH_SLACK) or plan
         return replace(
             state, stretch=plan, ahead=tuple(rest), identifier=self.mode.identifier(plan),
-            joint_start=self._joint_progress(state), retries=state.retries + (not state.ahead),
+            joint_start=joint_progress(state), retries=state.retries + (not state.ahead),
             axle=AxleState(), binding=bind(fresh), progress=0.0,
             clock_start=measurement.time, corrected=measurement.time, reference=fresh,
             reference_start=measurement.time,
         )  # fmt: skip
 
-    def _seen(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleState:
-        """Return what is identified of the virtual axle, this tick included."""
-        identifier = state.identifier
-        if identifier is None:
-            return state.axle
-        force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
-        return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
-
-    def _identified(self, state: ControllerState) -> Identified | None:
-        return None if state.identifier is None else state.identifier.identified(state.axle)
-
     def _release(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> Step:
         duration = ramp_time(RETREAT)
         elapsed = measurement.time - state.since
-        back, progress = RETREAT * smooth(elapsed / duration), self._joint_progress(state)
+        back, progress = RETREAT * smooth(elapsed / duration), joint_progress(state)
         contacts = state.binding.plan.choice.contacts
         commands = tuple(
             drawn_back(memory.start, contact, X_WB, back, measurement.object_pose.yaw, progress)
             for memory, contact in zip(state.tips, contacts, strict=True)
         )
-        log = self._log(state, measurement)
+        log = control_log(state, measurement)
         phase: Phase = "done" if elapsed > duration + 0.3 else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
         return by_arm(commands, contacts, len(self.robots)), log, next_state
-
-    def _begin(self, state: ControllerState, phase: Phase, measurement: Measurement) -> ControllerState:
-        """Return the state at the start of a phase; only a press that goes on keeps its regulator."""
-        contacts = state.binding.plan.choice.contacts
-        tips = tuple(
-            TipMemory(
-                measurement.tips[c.arm].position,
-                regulator=m.regulator if phase == "move" else NormalForceState(),
-            )
-            for m, c in zip(state.tips, contacts, strict=True)
-        )
-        return replace(
-            state, phase=phase, since=measurement.time, tips=tips, last_time=measurement.time, align=True,
-            lost=state.lost if phase == "touch" else None,
-        )  # fmt: skip
-
-    def _joint_progress(self, state: ControllerState) -> float:
-        """Where on the PLANNED path the joint reference is taken: as far from the end as the object is on its
-        own path.
-        """
-        left = state.binding.plan.path.length - state.progress
-        return state.joint_start + max(0.0, state.stretch.path.length - left)
-
-    def _joint_reference(self, state: ControllerState, time: float) -> float:
-        """Where on the planned path the joint reference is taken in the move: with the joint-tracking term
-        where the reference is at the same ``time`` [s], the paper's q(t), at most JOINT_LEAD from the object.
-        """
-        here, reference = self._joint_progress(state), state.reference
-        if not self.plan.task.motion.joint_tracking or reference is None:
-            return here
-        timed = reference.profile.at(time - state.reference_start)[0] - reference.path.length
-        timed += state.joint_start + state.stretch.path.length
-        return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
-
-    def _log(
-        self,
-        state: ControllerState,
-        measurement: Measurement,
-        guidance: Guidance | None = None,
-        wrench: Wrench | None = None,
-        allocation: Allocation | None = None,
-    ) -> ControlLog:
-        plan = state.reference if state.reference is not None else self.plan
-        clock = measurement.time - state.reference_start if state.reference is not None else 0.0
-        reference = plan.object_pose(plan.profile.at(clock)[0])
-        pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
-        if guidance is None or wrench is None or allocation is None:
-            nothing = (0.0, 0.0, 0.0)
-            return ControlLog(state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok")
-        rx, ry, rt = allocation.residual
-        given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
-        return ControlLog(
-            state.phase, state.progress, pose, guidance.error, wrench.moved_to((0.0, 0.0))[:3],
-            given.moved_to((0.0, 0.0))[:3], guidance.steering, allocation.status,
-        )  # fmt: skip

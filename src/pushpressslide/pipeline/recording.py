@@ -84,17 +84,14 @@ class Recorder:
         wall_time: float,
         modes: tuple[str, ...],
         meta: Mapping[str, Any],
-        path: Any = None,
     ) -> Record:
-        """Return everything so far; ``path`` is the path that was followed, if no tick told."""
+        """Return everything so far."""
         arrays: dict[str, NDArray[np.float64]] = {
             name: np.asarray(rows, dtype=np.float64) for name, rows in self._rows.items()
         }
-        paths = [stretch.path for stretch in self._followed] or ([] if path is None else [path])
+        paths = [stretch.path for stretch in self._followed]
         paths += [stretch.path for stretch in self._plan.stretches[len(paths) :]]
         samples = [p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)]
         arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
         arrays["plan_stretch"] = np.repeat(np.arange(len(paths), dtype=np.float64), PATH_SAMPLES)
-        X_BV = self._plan.X_BV
-        arrays["plan_X_BV"] = np.array([X_BV.x, X_BV.y, X_BV.yaw])
         return Record(arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta)

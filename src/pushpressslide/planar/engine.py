@@ -49,7 +49,7 @@ def run(
     state = controller.init(measurement)
     reason: tuple[ReasonCode, str] = ("time_limit", f"limits.time of {task.limits.time:g} s is over")
     while time < task.limits.time:
-        tick = perf_counter()
+        tick, followed = perf_counter(), state.reference
         commands, log, state = controller.step(state, measurement)
         total = perf_counter() - tick
         after = world.step(here, commands)
@@ -58,7 +58,7 @@ def run(
             time=time, log=log, true_pose=here.X_WB.compose(X_BG),
             twist=(*here.X_WB.rotate((at_G.vx, at_G.vy)), at_G.w), commands=commands,
             tips=[tip.position for tip in here.tips], forces=[tip.force for tip in after.tips],
-            ticks=(*controller.ticks, 0.0, total),
+            ticks=(*controller.ticks, 0.0, total), followed=followed,
         )  # fmt: skip
         here, time = after, time + dt
         tipping = tipping + dt if here.tipping else 0.0
@@ -74,7 +74,6 @@ def run(
         if stop():
             reason = ("interrupted", f"stopped by the user at {time:.1f} s")
             break
-    followed = state.reference.path if state.reference is not None else None
     return recorder.record(
-        reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt}, followed
+        reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt}
     )

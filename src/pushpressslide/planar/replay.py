@@ -38,7 +38,7 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     time = arrays["time"]
     frames = _frames(time)
     pose = arrays["object_pose"][frames]
-    X_GV = task.object.X_GB.compose(Pose2(*(float(v) for v in arrays["plan_X_BV"])))
+    axles = [task.object.X_GB.compose(Pose2(*map(float, row))) for row in arrays["vehicle_frame"][frames]]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
     contacts, obstacles = plan.choice.contacts, []
@@ -57,7 +57,7 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "pressing": [any(c.arm == i and c.kind == "top" for c in contacts) for i in range(len(task.robots))],
         "radii": [robot.tip_radius for robot in task.robots],
         "path": np.round(arrays["plan_path"][:, :2], 4).tolist(),
-        "axle": [X_GV.x, X_GV.y, math.degrees(X_GV.yaw)],
+        "axles": [[round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in axles],
         "outline": _outline(task),
         "goal": [task.goal.x, task.goal.y, math.degrees(task.goal.yaw)],
         "tolerance": task.tolerance.position,

@@ -123,12 +123,18 @@ def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[b
 
 
 def _goal_errors(task: Task, record: Record) -> tuple[float, float, float, float]:
-    """Position [m] and yaw error [rad], >= 0; then the position error along the goal's axes [m], signed."""
-    x, y, yaw = (float(v) for v in record.arrays["object_pose"][-1])
+    """Position [m] and yaw error [rad], >= 0, of the body that the goal names; then the position error along
+    the goal's axes [m], signed.
+    """
+    poses, goal = record.arrays["object_pose"], task.goal
+    if task.tool is not None:
+        body, goal = record.arrays.get(f"body_{task.tool.body}"), task.tool.goal
+        poses = series.planar_poses(body) if body is not None else np.full((1, 3), math.nan)
+    x, y, yaw = (float(v) for v in poses[-1])
     if not all(math.isfinite(v) for v in (x, y, yaw)):
         return math.nan, math.nan, math.nan, math.nan
-    ahead, left = task.goal.unapply((x, y))
-    return math.hypot(ahead, left), abs(wrap_angle(yaw - task.goal.yaw)), ahead, left
+    ahead, left = goal.unapply((x, y))
+    return math.hypot(ahead, left), abs(wrap_angle(yaw - goal.yaw)), ahead, left
 
 
 def _rms(values: Array) -> float:
@@ -183,7 +189,8 @@ def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    use = np.linalg.norm(tangents, axis=2) / (task.contact_friction * np.maximum(normals, series.CONTACT_FORCE))
+    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
+    use = np.linalg.norm(tangents, axis=2) / allowed
     outside = touching & (use > 1.0 + CONE_TOLERANCE)
     slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
     count = int(touching.sum())

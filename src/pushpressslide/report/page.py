@@ -13,11 +13,17 @@ from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
-from pushpressslide.core.task import Box, Cylinder, Task
+from pushpressslide.core.task import Box, Cylinder, Robot, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
 from pushpressslide.report.files import Run, load_run
-from pushpressslide.report.page_tables import comparison_table, figures_table, table
+from pushpressslide.report.page_tables import (
+    comparison_table,
+    contacts_table,
+    figures_table,
+    stretches_table,
+    table,
+)
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 
@@ -25,6 +31,7 @@ CAPTIONS = {
     "path": "What happened: footprints at even steps of the contact phase, with the force at each.",
     "errors": "Object against the reference at the same time, in the contact phase.",
     "tracking": "What the tracking law saw at its own tracking point.",
+    "axle": "Where the object turned about, on the line from CoM to contact; and tracking errors.",
     "forces": "Contact force in the contact's axes. The band is what friction allows that normal force.",
     "torques": "Joint torques as a share of the maker's limits.",
     "speeds": "Speed of the tracking point and yaw rate of the object.",
@@ -124,8 +131,11 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         "<h3>Choice of mode</h3>",
         _choice_part(run),
         image(style.png(plan_figure(run.plan)), "plan", "The plan, made before anything moves."),
+        stretches_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(result),
+        "<h3>Contacts</h3>",
+        contacts_table(run.plan, result),
         "<h3>Plots</h3>",
         *(image(data, key, CAPTIONS[key]) for key, data in plots.items()),
     ]
@@ -138,6 +148,12 @@ def _link(target: Path, page: Path) -> str:
 
 def _pose(x: float, y: float, yaw: float) -> str:
     return f"({x:.3f}, {y:.3f}) m, {math.degrees(yaw):.1f}°"
+
+
+def _robot(robot: Robot) -> str:
+    x, y, z = robot.base
+    name = Path(robot.model).name
+    return name if robot.model == "hand" else f"{name} at ({x:g}, {y:g}, {z:g}) m"
 
 
 def _with_belief(true: float, believed: float, unit: str = "") -> str:
@@ -162,7 +178,7 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
         ("Start", _pose(task.start.x, task.start.y, task.start.yaw)),
         ("Goal", _pose(task.goal.x, task.goal.y, task.goal.yaw)),
         ("Tolerance", f"{1e3 * task.tolerance.position:g} mm, {math.degrees(task.tolerance.yaw):g}°"),
-        ("Robots", ", ".join(Path(robot.model).name for robot in task.robots)),
+        ("Robots", "; ".join(_robot(robot) for robot in task.robots)),
     ]
     error = task.start_error
     if (error.x, error.y, error.yaw) != (0.0, 0.0, 0.0):

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.report.series import path_length
 
 Row = tuple[str, str, float, str, int]  # label, key in result.json (dots go down), factor, unit, decimals
 
@@ -64,6 +68,17 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         ),
     ),
 )
+
+CONTACT_ROWS: tuple[Row, ...] = (
+    ("Planned load", "load", 1.0, "N", 1),
+    ("Normal, mean", "mean_normal_force", 1.0, "N", 1),
+    ("Normal, largest", "max_normal_force", 1.0, "N", 1),
+    ("Friction used, mean", "mean_friction_use", 100.0, "%", 0),
+    ("Outside the cone", "cone_violation_fraction", 100.0, "%", 2),
+    ("Lost for", "contact_loss_time", 1e3, "ms", 0),
+    ("Slip", "slip_distance", 1e3, "mm", 2),
+)
+KINDS = {"side": "push on a side", "top": "press on top"}
 
 ASKED = {
     "final_position_error": "tolerance.position",
@@ -180,3 +195,42 @@ def _judged(result: Mapping[str, Any], key: str) -> str:
     if key not in ASKED or not ASKED[key].startswith("tolerance") or asked is None or value is None:
         return ""
     return "ok" if value <= asked else "no"
+
+
+def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
+    """Return where each arm touches the object, and what its contact went through: one column each."""
+    contacts = plan.choice.contacts
+    measured = result["contacts"] or [{}] * len(contacts)
+    names = [f"Arm {c.arm}: {Path(plan.task.robots[c.arm].model).name}" for c in contacts]
+    lines = [
+        ("Contact", [KINDS[c.kind] for c in contacts]),
+        ("Place, from the CoM", [f"({1e3 * c.point[0]:.0f}, {1e3 * c.point[1]:.0f}) mm" for c in contacts]),
+        ("Height", [f"{1e3 * c.height:.0f} mm" for c in contacts]),
+    ]
+    lines += [
+        (label, [shown(figures, key, factor, unit, decimals) for figures in measured])
+        for label, key, factor, unit, decimals in CONTACT_ROWS
+    ]
+    rows = [
+        [f'<th scope="row">{label}</th>', *(f'<td class="n">{escape(cell)}</td>' for cell in cells)]
+        for label, cells in lines
+    ]
+    return table(("", *names), rows, numbers=len(names))
+
+
+def stretches_table(plan: Plan) -> str:
+    """Return the stretches of a plan one by one; empty for a plan of one."""
+    if len(plan.stretches) < 2:
+        return ""
+    rows = []
+    for i, stretch in enumerate(plan.stretches):
+        goal, axle = stretch.goal, stretch.X_BV
+        cells = (
+            f"{path_length(stretch.path):.3f} m", f"{stretch.profile.duration:.1f} s",
+            f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, {math.degrees(axle.yaw):.1f}°",
+            f"({goal.x:.3f}, {goal.y:.3f}) m, {math.degrees(goal.yaw):.1f}°",
+        )  # fmt: skip
+        rows.append(
+            [f'<th scope="row">{i + 1}</th>', *(f'<td class="n">{escape(cell)}</td>' for cell in cells)]
+        )
+    return table(("Stretch", "Path", "Time", "Tracking point, from the CoM", "Leads to"), rows, numbers=4)

@@ -119,11 +119,7 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
 
 def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
     contacts = tuple(
-        Contact(
-            c["arm"], c["kind"], (c["point"][0], c["point"][1]), (c["normal"][0], c["normal"][1]),
-            c["height"], c["load"],
-        )  # fmt: skip
-        for c in data["contacts"]
+        Contact(**{**c, "point": tuple(c["point"]), "normal": tuple(c["normal"])}) for c in data["contacts"]
     )
     path = None if data["path"] is None else _path_from_dict(data["path"])
     return Choice(

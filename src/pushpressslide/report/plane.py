@@ -40,9 +40,8 @@ def plan_figure(plan: Plan) -> Figure:
     made, axes = style.figure(height=5.6)
     ax, task, stretches = axes[0], plan.task, plan.stretches
     each = max(2, STATIONS // len(stretches))
-    poses = [
-        stretch.object_pose(stretch.path.length * i / (each + 1)) for stretch in stretches for i in range(each + 2)
-    ]
+    shares = np.linspace(0.0, 1.0, each + 2)
+    poses = [stretch.object_pose(u * stretch.path.length) for stretch in stretches for u in shares]
     _surroundings(ax, task)
     _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
     _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
@@ -88,7 +87,10 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     for i, reference in enumerate(series.stretch_paths(record)):
         first = i == 0
         gone = at[record.arrays["stretch"][at] == i]
-        ax.plot(*tracked[gone, :2].T, color=style.BLUE, lw=2.4, label="tracking point" if first else None)
+        ax.plot(
+            *tracked[gone, :2].T, "-o", color=style.BLUE, lw=2.4, ms=5, markevery=[0] if len(gone) else None,
+            label="tracking point" if first else None,
+        )  # fmt: skip
         ax.plot(
             *reference[:, :2].T, "--", color=style.BLACK, lw=1.0, label="reference path" if first else None
         )
@@ -134,17 +136,17 @@ def _forces(ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[in
 
 def _contacts(ax: Axes, plan: Plan, X_WB: Pose2) -> None:
     """Draw where the tips touch the object at ``X_WB``: a dot on top, a short arrow into a side."""
-    told: set[str] = set()
+    kinds = {contact.kind for contact in plan.choice.contacts}
     for contact in plan.choice.contacts:
         x, y = X_WB.apply(contact.point)
-        label = None if contact.kind in told else {"top": "press on top", "side": "push on a side"}[contact.kind]
-        told.add(contact.kind)
         if contact.kind == "top":
-            ax.plot(x, y, "o", color=style.ORANGE, ms=8, label=label, ls="", zorder=6)
+            ax.plot(x, y, "o", color=style.ORANGE, ms=8, zorder=6)
         else:
             n = X_WB.rotate(contact.normal)
             _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
-            ax.plot([], [], color=style.ORANGE, label=label, marker=">", ms=6)
+    for kind, label, marker in (("top", "press on top", "o"), ("side", "push on a side", ">")):
+        if kind in kinds:
+            ax.plot([], [], marker, color=style.ORANGE, ms=7, label=label)
 
 
 def _arrow(ax: Axes, tail: tuple[float, float], head: tuple[float, float], color: str) -> None:

@@ -106,7 +106,7 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     if not contacts:
         return None
     made, axes = style.figure(2 * len(contacts), 1.0 + 2.2 * 2 * len(contacts))
-    time, stretch = record.arrays["time"], record.arrays["stretch"].astype(int)
+    time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
     asked_n, asked_t = series.contact_forces(plan, record, "command_force")
     quiet = ~series.in_phase(record, "touch", "move", "release")
@@ -119,9 +119,8 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
         upper.plot(*_thin(time, asked_n[:, i]), label="commanded", **COMMANDED)
         edge = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
         if contact.kind == "top":
-            loads = np.array([part.choice.contacts[i].load for part in plan.stretches])[stretch]
-            loads[~series.in_phase(record, "move")] = np.nan
-            upper.plot(*_thin(time, loads), color=style.GREEN, lw=1.0, label="planned load")
+            loads = _by_stretch(record, [part.choice.contacts[i].load for part in plan.stretches])
+            upper.plot(*_thin(time, loads), color=style.BLACK, lw=1.3, ls=":", label="planned load")
             upper.set_ylabel(f"{which}press [N]")
             lower.set_ylabel(f"{which}shear [N]")
             _band(lower, time, np.zeros_like(edge), edge, f"friction disc, mu = {task.contact_friction:g}")
@@ -175,8 +174,7 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     time, twist = record.arrays["time"], record.arrays["object_twist"]
     arm = series.tracked_poses(task, record)[:, :2] - record.arrays["object_pose"][:, :2]
     cruise = [p.profile.cruise * series.path_length(p.path) / (p.path.length or 1.0) for p in plan.stretches]
-    planned = np.array(cruise)[record.arrays["stretch"].astype(int)]
-    planned[~series.in_phase(record, "move")] = np.nan
+    planned = _by_stretch(record, cruise)
     speed = np.hypot(twist[:, 0] - twist[:, 2] * arm[:, 1], twist[:, 1] + twist[:, 2] * arm[:, 0])
     top.plot(*_thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
     top.plot(*_thin(time, 1e3 * planned), color=style.ORANGE, ls="--", lw=1.1, label="planned cruise")
@@ -233,6 +231,14 @@ def _thin(time: Array, values: Array) -> tuple[Array, Array]:
 def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
     sampled, bottom = _thin(time, low)
     ax.fill_between(sampled, bottom, _thin(time, high)[1], color=style.GREEN, alpha=0.14, lw=0, label=label)
+
+
+def _by_stretch(record: Record, values: Sequence[float]) -> Array:
+    """Return at every tick (N,) of the move its stretch's value; NaN in a second attempt, not in the plan."""
+    stretch, out = record.arrays["stretch"], np.full(series.ticks(record), np.nan)
+    for i, value in enumerate(values):
+        out[(stretch == i) & series.in_phase(record, "move")] = value
+    return out
 
 
 def _time_axis(axes: Sequence[Axes], record: Record, title: str) -> None:

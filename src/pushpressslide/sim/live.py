@@ -14,17 +14,19 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.playback import (
     GOAL_COLOR,
+    GOAL_SINK,
     PATH_COLOR,
     PATH_HEIGHT,
     RIBBON_WIDTH,
     camera_view,
+    leads_somewhere,
     ribbon,
 )
 from pushpressslide.sim.replay import FIELD, FRAMES_PER_SECOND, look, quiet_meshcat
 from pushpressslide.sim.scenes import Scene
 from pushpressslide.sim.surfaces import object_shape
 
-SAMPLES = 100  # of the planned path
+SAMPLES = 100  # of the planned path of each stretch
 
 
 class LiveView:
@@ -34,17 +36,22 @@ class LiveView:
         """Start the page's server and ``tell`` its address."""
         self._meshcat: Meshcat = quiet_meshcat()
         look(self._meshcat)
-        poses = [plan.object_pose(float(s)) for s in np.linspace(0.0, plan.path.length, SAMPLES)]
-        view = camera_view(plan.task, plan, np.array([(p.x, p.y, p.yaw) for p in poses]), FIELD)
+        shares, places, lines = np.linspace(0.0, 1.0, SAMPLES), [], []
+        for stretch in plan.stretches:
+            grid = [float(u) for u in stretch.path.length * shares]
+            places += [stretch.object_pose(s) for s in grid]
+            lines.append(np.array([stretch.path.pose(s).position for s in grid]))
+        view = camera_view(plan.task, plan, np.array([(p.x, p.y, p.yaw) for p in places]), FIELD)
         self._meshcat.SetCameraPose(view.position, view.target)
         shape = plan.task.object.shape
         self._meshcat.SetObject("plan/goal", object_shape(shape), GOAL_COLOR)
-        self._meshcat.SetTransform("plan/goal", rigid_transform(plan.task.goal, 0.5 * shape.height))
-        path = [plan.path.pose(float(s)) for s in np.linspace(0.0, plan.path.length, SAMPLES)]
-        points = np.array([(p.x, p.y) for p in path])
-        if plan.path.length > 1e-3:
-            self._meshcat.SetObject("plan/path", ribbon(points, RIBBON_WIDTH), PATH_COLOR)
-            self._meshcat.SetTransform("plan/path", RigidTransform([0.0, 0.0, PATH_HEIGHT]))
+        self._meshcat.SetTransform(
+            "plan/goal", rigid_transform(plan.task.goal, 0.5 * shape.height - GOAL_SINK)
+        )
+        for i, line in enumerate(lines):
+            if leads_somewhere(line):
+                self._meshcat.SetObject(f"plan/path_{i}", ribbon(line, RIBBON_WIDTH), PATH_COLOR)
+                self._meshcat.SetTransform(f"plan/path_{i}", RigidTransform([0.0, 0.0, PATH_HEIGHT]))
         tell(self._meshcat.web_url())
 
     def connect(self, builder: DiagramBuilder, scene: Scene) -> None:

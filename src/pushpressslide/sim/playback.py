@@ -25,9 +25,9 @@ from pydrake.systems.framework import Context
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.sim.convert import planar_pose, rigid_transform, transform_from_positions
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
 from pushpressslide.sim.surfaces import object_shape
@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 RIBBON_WIDTH = 0.006  # [m] of lines on the support
 PATH_HEIGHT = 0.0010  # [m] above the support
+LEAST_PATH = 1e-3  # [m] of a line that is drawn
+GOAL_SINK = 1e-3  # [m] by which the goal is drawn lower, so that its top is not that of the object
 GOAL_COLOR = Rgba(0.0, 0.62, 0.45, 0.28)
 PATH_COLOR = Rgba(0.13, 0.13, 0.13, 1.0)
 ARM_HEIGHT = 0.75  # [m] of an arm above its base, for the camera
@@ -67,7 +69,7 @@ class Playback:
     def _draw_plan(self) -> None:
         graph, task = self.scene.scene_graph, self.task
         source = graph.RegisterSource("plan")
-        height = 0.5 * task.object.shape.height
+        height = 0.5 * task.object.shape.height - GOAL_SINK
         _anchor(
             graph,
             source,
@@ -76,8 +78,12 @@ class Playback:
             rigid_transform(task.goal, height),
             GOAL_COLOR,
         )
-        mesh = ribbon(self.record.arrays["plan_path"][:, :2], RIBBON_WIDTH)
-        _anchor(graph, source, "path", mesh, RigidTransform([0.0, 0.0, PATH_HEIGHT]), PATH_COLOR)
+        path, of = self.record.arrays["plan_path"][:, :2], self.record.arrays["plan_stretch"]
+        for i in np.unique(of):
+            if leads_somewhere(path[of == i]):
+                mesh = ribbon(path[of == i], RIBBON_WIDTH)
+                X = RigidTransform([0.0, 0.0, PATH_HEIGHT])
+                _anchor(graph, source, f"path_{i:.0f}", mesh, X, PATH_COLOR)
 
     def set(self, context: Context, tick: int) -> None:
         """Put everything where it was at ``tick``; ``context`` is that of the diagram with this scene."""
@@ -100,8 +106,8 @@ class Playback:
         return rigid_transform(Pose2(x, y, yaw), rest_height(self.task.object))
 
     def vehicle_pose(self, tick: int) -> Pose2:
-        """Return X_WV at ``tick``: the tracking point and its heading."""
-        X_BV = Pose2(*(float(v) for v in self.record.arrays["plan_X_BV"]))
+        """Return X_WV at ``tick``: the tracking point of the stretch that is followed, and its heading."""
+        X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         return planar_pose(self.object_pose(tick)).compose(self.task.object.X_GB).compose(X_BV)
 
     def ticks_at(self, times: Array) -> list[int]:
@@ -119,10 +125,15 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
 
     ``pose`` (N, 3): where the object will be, X_WG [m, rad].
     """
-    height = task.object.shape.height
-    sides = (-0.5 * height, 0.5 * height)
-    places = [*pose[:, :2].tolist(), [task.goal.x, task.goal.y]]
-    points = [(x + dx, y + dy, z) for x, y in places for dx in sides for dy in sides for z in (0.0, height)]
+    shape = task.object.shape
+    if isinstance(shape, Cylinder):
+        corners: tuple[Point, ...] = tuple(
+            (a * shape.radius, b * shape.radius) for a in (-1, 1) for b in (-1, 1)
+        )
+    else:
+        corners = shape.footprint
+    places = [*(Pose2(*row) for row in pose.tolist()), task.goal]
+    points = [(*X_WG.apply(c), z) for X_WG in places for c in corners for z in (0.0, shape.height)]
     for robot in task.robots:
         if robot.model != "hand":
             x, y, z = robot.base
@@ -155,6 +166,11 @@ def fit_view(points: Array, direction: Array, field: float) -> View:
         distance *= needed**0.7
     position = target - distance * z
     return View(position, target)
+
+
+def leads_somewhere(points: Array) -> bool:
+    """Return whether a path (K, 2) [m] is more than a turn on the spot, so that there is a line to draw."""
+    return bool(np.ptp(points, axis=0).max() > LEAST_PATH)
 
 
 def ribbon(points: Array, width: float) -> Mesh:

@@ -25,11 +25,11 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform, RotationMatrix
 
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.sim.playback import Playback, ribbon
+from pushpressslide.sim.playback import Playback, View, ribbon
 
 Array = NDArray[np.float64]
 
@@ -37,16 +37,20 @@ FRAMES_PER_SECOND = 30.0
 FIELD = math.radians(75.0)  # vertical field of view of Meshcat's camera
 TRACE_PIECES = 60  # that the trace of the tracking point is drawn in
 TRACE_HEIGHT = 0.0018  # [m] above the support
-FORCE_SCALE, LONGEST_ARROW = 0.02, 0.15  # [m/N], [m]
+FORCE_SCALE, LONGEST_ARROW, LONGEST_PRESS = 0.02, 0.15, 0.10  # [m/N], [m], [m]
+CLEARANCE = 0.012  # [m] from object and tip to the arrows, so that neither hides them
 LEAST_FORCE = 0.3  # [N] below which no arrow is shown
 SHAFT, HEAD_RADIUS, HEAD = 0.004, 0.010, 0.022  # [m] of the force arrow
-BLUE, AMBER, WHITE = Rgba(0.0, 0.45, 0.70, 1.0), Rgba(0.90, 0.62, 0.0, 1.0), Rgba(0.95, 0.95, 0.95, 1.0)
+BLUE, WHITE = Rgba(0.0, 0.45, 0.70, 1.0), Rgba(0.95, 0.95, 0.95, 1.0)
+PURPLE, ORANGE = Rgba(0.66, 0.22, 0.49, 1.0), Rgba(0.84, 0.37, 0.0, 1.0)
 
 CAPTION = """<div style="position:fixed;left:12px;bottom:10px;z-index:5;font:13px/1.5 system-ui,sans-serif;
 color:#1f2328;background:rgba(255,255,255,.82);padding:6px 10px;border-radius:6px;pointer-events:none">
 <b>@TITLE@</b><br><span style="color:#222">&#9644;</span> planned path of the tracking point
 <span style="color:#0072b2">&#9644;</span> its trace <span style="color:#009e73">&#9632;</span> goal
-<span style="color:#e69f00">&#9644;</span> contact force, @SCALE@ mm a newton</div>"""
+<span style="color:#a8387d">&#9644;</span> contact force in the plane, @SCALE@ mm a newton@PRESS@</div>"""
+PRESS_CAPTION = """
+<span style="color:#d55e00">&#9644;</span> press, beside its tip, @SCALE@ mm a newton"""
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str = "generated") -> Path:
@@ -71,7 +75,7 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     time = record.arrays["time"]
     count = max(2, math.ceil((time[-1] - time[0]) * FRAMES_PER_SECOND))
     ticks = playback.ticks_at(np.linspace(time[0], time[-1], count))
-    marks = _Marks(meshcat, playback, ticks)
+    marks = _Marks(meshcat, playback, ticks, view)
     recording = visualizer.StartRecording(set_transforms_while_recording=False)
     for frame, tick in enumerate(ticks):
         t = frame / FRAMES_PER_SECOND
@@ -85,7 +89,9 @@ def write_replay(task: Task, plan: Plan, record: Record, out: Path, models: str 
     visualizer.PublishRecording()
     page = meshcat.StaticHtml()
     title = escape(f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}")
-    caption = CAPTION.replace("@TITLE@", title).replace("@SCALE@", f"{1e3 * marks.scale:.0f}")
+    press = PRESS_CAPTION.replace("@SCALE@", f"{1e3 * marks.press_scale:.0f}") if marks.presses else ""
+    caption = CAPTION.replace("@SCALE@", f"{1e3 * marks.scale:.0f}").replace("@PRESS@", press)
+    caption = caption.replace("@TITLE@", title)
     page = page.replace("</body>", f"{caption}</body>", 1) if "</body>" in page else page + caption
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
@@ -115,35 +121,50 @@ class _Marks:
     Meshcat loops each track over its own keys: without one at the last frame they fall out of step.
     """
 
-    def __init__(self, meshcat: Meshcat, playback: Playback, ticks: list[int]) -> None:
+    def __init__(self, meshcat: Meshcat, playback: Playback, ticks: list[int], view: View) -> None:
         self._meshcat, self._playback = meshcat, playback
-        record = playback.record
+        arrays = playback.record.arrays
         self._last = len(ticks) - 1
         self._contacts = playback.plan.choice.contacts
         self._height = playback.task.object.shape.height
-        sizes = np.linalg.norm(np.nan_to_num(record.arrays["measured_force"]), axis=2)
-        self.scale = min(FORCE_SCALE, LONGEST_ARROW / max(float(sizes.max(initial=0.0)), 1e-9))
+        forces = np.nan_to_num(arrays["measured_force"])
+        flat, down = np.linalg.norm(forces[:, :, :2], axis=2), np.maximum(-forces[:, :, 2], 0.0)
+        self.scale = min(FORCE_SCALE, LONGEST_ARROW / max(float(flat.max(initial=0.0)), 1e-9))
+        self.press_scale = min(FORCE_SCALE, LONGEST_PRESS / max(float(down.max(initial=0.0)), 1e-9))
+        self.presses = any(contact.kind == "top" for contact in self._contacts)
+        nearer = (view.position - view.target) * np.array([1.0, 1.0, 0.0])
+        self._nearer: Any = nearer / np.linalg.norm(nearer)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
-        self._trace = self._draw_trace(np.array([(v.x, v.y) for v in vehicle]))
+        self._trace = self._draw_trace(np.array([(v.x, v.y) for v in vehicle]), arrays["stretch"][ticks])
         meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._height + 0.03), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
         meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * (self._height + 0.03)]))
-        for i in range(len(self._contacts)):
-            meshcat.SetObject(f"marks/force_{i}/shaft", Cylinder(SHAFT, 1.0), AMBER)
-            meshcat.SetObject(
-                f"marks/force_{i}/head/cone", MeshcatCone(HEAD, HEAD_RADIUS, HEAD_RADIUS), AMBER
-            )
-            # Meshcat's cone has its tip at the origin and opens along +z
-            turned = RigidTransform(RotationMatrix.MakeXRotation(math.pi))
-            meshcat.SetTransform(f"marks/force_{i}/head/cone", turned)
+        for contact in self._contacts:
+            self._add_arrow(f"marks/force_{contact.arm}", PURPLE)
+            if contact.kind == "top":
+                self._add_arrow(f"marks/press_{contact.arm}", ORANGE)
 
-    def _draw_trace(self, points: Array) -> list[tuple[int, str]]:
-        """Draw the whole trace in pieces; return the frame at which each piece appears, and its name."""
+    def _add_arrow(self, name: str, color: Rgba) -> None:
+        meshcat = self._meshcat
+        meshcat.SetObject(f"{name}/shaft", Cylinder(SHAFT, 1.0), color)
+        meshcat.SetObject(f"{name}/head/cone", MeshcatCone(HEAD, HEAD_RADIUS, HEAD_RADIUS), color)
+        # Meshcat's cone has its tip at the origin and opens along +z
+        turned = RigidTransform(RotationMatrix.MakeXRotation(math.pi))
+        meshcat.SetTransform(f"{name}/head/cone", turned)
+
+    def _draw_trace(self, points: Array, stretch: Array) -> list[tuple[int, str]]:
+        """Draw the whole trace in pieces; return the frame at which each piece appears, and its name.
+
+        ``points`` (F, 2) [m] and ``stretch`` (F,) of the plan, per frame: where a stretch begins, the
+        tracking point may be another, and no line joins the two.
+        """
         moved = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         pieces: list[tuple[int, str]] = []
         step = moved[-1] / TRACE_PIECES
         first = 0
         for last in range(1, len(points)):
+            if stretch[last] != stretch[first]:
+                first = last
             if step > 1e-5 and moved[last] - moved[first] >= step:
                 kept = points[first : last + 1]
                 apart = np.concatenate([[True], np.linalg.norm(np.diff(kept, axis=0), axis=1) > 1e-7])
@@ -163,28 +184,35 @@ class _Marks:
         for at, name in self._trace:
             if frame in (0, at, self._last):
                 meshcat.SetProperty(name, "visible", frame >= at, time_in_recording=t)
-        for i in range(len(self._contacts)):
-            self._show_force(i, tick, t, frame in (0, self._last))
+        for contact in self._contacts:
+            self._show_contact(contact, tick, t, frame in (0, self._last))
 
-    def _show_force(self, i: int, tick: int, t: float, at_end: bool) -> None:
-        meshcat, arrays, name = self._meshcat, self._playback.record.arrays, f"marks/force_{i}"
-        force, tip = np.nan_to_num(arrays["measured_force"][tick, i]), arrays["tip_position"][tick, i]
-        contact = self._contacts[i]
-        pushing = contact.kind == "side"
-        drawn = np.array([force[0], force[1], 0.0]) if pushing else force
-        size = float(np.linalg.norm(drawn))
+    def _show_contact(self, contact: Contact, tick: int, t: float, at_end: bool) -> None:
+        """Record the force in the plane, drawn over the object from the tip's edge on; and a press, drawn
+        down onto the object beside its tip.
+        """
+        arrays, arm = self._playback.record.arrays, contact.arm
+        force: Any = np.nan_to_num(arrays["measured_force"][tick, arm])
+        tip: Any = arrays["tip_position"][tick, arm]
+        radius = self._playback.task.robots[arm].tip_radius
+        flat = np.array([force[0], force[1], 0.0])
+        ahead = flat / max(float(np.linalg.norm(flat)), 1e-9)
+        tail = np.array([tip[0], tip[1], self._height + CLEARANCE]) + radius * ahead
+        self._show_arrow(f"marks/force_{arm}", tail, flat, self.scale, t, at_end)
+        if contact.kind == "top":
+            down = np.array([0.0, 0.0, min(force[2], 0.0)])
+            head = np.array([tip[0], tip[1], self._height]) + (radius + CLEARANCE) * self._nearer
+            tail = head - self.press_scale * down
+            self._show_arrow(f"marks/press_{arm}", tail, down, self.press_scale, t, at_end)
+
+    def _show_arrow(self, name: str, tail: Any, force: Any, scale: float, t: float, at_end: bool) -> None:
+        meshcat, size = self._meshcat, float(np.linalg.norm(force))
         visible = size > LEAST_FORCE
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         if not (visible or at_end):
             return
-        axis: Any = drawn / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
-        length = self.scale * size
-        # a push is drawn above the object, where neither it nor the tip hides it; a press ends where it acts
-        if pushing:
-            radius = self._playback.task.robots[contact.arm].tip_radius
-            tail: Any = np.array([tip[0], tip[1], self._height + 0.012]) + radius * axis
-        else:
-            tail = tip - length * axis
+        axis: Any = force / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+        length = scale * size
         shaft = max(length - HEAD, 0.2 * length, 1e-4)
         R = RotationMatrix.MakeFromOneVector(axis, 2)
         meshcat.SetTransform(name, RigidTransform(R, tail), time_in_recording=t)
