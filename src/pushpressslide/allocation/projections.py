@@ -80,20 +80,24 @@ class WrenchCone:
         """
         z = tau / self._rho
         along = [a * fx + b * fy + c * z for a, b, c in self._edges]
-        most, best = 0.0, (0, 1, 0.0, 0.0)
-        for i, square in enumerate(self._squares):
-            gain = along[i] * along[i] / square
-            if along[i] > 0.0 and gain > most:
-                most, best = gain, (i, (i + 1) % 4, along[i] / square, 0.0)
+        trials = [(i, i, a / self._squares[i], 0.0) for i, a in enumerate(along) if a > 0.0]
         for i, j, product, inverse in self._pairs:
             k_i = (self._squares[j] * along[i] - product * along[j]) * inverse
             k_j = (self._squares[i] * along[j] - product * along[i]) * inverse
             if k_i > 0.0 and k_j > 0.0:
-                gain = k_i * along[i] + k_j * along[j]
-                if gain > most:
-                    most, best = gain, (i, j, k_i, k_j)
+                trials.append((i, j, k_i, k_j))
+        least, best = fx * fx + fy * fy + z * z, (0, 0, 0.0, 0.0)
+        for trial in trials:
+            i, j, k_i, k_j = trial
+            (ax, ay, az), (bx, by, bz) = self._edges[i], self._edges[j]
+            dx, dy, dz = fx - k_i * ax - k_j * bx, fy - k_i * ay - k_j * by, z - k_i * az - k_j * bz
+            distance = dx * dx + dy * dy + dz * dz
+            if distance < least:
+                least, best = distance, trial
         k = [0.0, 0.0, 0.0, 0.0]
-        k[best[0]], k[best[1]] = best[2], best[3]
+        i, j, k_i, k_j = best
+        k[i] += k_i
+        k[j] += k_j
         (ax, ay), (bx, by), (cx, cy), (dx, dy) = self._rays
         first = (k[0] * ax + k[1] * bx, k[0] * ay + k[1] * by)
         second = (k[2] * cx + k[3] * dx, k[2] * cy + k[3] * dy)

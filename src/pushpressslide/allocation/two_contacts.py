@@ -9,19 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
 
-from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.contact_line import ContactPair, Split
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection, WrenchCone
 from pushpressslide.core.allocation import Allocation, AllocationStatus
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.mechanics.friction import cone_margin
 
-Split = Literal["least_friction", "least_force"]
 Vector = tuple[float, float, float]
-ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
-FACING = 0.03  # sine of the angle to the line of contacts within which friction leaves the split open
 NONE = (0.0, 0.0, 0.0)
 
 
@@ -50,21 +46,21 @@ def two_contact_allocator(
     "infeasible" if the best force is zero. Raises ValueError for contacts that coincide, friction <= 0, and
     for "least_friction" where both normals lie along the line of contacts.
     """
-    pair = _TwoContacts(points, normals, friction, rho, caps, projection, split)
+    pair = ContactPair(points, normals, friction, split)
+    elsewhere = _Elsewhere(pair, points, normals, friction, rho, caps, projection)
     # As long as no cone is in the way the forces are linear in the wrench.
     x_fx, y_fx = pair.first_force(1.0, 0.0, 0.0)
     x_fy, y_fy = pair.first_force(0.0, 1.0, 0.0)
     x_tau, y_tau = pair.first_force(0.0, 0.0, 1.0)
     ex, ey = pair.line.e
     (n1x, n1y), (n2x, n2y) = normals
-    (n1e, _), (n2e, _) = pair.axes
-    # More force d of contact 1 along e, and less of contact 2, changes the slack q of a cone's side to q + a d,
-    # so that -q / a bounds d: from below where a > 0.
-    slopes = [a for a, _ in pair.sides1] + [-a for a, _ in pair.sides2]
-    up1, up2, up3, up4 = (a > 0.0 for a in slopes)
-    k1, k2, k3, k4 = (-1.0 / (a if abs(a) > ALONG else math.copysign(ALONG, a)) for a in slopes)
+    n1e, n2e = pair.n1e, pair.n2e
+    # q + a d >= 0 bounds d by -q / a: from below where a > 0.
+    up1, up2, up3, up4 = (a > 0.0 for a in pair.slopes)
+    k1, k2, k3, k4 = (-1.0 / a for a in pair.slopes)
     cap1, cap2 = caps
-    capped, outside, none, inf = pair.capped, pair.outside, NONE, math.inf
+    capped, outside, none, inf = elsewhere.capped, elsewhere.outside, NONE, math.inf
+    new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         f1x = x_fx * fx + x_fy * fy + x_tau * tau
@@ -77,104 +73,88 @@ def two_contact_allocator(
         if margin2 < margin:
             margin = margin2
         if not margin >= 0.0:
-            d1, d2 = k1 * (friction * f1n + f1t), k2 * (friction * f1n - f1t)
-            d3, d4 = k3 * (friction * f2n + f2t), k4 * (friction * f2n - f2t)
-            low = max(d1 if up1 else -inf, d2 if up2 else -inf, d3 if up3 else -inf, d4 if up4 else -inf)
-            high = min(inf if up1 else d1, inf if up2 else d2, inf if up3 else d3, inf if up4 else d4)
+            d1, d2 = k1 * (friction * f1n - f1t), k2 * (friction * f1n + f1t)
+            d3, d4 = k3 * (friction * f2n - f2t), k4 * (friction * f2n + f2t)
+            low, high = (d1, inf) if up1 else (-inf, d1)
+            if up2:
+                if d2 > low:
+                    low = d2
+            elif d2 < high:
+                high = d2
+            if up3:
+                if d3 > low:
+                    low = d3
+            elif d3 < high:
+                high = d3
+            if up4:
+                if d4 > low:
+                    low = d4
+            elif d4 < high:
+                high = d4
             if not low <= high:
                 return outside(fx, fy, tau)
-            more = low if low > 0.0 else high
+            more = low if low > 0.0 else high if high < 0.0 else 0.0
             f1x, f1y, f2x, f2y = f1x + more * ex, f1y + more * ey, f2x - more * ex, f2y - more * ey
             f1n, f2n, margin = f1n + more * n1e, f2n - more * n2e, 0.0
         if f1n <= cap1 and f2n <= cap2:
-            return Allocation(((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none)
+            return new(Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none))
         return capped(fx, fy, tau)
 
     return allocate
 
 
-class _TwoContacts:
-    """Two side contacts: the split that is wanted, and what comes of it where a cone or a cap is in the
-    way.
-    """
+class _Elsewhere:
+    """The allocation where a cap is in the way, or the wrench is outside of the cone."""
 
     def __init__(
         self,
+        pair: ContactPair,
         points: Sequence[Point],
         normals: Sequence[Point],
         friction: float,
         rho: float,
         caps: Sequence[float],
         projection: Projection,
-        split: Split,
     ) -> None:
-        if not friction > 0.0:
-            raise ValueError(f"friction {friction}; must be > 0")
-        self.line = ContactLine(*points)
-        self._points, self._normals, self._friction, self._rho = points, normals, friction, rho
+        self._pair, self._points, self._normals = pair, points, normals
+        self._friction, self._rho, self._projection = friction, rho, projection
         self._cap1, self._cap2 = caps
-        self._projection = projection
         self._cone = WrenchCone(points, normals, friction, rho)
-        self.axes = [self.line.in_axes(n) for n in normals]
-        (self._n1e, self._n1m), (self._n2e, self._n2m) = self.axes
-        # Sides of the cones, q.f >= 0 for q = mu n -+ J n, in the axes of the line
-        self.sides1, self.sides2 = (
-            ((friction * ne + nm, friction * nm - ne), (friction * ne - nm, friction * nm + ne))
-            for ne, nm in self.axes
-        )
-        self._weights = (0.5, 0.0, 0.0)
-        if split == "least_friction":
-            squares = self._n1m**2 + self._n2m**2
-            if squares < FACING**2:
-                raise ValueError("contacts that face each other; 'least_friction' needs 'least_force' there")
-            self._weights = (
-                self._n2m**2 / squares,
-                self._n1m * self._n1e / squares,
-                -self._n2m * self._n2e / squares,
-            )
-
-    def _wanted(self, along: float, g1: float, g2: float) -> float:
-        """Return the force s [N] of contact 1 along the line that the split asks for."""
-        a, b, c = self._weights
-        return a * along + b * g1 + c * g2
-
-    def first_force(self, fx: float, fy: float, tau: float) -> Point:
-        """Return the wanted force [N] of contact 1, in B."""
-        along, g1, g2 = self.line.parts(fx, fy, tau)
-        return self.line.in_body((self._wanted(along, g1, g2), g1))
 
     def capped(self, fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench of the cone where a cap is in the way."""
-        along, g1, g2 = self.line.parts(fx, fy, tau)
-        low, high = -math.inf, math.inf
-        for a, b in self.sides1:
-            low, high = _narrowed(low, high, a, b * g1)
-        for a, b in self.sides2:
-            low, high = _narrowed(low, high, -a, a * along + b * g2)
-        # Normal forces n1e s + h1 and h2 - n2e s
-        h1, h2 = self._n1m * g1, self._n2e * along + self._n2m * g2
-        least, most = _narrowed(low, high, -self._n1e, self._cap1 - h1)
-        least, most = _narrowed(least, most, self._n2e, self._cap2 - h2)
-        s, scale = min(max(self._wanted(along, g1, g2), least), most), 1.0
+        """Return the allocation of a wrench of the cone that takes more normal force than a cap allows."""
+        f1 = self._pair.first_force(fx, fy, tau)
+        f2 = (fx - f1[0], fy - f1[1])
+        slacks, pushes = [], []
+        for f, n in zip((f1, f2), self._normals, strict=True):
+            push, left = f[0] * n[0] + f[1] * n[1], cross(n, f)
+            pushes.append(push)
+            slacks += [self._friction * push - left, self._friction * push + left]
+        f1n, f2n = pushes
+        low, high = _interval(slacks, self._pair.slopes)
+        least, most = _interval((self._cap1 - f1n, self._cap2 - f2n), (-self._pair.n1e, self._pair.n2e))
+        least, most = max(least, low), min(most, high)
+        d, scale = min(max(0.0, least), most), 1.0
         if not least <= most:
-            s, scale = self._largest_scale(low, high, h1, h2)
-        f1 = self.line.in_body((s, g1))
-        return self._allocation((fx, fy, tau), f1, (fx - f1[0], fy - f1[1]), scale)
+            d, scale = self._largest_scale(low, high, f1n, f2n)
+        ex, ey = self._pair.line.e
+        f1, f2 = (f1[0] + d * ex, f1[1] + d * ey), (f2[0] - d * ex, f2[1] - d * ey)
+        return self._allocation((fx, fy, tau), f1, f2, scale)
 
-    def _largest_scale(self, low: float, high: float, h1: float, h2: float) -> tuple[float, float]:
-        """Return s, and the largest part of the wrench, for which both normal forces keep their caps."""
-        even = self._cap1 * self._n2e + self._cap2 * self._n1e
-        crossing = (self._cap1 * h2 - self._cap2 * h1) / even if even != 0.0 else math.nan
-        candidates = [s for s in (low, high, min(max(crossing, low), high)) if math.isfinite(s)]
+    def _largest_scale(self, low: float, high: float, f1n: float, f2n: float) -> tuple[float, float]:
+        """Return d, and the largest part of the wrench, for which both normal forces keep their caps."""
+        rate = self._cap1 * self._pair.n2e + self._cap2 * self._pair.n1e
+        both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else math.nan
 
-        def scale(s: float) -> float:
-            return self._scale(self._n1e * s + h1, h2 - self._n2e * s)
+        def scale(d: float) -> float:
+            return self._scale(f1n + d * self._pair.n1e, f2n - d * self._pair.n2e)
 
+        candidates = (d for d in (low, high, min(max(both, low), high)) if math.isfinite(d))
         best = max(candidates, key=scale, default=0.0)
         return best, scale(best)
 
     def _scale(self, f1n: float, f2n: float) -> float:
-        """Return the part of these normal forces [N] that keeps the caps, at most 1."""
+        """Return the part of two normal forces [N], at most 1, that keeps the caps."""
         scale = self._cap1 / f1n if f1n > self._cap1 else 1.0
         return min(scale, self._cap2 / f2n) if f2n > self._cap2 else scale
 
@@ -199,19 +179,21 @@ class _TwoContacts:
         error = abs(residual[0]) + abs(residual[1]) + abs(residual[2]) / self._rho
         (n1x, n1y), (n2x, n2y) = self._normals
         pushes = (n1x * f1x + n1y * f1y, n2x * f2x + n2y * f2y)
-        margin = min(
-            cone_margin(f, n, self._friction) for f, n in zip(forces, self._normals, strict=True)
-        )
-        status: AllocationStatus = "ok" if error <= 1e-9 * size else "projected"
+        margin = min(cone_margin(f, n, self._friction) for f, n in zip(forces, self._normals, strict=True))
+        status: AllocationStatus = "ok" if error <= 1e-9 * size < math.inf else "projected"
         if status == "projected" and f1x == f1y == f2x == f2y == 0.0:
             status = "infeasible"
         return Allocation(forces, pushes, margin, status, residual)
 
 
-def _narrowed(low: float, high: float, a: float, r: float) -> tuple[float, float]:
-    """Return what a s + r >= 0 leaves of the interval [low, high] of s; (inf, -inf) if nothing."""
-    if a > 0.0:
-        return max(low, -r / a), high
-    if a < 0.0:
-        return low, min(high, -r / a)
-    return (low, high) if r >= 0.0 else (math.inf, -math.inf)
+def _interval(slacks: Sequence[float], slopes: Sequence[float]) -> tuple[float, float]:
+    """Return the interval of d in which all q + a d >= 0; reversed if there is none."""
+    low, high = -math.inf, math.inf
+    for q, a in zip(slacks, slopes, strict=True):
+        if a > 0.0:
+            low = max(low, -q / a)
+        elif a < 0.0:
+            high = min(high, -q / a)
+        elif q < 0.0:
+            return math.inf, -math.inf
+    return low, high

@@ -7,11 +7,11 @@ Never in a control loop.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.allocation.contact_line import Split
 from pushpressslide.core.pose import Point
 from pushpressslide.mechanics.friction import cone_edges
 
@@ -38,11 +38,21 @@ def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
     return rows
 
 
-def least_friction_cost(points: Sequence[Point], normals: Sequence[Point]) -> Array:
-    """Return H (4, 4): f^T H f is the sum of squared friction forces, plus a constant for a given wrench.
+def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
+    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones; k [N] are normal forces."""
+    edges = np.zeros((4, 4))
+    for i, normal in enumerate(normals):
+        edges[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = np.array(cone_edges(normal, friction)).T
+    return edges
+
+
+def push_cost(points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction") -> Array:
+    """Return H (4, 4): f^T H f is what ``split`` makes least, plus a constant for a given wrench.
 
     The constant's G^T G makes H positive definite and moves no minimum.
     """
+    if split == "least_force":
+        return np.eye(4)
     tangents = np.zeros((2, 4))
     for i, (nx, ny) in enumerate(normals):
         tangents[i, 2 * i : 2 * i + 2] = (-ny, nx)
@@ -55,16 +65,17 @@ def daqp_pushes(
     normals: Sequence[Point],
     friction: float,
     *,
+    split: Split = "least_friction",
     reuse: bool = False,
     **settings: float,
 ) -> PushSolver:
-    """Return DAQP on the problem of ``two_contact_allocator``, split "least_friction".
+    """Return DAQP on the problem of ``two_contact_allocator``.
 
     ``reuse``: one workspace, of which a call changes the bounds alone. ``settings`` are DAQP's own.
     """
     import daqp
 
-    cost, linear = least_friction_cost(points, normals), np.zeros(4)
+    cost, linear = push_cost(points, normals, split), np.zeros(4)
     rows = np.ascontiguousarray(np.vstack([grasp_matrix(points), cone_matrix(normals, friction)]))
     upper, lower = np.full(7, 1e30), np.zeros(7)
     sense = np.array([5, 5, 5, 0, 0, 0, 0], dtype=np.int32)
@@ -84,6 +95,30 @@ def daqp_pushes(
         return forces if flag > 0 else None
 
     return reused if reuse else fresh
+
+
+def clarabel_conic(
+    linear: Array, rows: Array, offsets: Array, equal: int, at_least: int, cones: int, **settings: float
+) -> Array | None:
+    """Return x that makes ``linear`` x least, with offsets - rows x in the cones, by Clarabel; None if none.
+
+    The rows are, in this order, ``equal`` zeros, ``at_least`` numbers >= 0 and ``cones`` second-order cones
+    of size 3.
+    """
+    import clarabel
+    from scipy.sparse import csc_matrix
+
+    kinds = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(at_least)]
+    kinds += [clarabel.SecondOrderConeT(3) for _ in range(cones)]
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    for name, value in settings.items():
+        setattr(options, name, value)
+    n = len(linear)
+    solver = clarabel.DefaultSolver(csc_matrix((n, n)), linear, csc_matrix(rows), offsets, kinds, options)
+    solution = solver.solve()
+    good = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+    return np.array(solution.x) if solution.status in good else None
 
 
 def clarabel_presses(points: Sequence[Point], friction: float, *, reuse: bool = False) -> PressSolver:

@@ -17,7 +17,8 @@ WINDOW = 0.2  # [s] over which a twist is taken: short against a turn, long agai
 MEMORY = 1.5  # [s] of turning that is remembered; what was seen stays while nothing new is
 LEAST_TURN = 0.02  # [rad/s] below which a twist says nothing about the axle
 LEAST_SPEED = 0.01  # [m/s] below which the force may be less than what slides the object
-PRIOR = 0.01  # [rad^2/s^2] what the prediction weighs, as turning that was seen
+PRIOR = 0.003  # [rad^2/s^2] what the prediction weighs, as turning that was seen
+ENOUGH = 0.01  # [rad^2/s^2] of turning, before which nothing is said
 BOUND = 6.0  # factor about the prediction that the estimates stay within
 # share of the axle's distance by which it has to be off its prediction: the exact surface's own change with
 # the force's angle, which the prediction's user takes into account, is less
@@ -88,7 +89,7 @@ class AxleIdentifier:
         """
         axle, reach, drag = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
-        if state.ww < PRIOR or abs(seen - axle) < OFF * reach:
+        if state.ww < ENOUGH or abs(seen - axle) < OFF * reach:
             return None
         turning = (state.fw + PRIOR * reach) / (state.gg + PRIOR)
         return Identified(

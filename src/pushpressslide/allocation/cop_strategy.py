@@ -1,0 +1,77 @@
+"""Loads of two presses that put the centre of pressure where it is wanted (docs/mechanics.md, section 7)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.press_loads import SPARE, Side, TwoPresses
+from pushpressslide.core.pose import Point
+from pushpressslide.core.wrench import Twist
+
+Cop = Side | float
+"""Where the centre of pressure goes: "balanced" (equal presses), as far "left" or "right" as a turn on the
+spot allows, or a fraction in (0, 1) of the way from the left to the right contact.
+"""
+
+FRACTIONS = [0.01 * i for i in range(1, 100)]
+OPPOSITE = 1e-6  # [m] within which two contacts are opposite each other about the CoM
+
+
+def safe_loads(
+    presses: Callable[[float], TwoPresses], cop: Cop, twist: Twist, uses: Sequence[float], lightest: float
+) -> Point | None:
+    """Return the loads [N] of the left and right contact, none below ``lightest`` [N], at the first of the
+    shares ``uses`` of the contact friction that the cap allows; None if it allows none.
+
+    For every twist where the contacts are opposite each other and balanced, else the least for ``twist``.
+    ``presses(use)`` are those with that share of the friction.
+    """
+    left, right = presses(1.0).left, presses(1.0).right
+    if cop == "balanced" and math.dist(left, (-right[0], -right[1])) < OPPOSITE:
+        for use in uses:
+            each = max(0.5 * presses(use).press_for_every_twist(), lightest)
+            if each <= presses(use).cap:
+                return (each, each)
+    for use in uses:
+        loads = least_loads(presses(use), cop, twist)
+        if loads is None or not min(loads) > 0.0:
+            continue
+        more = max(1.0, lightest / min(loads))
+        if more == 1.0 or (isinstance(cop, str) and more * max(loads) <= presses(use).cap):
+            return (more * loads[0], more * loads[1])
+    return None
+
+
+def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
+    """Return the least loads [N] of the left and right contact for ``twist``; None if the cap, or any press,
+    is not enough with that centre of pressure.
+    """
+    loads = presses.for_share(cop, twist) if isinstance(cop, str) else presses.for_cop(cop, twist)
+    return loads.normals if loads.status == "ok" else None
+
+
+def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
+    """Return the loads [N] of which the larger is ``heavier``; the other is < 0 where that centre of pressure
+    takes a pull.
+    """
+    weight = presses.weight
+    if isinstance(cop, str):
+        least = presses.least_fraction + SPARE
+        lighter = heavier
+        if cop != "balanced" and least < 0.5:
+            lighter = min(heavier, least * (weight + heavier) / (1.0 - least))
+        return (lighter, heavier) if cop == "right" else (heavier, lighter)
+    line = ContactLine(presses.left, presses.right)
+    own = line.in_axes((-presses.left[0], -presses.left[1]))[0] / line.length * weight
+    load = min((heavier + own) / cop, (heavier + weight - own) / (1.0 - cop))
+    return ((1.0 - cop) * load - (weight - own), cop * load - own)
+
+
+def possible_fractions(presses: TwoPresses, twist: Twist) -> tuple[float, float] | None:
+    """Return the least and the greatest fraction, to 0.01, at which the centre of pressure can be for
+    ``twist``; None if there is none.
+    """
+    good = [fraction for fraction in FRACTIONS if least_loads(presses, fraction, twist) is not None]
+    return (good[0], good[-1]) if good else None

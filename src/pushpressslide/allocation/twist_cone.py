@@ -1,0 +1,89 @@
+"""The twists that two side contacts can drive: their wrench cone, seen through the limit surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+from pushpressslide.allocation.projections import WrenchCone
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import cross
+from pushpressslide.core.twist_path import TwistRate
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.friction import cone_edges
+from pushpressslide.mechanics.height_term import DraggedSurface
+
+ORIGIN = (0.0, 0.0)
+LESS = 0.8  # times the friction, until the object cannot be squeezed
+INWARD = 0.3  # share of the cone's middle in the twists near its edges
+
+
+class TwistCone:
+    """Twists of the CoM, B's origin, that ``contacts`` can drive with ``friction`` of the pair tip/object."""
+
+    def __init__(self, contacts: Sequence[Contact], friction: float, surface: DraggedSurface) -> None:
+        """Prepare all that does not depend on the twist."""
+        self.contacts, self.surface = tuple(contacts), surface
+        points, normals = [c.point for c in contacts], [c.normal for c in contacts]
+        self._wrenches = WrenchCone(points, normals, friction, surface.rho)
+        while not self._wrenches.facets:  # all wrenches, by squeezing: what counts is what a push gives
+            friction *= LESS
+            self._wrenches = WrenchCone(points, normals, friction, surface.rho)
+        self._edges = []
+        for point, normal in zip(points, normals, strict=True):
+            for fx, fy in cone_edges(normal, friction):
+                tau = cross(point, (fx, fy))
+                size = math.hypot(fx, fy, tau / surface.rho)
+                self._edges.append((fx / size, fy / size, tau / size))
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """What a choice remembers of the surface."""
+        surface, (x, y) = self.surface, self.surface.center
+        return {
+            "push_force": surface.max_force, "rho": surface.rho, "lift": surface.lift,
+            "cop_x": x, "cop_y": y,
+        }  # fmt: skip
+
+    @classmethod
+    def remembered(
+        cls, figures: Mapping[str, float], contacts: Sequence[Contact], friction: float
+    ) -> TwistCone:
+        """Return the cone of contacts on the surface of a choice's ``figures``."""
+        center = (figures["cop_x"], figures["cop_y"])
+        surface = DraggedSurface(figures["push_force"], figures["rho"], figures["lift"], center)
+        return cls(contacts, friction, surface)
+
+    def wrench(self, vx: float, vy: float, w: float) -> Wrench:
+        """Return the wrench about the CoM that drives a twist of it."""
+        return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
+
+    def spare(self, vx: float, vy: float, w: float) -> float:
+        """Return how far inside the cone the wrench of a twist is [rad]; negative outside.
+
+        In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist may be turned.
+        """
+        fx, fy, tau, _ = self.wrench(vx, vy, w)
+        size = math.hypot(fx, fy, tau / self.surface.rho)
+        return math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size))) if size > 0.0 else 0.0
+
+    def nearest(self, wrench: Wrench) -> Wrench | None:
+        """Return the nearest wrench of the cone, about B's origin; None for one of the cone."""
+        fx, fy, tau, _ = wrench.moved_to(ORIGIN)
+        if self._wrenches.spare(fx, fy, tau) >= 0.0:
+            return None
+        first, second = self._wrenches.nearest(fx, fy, tau).forces
+        p, q = (contact.point for contact in self.contacts)
+        return Wrench(first[0] + second[0], first[1] + second[1], cross(p, first) + cross(q, second))
+
+    def rays(self, least: float) -> list[TwistRate]:
+        """Return twists near the cone's edges and between them, with ``least`` [rad] to spare."""
+        middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
+        out = []
+        for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):
+            parts = zip(self._edges[a], self._edges[b], middle, strict=True)
+            wrench = Wrench(*(0.5 * (1.0 - INWARD) * (p + q) + INWARD * m for p, q, m in parts))
+            twist = self.surface.twist_direction(wrench).moved_to(ORIGIN)
+            out.append((twist.vx, twist.vy, twist.w))
+        return [ray for ray in out if self.spare(*ray) >= least]

@@ -1,0 +1,125 @@
+"""The benchmarks compare like with like, say what is missing, and print what they found."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from pushpressslide.cli import app
+from pushpressslide.core.errors import TaskError
+from pushpressslide.experiments import bench, bench_solvers, coverage, solvers
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(bench, "ROUNDS", 3)
+    monkeypatch.setattr(bench, "CASES", 20)
+    monkeypatch.setattr(bench, "SAMPLES", 2000)
+    monkeypatch.setattr(bench_solvers, "WRENCHES", 40)
+
+
+def ratios(rows):
+    return {row["what"]: row["ratio"] for row in rows}
+
+
+def test_ratios_are_to_the_first_contestant_and_an_absent_one_says_why():
+    def slow() -> None:
+        sum(range(2000))
+
+    rows = bench.compared(
+        {"none": [(lambda: None, ())] * 200, "much": [(slow, ())] * 200, "absent": "not here"}
+    )
+    assert [row["what"] for row in rows] == ["none", "much", "absent"]
+    assert rows[0]["ratio"] == 1.0
+    assert rows[1]["ratio"] > 5.0
+    assert rows[2] == {"what": "absent", "median_us": None, "ratio": None, "note": "not here"}
+
+
+def test_the_closed_forms_are_many_times_faster_than_the_solvers(quick, tmp_path):
+    """Lower bounds that hold on a busy machine; what is measured on a quiet one is in docs/allocation.md."""
+    pushes, presses = (
+        ratios(bench.bench([name], out=tmp_path)["benchmarks"][name]) for name in ("pushes", "presses")
+    )
+    assert min(pushes["DAQP"], pushes["DAQP, workspace kept"]) > 3.0
+    assert presses["Clarabel"] > 25.0
+    assert min(value for name, value in pushes.items() if name.startswith("Drake")) > 20.0
+    assert min(value for name, value in presses.items() if name.startswith("Drake")) > 20.0
+
+
+def test_all_contestants_solve_the_same_problem(quick):
+    for contestants, least in (
+        (bench_solvers.push_contestants(0), 9),
+        (bench_solvers.press_contestants(0), 6),
+    ):
+        assert len(contestants) >= least
+        ours = contestants["closed form"]
+        for name, calls in contestants.items():
+            if name.startswith("closed form"):
+                continue
+            assert len(calls) == len(ours)
+            for (function, arguments), (allocate, wanted) in zip(calls[::7], ours[::7], strict=True):
+                forces = function(*arguments)
+                total = [f + g for f, g in zip(forces[:2], forces[2:], strict=True)]
+                assert total == pytest.approx(wanted[:2], abs=1e-2), name
+                assert allocate(*wanted).status == "ok"
+
+
+def test_a_solver_that_is_not_installed_is_named(quick, monkeypatch, tmp_path):
+    def absent(*args, **kwargs):
+        raise ModuleNotFoundError("No module named 'daqp'", name="daqp")
+
+    monkeypatch.setattr(solvers, "daqp_pushes", absent)
+    rows = {row["what"]: row for row in bench.bench(["pushes"], out=tmp_path)["benchmarks"]["pushes"]}
+    assert rows["DAQP"]["ratio"] is None
+    assert "pip install" in rows["DAQP"]["note"]
+    assert rows["Drake OSQP"]["ratio"] > 1.0
+
+
+def test_the_result_is_kept_with_versions(quick, tmp_path):
+    result = bench.bench(["turning", "coverage"], out=tmp_path, progress=lambda done, total: None)
+    kept = json.loads((tmp_path / "result.json").read_text())
+    assert kept["benchmarks"].keys() == result["benchmarks"].keys() == {"turning", "coverage"}
+    assert {"python", "pushpressslide", "numpy", "daqp", "clarabel"} <= kept["versions"].keys()
+    assert (tmp_path / "orthogonal-pushes.png").stat().st_size > 10_000
+
+
+def test_a_tick_is_counted_in_empty_calls(quick, monkeypatch, tmp_path):
+    monkeypatch.setattr(bench, "CALLS", 300)
+    rows = ratios(bench.bench(["tick"], out=tmp_path)["benchmarks"]["tick"])
+    assert rows["empty function call"] == 1.0
+    assert all(rows[name] > 5.0 for name in bench.TICKS)
+
+
+def test_an_unknown_benchmark_is_refused_with_the_names_there_are(tmp_path):
+    with pytest.raises(TaskError, match="pushes, presses, tick, agreement, coverage, turning"):
+        bench.bench(["speed"], out=tmp_path)
+    result = CliRunner().invoke(app, ["bench", "speed", "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_the_command_prints_a_table_or_json(quick, tmp_path):
+    shown = CliRunner().invoke(app, ["bench", "turning", "agreement", "--out", str(tmp_path / "a")])
+    assert shown.exit_code == 0
+    assert "closest" in shown.stdout
+    assert "flag_differs" in shown.stdout
+    plain = CliRunner().invoke(app, ["bench", "turning", "--json", "--out", str(tmp_path / "b")])
+    assert json.loads(plain.stdout)["benchmarks"]["turning"][0]["outside"] == 0
+
+
+@pytest.mark.parametrize(
+    ("mu", "possible", "symmetric"), [(0.2, 0.060, 0.60), (0.5, 0.124, 0.65), (0.8, 0.156, 0.71)]
+)
+def test_the_even_split_covers_part_of_what_is_possible(mu, possible, symmetric):
+    row = coverage.coverage(mu, 30_000, 3)
+    assert row["possible"] == pytest.approx(possible, abs=0.008)
+    assert row["symmetric"] == pytest.approx(symmetric, abs=0.03)
+    assert row["bias"] > 0.1
+    assert 0.5 < row["drift"] < 1.0
+
+
+@pytest.mark.parametrize("mu", coverage.FRICTIONS)
+def test_no_sampled_centre_of_turning_is_outside_of_its_region(mu):
+    row = coverage.turning_centers(mu, 5000, 4)
+    assert row["outside"] == 0
+    assert row["radius"] <= row["closest"] < 1.1 * row["radius"]

@@ -1,0 +1,75 @@
+"""What is identified of the virtual axle on the way, against motions made of the model."""
+
+import math
+import random
+
+import pytest
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, ObjectModel
+from pushpressslide.core.twist_path import moved
+from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
+from pushpressslide.mechanics.pressing import Press
+
+DT = 0.004
+
+
+def seen(axle: float, reach: float, drag: float, angle: float, predicted: Identified, lever: float, noise=0.0):
+    """Return what is identified over 3 s of a steady turn about an axle, force and motion to match."""
+    rng = random.Random(0)
+    identifier, state, pose = AxleIdentifier(0.3, predicted, lever), AxleState(), Pose2(0.1, 0.2, 0.5)
+    v = 0.03
+    w = v * math.tan(angle) / math.copysign(reach, lever)
+    # the axle moves along the heading axis at v: the CoM is ``axle`` behind it
+    along, across = v, -w * axle
+    c, s = math.cos(0.3), math.sin(0.3)
+    rate = (c * along - s * across, s * along + c * across, w)
+    size = drag / math.sqrt(1.0 + abs(lever) / predicted.reach * math.sin(angle) ** 2)
+    force = (size * math.cos(0.3 + angle), size * math.sin(0.3 + angle))
+    for k in range(round(3.0 / DT)):
+        measured = Pose2(pose.x + rng.gauss(0, noise), pose.y + rng.gauss(0, noise), pose.yaw)
+        state = identifier.step(state, k * DT, measured, force)
+        pose = moved(pose, rate, DT)
+    return identifier.identified(state)
+
+
+@pytest.mark.parametrize("lever", [0.05, -0.05])
+def test_axle_reach_and_drag_are_found(lever: float) -> None:
+    predicted = Identified(axle=-0.4, reach=0.5, drag=3.0)
+    found = seen(-0.05, 0.15, 4.0, math.radians(50.0), predicted, lever)
+    assert found is not None
+    assert found.axle == pytest.approx(-0.05, abs=0.01)
+    assert found.reach == pytest.approx(0.15, rel=0.1)
+    assert found.drag == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_prediction_that_is_not_contradicted_stands() -> None:
+    predicted = Identified(axle=-0.05, reach=0.2, drag=3.0)
+    assert seen(-0.09, 0.2, 3.0, math.radians(50.0), predicted, 0.05) is None
+
+
+def test_straight_motion_says_nothing() -> None:
+    predicted = Identified(axle=-0.4, reach=0.5, drag=3.0)
+    assert seen(-0.05, 0.15, 4.0, math.radians(0.2), predicted, 0.05) is None
+
+
+def test_estimates_stay_within_bounds() -> None:
+    predicted = Identified(axle=-0.4, reach=0.01, drag=3.0)
+    found = seen(0.3, 0.5, 60.0, math.radians(60.0), predicted, 0.05)
+    assert found is not None
+    assert found.axle <= -0.4 + 6.0 * 0.01 + 1e-12
+    assert found.reach <= 0.06 + 1e-12
+    assert found.drag <= 18.0 + 1e-9
+
+
+def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
+    """At 60 degrees the axle of the paper's bar gives rho^2 / d from the moved centre of pressure."""
+    press = Press(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), (0.2, 0.0), 8.0, 0.3 * 9.81, 0.3)
+    angle = math.radians(60.0)
+    ahead, reach = press.axle(angle, backward=False)
+    axle = press.cop[0] + ahead
+    found = seen(axle, reach, 3.3, angle, Identified(-0.5, 0.6, 3.3), press.lever, noise=2e-4)
+    assert found is not None
+    exact, got = math.sqrt(reach * press.lever), math.sqrt(found.reach * press.lever)
+    assert got == pytest.approx(exact, rel=0.1)
+    assert found.axle == pytest.approx(axle, abs=0.02)
