@@ -90,7 +90,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "wall": (put("support.kind", "wall"), "support.kind:", "not supported yet"),
     "pose of a table": (put("support.pose", {"x": 1}), "support.pose:", "only a wall"),
     "legs": (put("legs", [{"mode": "rear_push", "pose": {"x": 0, "y": 0}}]), "legs:", "not supported yet"),
-    "goal of another body": (put("goal.body", "post"), "goal.body:", "not supported yet"),
+    "goal of another body": (put("goal.body", "post"), "goal.body:", "allowed: a movable body"),
     "concave polygon": (prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]), "polygon:", "convex"),
     "polygon that crosses itself": (
         prism([[0, 1], [0.59, -0.81], [-0.95, 0.31], [0.95, 0.31], [-0.59, -0.81]]),

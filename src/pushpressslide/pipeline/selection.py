@@ -26,7 +26,7 @@ def select(task: Task) -> list[Choice]:
     names = task.modes if task.modes is not None else tuple(MODES)
     for name in names:
         mode = MODES[name]
-        if mode.arms > len(task.robots):
+        if mode.arms != len(task.robots):
             out.append(Choice(name, False, f"needs {mode.arms} arm(s), the task has {len(task.robots)}"))
         else:
             out.extend(_kept_clear(task, choice) for choice in mode.choices(task))

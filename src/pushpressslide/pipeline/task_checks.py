@@ -75,7 +75,7 @@ def _check_modes(task: Task) -> None:
     modes = mode_library()
     count = len(task.robots)
     if task.modes is None:
-        if all(mode.arms > count for mode in modes.values()):
+        if all(mode.arms != count for mode in modes.values()):
             needed = ", ".join(f"{name} {mode.arms}" for name, mode in modes.items())
             raise TaskError(
                 task.source,
@@ -87,8 +87,8 @@ def _check_modes(task: Task) -> None:
     for i, name in enumerate(task.modes):
         if name not in modes:
             raise TaskError(task.source, f"modes[{i}]", name, f"unknown mode; {nearest(name, modes)}")
-        if modes[name].arms > count:
-            allowed = f"allowed: {_arms(modes[name].arms)} or more, the number that mode {name} uses"
+        if modes[name].arms != count:
+            allowed = f"allowed: {_arms(modes[name].arms)}, the number that mode {name} uses"
             raise TaskError(task.source, "robots", Shown(_arms(count)), allowed)
         if name in task.modes[:i]:
             raise TaskError(task.source, f"modes[{i}]", name, "it is listed twice; allowed: each mode once")

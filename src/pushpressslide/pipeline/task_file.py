@@ -40,7 +40,7 @@ _SHIPPED = Path(__file__).parent.parent / "tasks"
 
 def shipped_tasks() -> dict[str, Path]:
     """Return the tasks that come with the package: name to file, by name."""
-    return {path.stem: path for path in sorted(_SHIPPED.glob("*.yaml"))}
+    return {path.stem: path for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)}
 
 
 def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
