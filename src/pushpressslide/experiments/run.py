@@ -68,15 +68,15 @@ def simulate(
         made = make_plan(task, usable[0], force=force)
         with held():
             return made, run_planar(made, seed=seed, progress=progress, stop=stop), choices
+    from pushpressslide.sim.arms import joint_paths
     from pushpressslide.sim.engine import run as run_drake
-    from pushpressslide.sim.joint_path import joint_path
 
     judged = list(choices)
     problem: InfeasibleTaskError | None = None
     for choice in usable:
         made = make_plan(task, choice, force=force)
         try:
-            paths = tuple(joint_path(made, arm, force=force) for arm in range(len(task.robots)))
+            paths = joint_paths(made, force=force)
         except InfeasibleTaskError as error:
             problem = error
             reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"

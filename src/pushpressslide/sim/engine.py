@@ -22,8 +22,8 @@ from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.arms import joint_paths
 from pushpressslide.sim.convert import planar_pose_from_positions
-from pushpressslide.sim.joint_path import joint_path
 from pushpressslide.sim.station import Station
 
 Array = NDArray[np.float64]
@@ -111,7 +111,7 @@ def run(
     dt = task.motion.control_period
     physics_step = time_step or task.motion.time_step
     if paths is None:
-        paths = tuple(joint_path(plan, i) for i in range(len(task.robots)))
+        paths = joint_paths(plan)
     view = None
     if live is not None:
         from pushpressslide.sim.live import LiveView
