@@ -61,9 +61,8 @@ def _apart(plan: Plan, paths: tuple[ArmPath, ...], force: bool) -> tuple[ArmPath
 
 def _refuse(plan: Plan, where: str, least: float) -> None:
     raise InfeasibleTaskError(
-        f"{plan.task.source or plan.task.name}: robots: {where} the arms come as near as {least * "
-        f"1e3:.1f} mm to "
-        f"each other, allowed from {APART * 1e3:.0f} mm"
+        f"{plan.task.source or plan.task.name}: robots: {where} the arms come as near as "
+        f"{least * 1e3:.1f} mm to each other, allowed from {APART * 1e3:.0f} mm"
     )
 
 
