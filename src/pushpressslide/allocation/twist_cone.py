@@ -60,13 +60,24 @@ class TwistCone:
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def spare(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone the wrench of a twist is [rad]; negative outside.
+        """Return how far inside the cone the wrench of a twist is [rad]; negative outside, see ``angle``.
 
         In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist may be turned.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
         return math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size))) if size > 0.0 else 0.0
+
+    def angle(self, vx: float, vy: float, w: float) -> float:
+        """Return ``spare`` [rad]; but outside, where that is of the nearest facet's plane, the angle to the
+        nearest wrench of the cone, negative.
+        """
+        wanted = self.wrench(vx, vy, w)
+        nearest, rho = self.nearest(wanted), self.surface.rho
+        if nearest is None:
+            return self.spare(vx, vy, w)
+        size = math.hypot(nearest.fx, nearest.fy, nearest.tau / rho)
+        return -math.acos(min(1.0, size / math.hypot(wanted.fx, wanted.fy, wanted.tau / rho)))
 
     def nearest(self, wrench: Wrench) -> Wrench | None:
         """Return the nearest wrench of the cone, about B's origin; None for one of the cone."""

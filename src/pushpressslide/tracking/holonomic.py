@@ -14,7 +14,7 @@ from math import cos, hypot, remainder, sin, sqrt
 
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import MotionPath
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
@@ -30,7 +30,7 @@ SHARE = 0.5  # of the path's speed that the pull may take
 class HolonomicTracker:
     """Feed-forward and pull, and the wrench on the limit surface that moves so.
 
-    V may be any frame of the body; the wrench is about ``about``, by default the surface's centre.
+    V may be any frame of the body; the wrench is about the surface's centre.
     """
 
     def __init__(
@@ -40,12 +40,10 @@ class HolonomicTracker:
         into_cone: IntoCone | None = None,
         decay: float = DECAY,
         share: float = SHARE,
-        about: Point | None = None,
     ) -> None:
-        """Bind the law; ``decay`` [m] > 0, ``share`` in [0, 1), ``about`` [m] in B."""
+        """Bind the law; ``decay`` [m] > 0, ``share`` in [0, 1)."""
         self._X_BV, self._surface, self._into_cone = X_BV, surface, into_cone
         self._decay, self._share = decay, share
-        self._about = surface.center if about is None else about
         self._axes = (cos(X_BV.yaw), sin(X_BV.yaw))
 
     def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
@@ -66,7 +64,8 @@ class HolonomicTracker:
         error = (tx * x + ty * y, tx * y - ty * x, turned)
 
         off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
-        pull = speed * min(1.0 / self._decay, grip * self._share / off) if off > 0.0 else 0.0
+        most = grip * self._share * self._decay  # [m] of error that is pulled at in proportion
+        pull = speed / self._decay * (most / off if off > most else 1.0)
         vx, vy, w = speed * vx + pull * x, speed * vy + pull * y, speed * w + pull * turned
         a, b = self._axes
         twist = Twist(a * vx - b * vy, b * vx + a * vy, w, self._X_BV.position)
@@ -78,8 +77,8 @@ class HolonomicTracker:
         fx, fy = wrench.fx, wrench.fy
         steering = math.atan2(a * fy - b * fx, a * fx + b * fy)
         return Guidance(
-            progress, wrench.moved_to(self._about), twist.moved_to((0.0, 0.0)), steering, error,
-            nearest is not None or pull * self._decay < speed,
+            progress, wrench, twist.moved_to((0.0, 0.0)), steering, error,
+            nearest is not None or off > most,
         )  # fmt: skip
 
     def _driven(self, twist: Twist, wanted: Wrench, nearest: Wrench) -> tuple[Twist, Wrench]:

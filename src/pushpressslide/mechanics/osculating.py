@@ -1,0 +1,89 @@
+"""The ellipsoid that touches the exact limit surface at one twist: same wrench there, same normal.
+
+No single ellipsoid fits everywhere (docs/mechanics.md, section 1.1); along a path of one constant twist the
+surface is needed at that twist and near it. With the wrench (F, tau) of the twist (v, w), both at one point,
+its power P = F.v + tau w and the limit f = mu N, normality leaves one ellipsoid of force axis f:
+
+    k = f^2 / P,   v + w J c = F / k,   rho^2 = (f^2 - |F|^2) / (k w)^2
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from pushpressslide.core.pose import Point
+from pushpressslide.core.task import Task
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.mechanics.limit_surface import exact_wrench
+from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
+
+LEAST_TURN = 0.01  # of the speed, at the pressure's radius: a straight motion is taken to turn so much
+RESOLUTION = 5  # of the pressure samples
+ROUNDS = 6  # of the centre of pressure and the wrench that moves it
+CLOSE = 1e-6  # [m] between two rounds
+
+
+def pressures(task: Task) -> Callable[[Point], PressureSamples]:
+    """Return the pressure of unit load, as believed, under a task's object for a CoP [m] in B.
+
+    With a believed rho all of it is at that distance from the CoP: the exact surface is then the ellipsoid.
+    Raises ValueError, when called, for a CoP outside the base: the object tips.
+    """
+    body, rho = task.object, task.believed.rho
+
+    def pressure_at(cop: Point) -> PressureSamples:
+        if rho is None:
+            return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
+        return PressureSamples(np.array([cop]), np.ones(1), np.array([rho]))
+
+    return pressure_at
+
+
+def touching_ellipsoid(samples: PressureSamples, mu: float, twist: Twist) -> DraggedSurface:
+    """Return the ellipsoid that touches the exact surface of ``samples`` at ``twist`` (any body point).
+
+    ``mu`` is the friction of the pair object/support. Raises ValueError for a zero twist, or a pressure
+    without extent.
+    """
+    at = twist.moved_to(samples.cop)
+    arms = samples.points - samples.cop
+    radius = math.sqrt(float(samples.loads @ ((arms**2).sum(1) + samples.radii**2)) / samples.total_load)
+    speed, turn = math.hypot(at.vx, at.vy), max(abs(at.w), LEAST_TURN * math.hypot(at.vx, at.vy) / radius)
+    if not max(speed, turn) > 0.0:
+        raise ValueError("a zero twist; some direction of sliding is needed")
+    w = math.copysign(turn, at.w)
+    fx, fy, tau, cop = exact_wrench(samples, mu, Twist(at.vx, at.vy, w, samples.cop))
+    limit = mu * samples.total_load
+    k = limit * limit / (fx * at.vx + fy * at.vy + tau * w)
+    center = (cop[0] + (fy / k - at.vy) / w, cop[1] - (fx / k - at.vx) / w)
+    rho = math.sqrt(limit * limit - fx * fx - fy * fy) / (k * turn)
+    return DraggedSurface(limit, rho, 0.0, center)
+
+
+def dragged_ellipsoid(
+    pressure_at: Callable[[Point], PressureSamples],
+    mu: float,
+    load: float,
+    cop: Point,
+    twist: Twist,
+    shift: Callable[[Wrench], Point],
+) -> tuple[DraggedSurface, Point]:
+    """Return the ellipsoid of ``touching_ellipsoid`` under the load that the drag itself moves, and the moved
+    centre of pressure [m].
+
+    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p; ``load`` [N] is the true
+    total, ``cop`` [m] the CoP without drag; ``shift(wrench)`` [m] is how far the forces that give a wrench
+    move it. Raises ValueError where it leaves the base: the object tips.
+    """
+    moved = cop
+    for _ in range(ROUNDS):
+        surface = touching_ellipsoid(pressure_at(moved).scaled_to(load), mu, twist)
+        dx, dy = shift(surface.wrench(twist))
+        last, moved = moved, (cop[0] + dx, cop[1] + dy)
+        if math.dist(last, moved) < CLOSE:
+            break
+    return surface, moved

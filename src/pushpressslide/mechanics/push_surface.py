@@ -1,0 +1,30 @@
+"""The limit surface of an object that is pushed from its sides at one height, near one twist."""
+
+from __future__ import annotations
+
+from pushpressslide.core.pose import Point
+from pushpressslide.core.task import Task
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
+
+GRAVITY = 9.81  # [m/s^2]
+
+
+def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
+    """Return the ellipsoid that touches the exact surface at ``twist`` (any body point), as believed.
+
+    Its centre of pressure goes along with the force, as pushes at ``height`` [m] move it (docs/mechanics.md,
+    section 1.2). Raises ValueError for a zero twist, and where the object tips.
+    """
+    belief = task.believed
+    load = belief.mass * GRAVITY
+
+    def shift(wrench: Wrench) -> Point:
+        return (height * wrench.fx / load, height * wrench.fy / load)
+
+    mu = belief.support_friction
+    surface, _ = dragged_ellipsoid(pressures(task), mu, load, (0.0, 0.0), twist, shift)
+    dx, dy = shift(surface.wrench(twist))
+    (x, y) = surface.center
+    return DraggedSurface(surface.max_force, surface.rho, height * mu, (x - dx, y - dy))

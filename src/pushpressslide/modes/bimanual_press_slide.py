@@ -1,0 +1,330 @@
+"""Mode bimanual_press_slide: two arms press on top and slide the object any way
+(docs/mechanics.md, sections 7 and 9).
+
+The friction discs under two tips give every planar wrench, so that the object is holonomic: it is led along
+one constant twist from start to goal, whatever that is. Where the centre of pressure goes is a matter of how
+the load is shared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import atan, hypot, inf
+
+from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.cop_strategy import Cop, loads_with, possible_fractions, safe_loads
+from pushpressslide.allocation.press_loads import TwoPresses
+from pushpressslide.allocation.presses import two_press_allocator
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.path import SpeedProfile
+from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.identification.online import Identified
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, touching_ellipsoid
+from pushpressslide.mechanics.pressure import center_of_pressure
+from pushpressslide.mechanics.top import inside_top, room_inside, top_places
+from pushpressslide.modes.base import path_problem
+from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.tracking.eased import EasedTracker
+from pushpressslide.tracking.holonomic import HolonomicTracker
+
+COP: Cop = "balanced"
+GRAVITY = 9.81  # [m/s^2]
+USE = (0.7, 0.8, 0.9)  # shares of the tips' friction that a motion may take, the best first
+LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
+EDGE = 0.012  # [m] that a contact stays away from the top's edges
+ROUNDING = 1e-6  # [m] by which it may be nearer
+APART = 0.10  # [m] between the contacts, so that the arms have room
+TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
+DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
+OVERHEAD = 6.5  # [s] typical time of approach, touch and release
+ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
+
+Pair = tuple[Point, Point]
+
+
+@dataclass(frozen=True, slots=True)
+class _Drag:
+    """Two presses that drag the object with one twist."""
+
+    surface: DraggedSurface  # the limit surface near that twist
+    use: float  # share of the tips' friction that it takes
+    room: float  # half widths of the centre of pressure from the base's edge
+
+
+class BimanualPressSlide:
+    """Two arms press on top and slide the object."""
+
+    name = "bimanual_press_slide"
+    arms = 2
+    reduced_model = "quasi-holonomic"
+    tracking_point = "CoM, or CoP when pivoting"
+    cop_steering = True
+
+    def choices(self, task: Task, cop: Cop = COP) -> list[Choice]:
+        """Return one choice per pair of contacts, feasible ones first, those with the shortest arms first."""
+        drafts = [self._draft(task, points, cop) for points in self._pairs(task)]
+        if not drafts:
+            return [Choice(self.name, False, f"the top has no two places {APART * 1e3:.0f} mm apart")]
+        out, found = [], 0
+        for choice in sorted(drafts, key=lambda c: _arm_length(task, c.contacts)):
+            why = None
+            if choice.feasible and found == ENOUGH:
+                why = f"later than {ENOUGH} others"
+            elif choice.feasible:
+                why = path_problem(task, choice, self.vehicle_frame(choice))
+                found += why is None
+            if why is not None:
+                choice = replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+            out.append(choice)
+        return sorted(out, key=lambda c: not c.feasible)
+
+    @staticmethod
+    def _pairs(task: Task) -> list[Pair]:
+        """Pairs of places to press, in B [m]: opposite each other about the CoM, or given."""
+        body, given = task.object, task.motion.contacts
+        if given is not None and len(given) == 2:
+            com = body.center_of_mass
+            first, second = ((x - com[0], y - com[1]) for x, y in given)
+            return [(first, second)]
+        pairs: list[Pair] = []
+        for p in top_places(body, EDGE):
+            q = (-p[0], -p[1])
+            new = all(min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs)
+            if new and inside_top(body, q, EDGE - ROUNDING) and math.dist(p, q) >= APART:
+                pairs.append((p, q))
+        return pairs
+
+    def _draft(self, task: Task, points: Pair, cop: Cop) -> Choice:
+        """Judge one pair of contacts but for the arms' reach."""
+        body, belief, motion = task.object, task.believed, task.motion
+        start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
+        radius = max(hypot(*p) for p in (*top_places(body, EDGE), *points))
+        path = TwistPath.between((start, goal), radius)
+        poses = [path.pose(0.25 * i * path.length) for i in range(5)]
+        arms = next(iter(assignments(task.robots, points, poses)), None)
+        if arms == (1, 0):
+            points = (points[1], points[0])
+        what = "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
+
+        def contacts(normals: Point) -> tuple[Contact, ...]:
+            placed = zip((0, 1), points, normals, strict=True)
+            return tuple(Contact(arm, "top", p, (0.0, 0.0), body.shape.height, n) for arm, p, n in placed)
+
+        def refused(why: str) -> Choice:
+            return Choice(self.name, False, f"{what}: {why}", contacts((0.0, 0.0)))
+
+        if not all(inside_top(body, p, EDGE - ROUNDING) for p in points):
+            return refused(f"the contacts must be {EDGE * 1e3:.0f} mm inside the object's top")
+        if math.dist(*points) < APART:
+            apart = math.dist(*points) * 1e3
+            return refused(f"the contacts are {apart:.0f} mm apart, allowed from {APART * 1e3:.0f} mm")
+        if arms is None:
+            return refused("the arms would cross, whichever takes which contact")
+        if path.length == 0.0:
+            return refused("the goal is the start")
+        twist = _twist(path, (0.0, 0.0))
+        try:
+            problem, normals = self._loads(task, points, twist, cop)
+            pressed = contacts(normals)
+            point = _tracking_point(task, pressed, twist)
+            path = TwistPath.between((start.compose(Pose2(*point)), goal.compose(Pose2(*point))), radius)
+            drag = self._drag(task, pressed, _twist(path, point))
+        except ValueError as error:
+            return refused(str(error))
+        if problem is None and drag.room < TIPPING_ROOM:
+            problem = (
+                f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
+                f"{drag.room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+            )
+        if problem is None and drag.use > USE[-1]:
+            problem = _slipping(normals, drag.use)
+        fraction, (left, right) = _fraction(task, pressed), normals
+        reason = (
+            f" with {left:.1f} and {right:.1f} N: path {path.length:.3f} m, centre of pressure "
+            f"{fraction:.2f} of the way from left to right, {drag.use:.2f} of the tips' friction used"
+        )
+        parameters = {
+            **_figures(drag), "track_x": point[0], "track_y": point[1], "radius": radius,
+            "speed": motion.speed, "press_left": left, "press_right": right, "cop_fraction": fraction,
+        }  # fmt: skip
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
+        return Choice(
+            self.name, problem is None, what + (reason if problem is None else f": {problem}"), pressed,
+            path.length, round(time, 3), margin, parameters, path,
+        )  # fmt: skip
+
+    def _loads(self, task: Task, points: Pair, twist: Twist, cop: Cop) -> tuple[str | None, Point]:
+        """Return what stands against the loads, and the loads [N] for ``twist``: the largest where none do.
+
+        Raises ValueError where no two tips can press so.
+        """
+        belief, cap, given = task.believed, task.limits.normal_force, task.motion.press_force
+        weight, mu_s, mu_a = belief.mass * GRAVITY, belief.support_friction, belief.contact_friction
+        resting = pressures(task)((0.0, 0.0)).scaled_to(weight)
+        rho = touching_ellipsoid(resting, mu_s, twist).rho
+
+        def presses(use: float = 1.0) -> TwoPresses:
+            return TwoPresses(*points, weight, mu_s, use * mu_a, rho, cap)
+
+        if given is not None:
+            normals = loads_with(presses(), cop, given)
+            if given > cap:
+                raise ValueError(f"motion.press_force of {given:g} N, limits.normal_force is {cap:g} N")
+            if min(normals) < LEAST_PRESS:
+                raise ValueError(
+                    f"the lighter press is {min(normals):.1f} N, allowed from {LEAST_PRESS:g} N: a contact "
+                    "that does not press holds nothing"
+                )
+            return None, normals
+        found = safe_loads(presses, cop, twist, USE, LEAST_PRESS)
+        if found is not None:
+            return None, found
+        if mu_a <= mu_s:
+            raise ValueError(f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags")
+        if isinstance(cop, str):
+            normals = loads_with(presses(), cop, cap)
+            use = presses().at(normals, twist).needed / sum(normals)
+            return f"{_slipping(normals, use)}; limits.normal_force is {cap:g} N", normals
+        can = possible_fractions(presses(USE[-1]), twist)
+        span = f"allowed from {can[0]:.2f} to {can[1]:.2f}" if can else "and so does any other"
+        raise ValueError(
+            f"a centre of pressure {cop:g} of the way from left to right needs a contact that does not "
+            f"press, or more than limits.normal_force of {cap:g} N, {span}"
+        )
+
+    def _drag(self, task: Task, contacts: Sequence[Contact], twist: Twist) -> _Drag:
+        """Return what dragging with ``twist`` is like. Raises ValueError where the object tips."""
+        belief, height = task.believed, task.object.shape.height
+        load = belief.mass * GRAVITY + sum(c.load for c in contacts)
+        surface, cop = dragged_ellipsoid(
+            pressures(task), belief.support_friction, load, _cop(task, contacts), twist,
+            lambda wrench: (height * wrench.fx / load, height * wrench.fy / load),
+        )  # fmt: skip
+        wanted, mu = surface.wrench(twist), belief.contact_friction
+        given = self.allocator(contacts, mu, surface.rho, surface.center)(*wanted[:3])
+        used = max(hypot(*f) / (mu * c.load) for f, c in zip(given.forces, contacts, strict=True))
+        lost = hypot(*given.residual[:2], given.residual[2] / surface.rho) / surface.max_force
+        return _Drag(surface, used / max(1.0 - lost, 1e-3), room_inside(task.object, cop))
+
+    def vehicle_frame(self, choice: Choice) -> Pose2:
+        """Return X_BV: origin at the tracking point, axes along B's."""
+        return Pose2(choice.parameters["track_x"], choice.parameters["track_y"])
+
+    def tracker(self, plan: Plan) -> EasedTracker:
+        """Return the holonomic law for a plan, within what the contacts hold."""
+        p, friction = plan.choice.parameters, plan.task.believed.contact_friction
+        surface = DraggedSurface(p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"]))
+        allocate = self.allocator(plan.choice.contacts, friction, p["rho"], surface.center)
+
+        def holds(wrench: Wrench) -> bool:
+            allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
+            return allocation.status == "ok" and allocation.margin > 0.0
+
+        return EasedTracker(HolonomicTracker(plan.X_BV, surface, decay=DECAY), holds)
+
+    def allocator(
+        self,
+        contacts: Sequence[Contact],
+        friction: float,
+        rho: float | None = None,
+        cop: Point = (0.0, 0.0),
+    ) -> Callable[[float, float, float], Allocation]:
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` plays no part."""
+        left, right = contacts
+        allocate = two_press_allocator((left.point, right.point), friction)
+        return partial(allocate, normals=(left.load, right.load), cop=cop)
+
+    def identifier(self, plan: Plan) -> None:
+        """Return nothing: two tips that hold lead the object, whatever its rho."""
+
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return the plan by one more twist to the goal."""
+        return self.replan(plan, X_WB, touched, inf)
+
+    def replan(
+        self,
+        plan: Plan,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> Plan | None:
+        """Return the plan by one twist from the object's true pose and contacts; None if its path is longer
+        than ``longest`` [m].
+        """
+        task, figures = plan.task, plan.choice.parameters
+        contacts = tuple(replace(c, point=p) for c, p in zip(plan.choice.contacts, touched, strict=True))
+        goal = plan.goal.compose(task.object.X_GB)
+        path = TwistPath.between((X_WB.compose(plan.X_BV), goal.compose(plan.X_BV)), figures["radius"])
+        if not 0.0 < path.length <= longest:
+            return None
+        try:
+            drag = self._drag(task, contacts, _twist(path, plan.X_BV.position))
+        except ValueError:
+            return None
+        choice = replace(
+            plan.choice, contacts=contacts, path=path, path_length=path.length,
+            parameters={**figures, **_figures(drag)},
+        )  # fmt: skip
+        profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+        return replace(plan, choice=choice, path=path, profile=profile)
+
+
+def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
+    """How far the contacts are from their arms' bases, at start and goal together [m]."""
+    ends = [pose.compose(task.object.X_GB) for pose in (task.start, task.goal)]
+    return sum(math.dist(X.apply(c.point), task.robots[c.arm].base[:2]) for X in ends for c in contacts)
+
+
+def _twist(path: TwistPath, point: Point) -> Twist:
+    """The twist per metre with which a path of ``point`` begins."""
+    return Twist(*path.rate(0.0), point)
+
+
+def _cop(task: Task, contacts: Sequence[Contact]) -> Point:
+    """The centre of pressure without drag [m]."""
+    weight = task.believed.mass * GRAVITY
+    return center_of_pressure(weight, (0.0, 0.0), [c.load for c in contacts], [c.point for c in contacts])
+
+
+def _tracking_point(task: Task, contacts: Sequence[Contact], twist: Twist) -> Point:
+    """The CoP where the object turns about a point inside its base, else the CoM [m]."""
+    if twist.w and inside_top(task.object, (-twist.vy / twist.w, twist.vx / twist.w), 0.0):
+        return _cop(task, contacts)
+    return (0.0, 0.0)
+
+
+def _fraction(task: Task, contacts: Sequence[Contact]) -> float:
+    """The centre of pressure without drag, as part of the way from the left to the right contact."""
+    (lx, ly), (x, y) = contacts[0].point, _cop(task, contacts)
+    line = ContactLine(contacts[0].point, contacts[1].point)
+    return line.in_axes((x - lx, y - ly))[0] / line.length
+
+
+def _slipping(normals: Point, use: float) -> str:
+    return (
+        f"pressed with {normals[0]:.1f} and {normals[1]:.1f} N the tips slip before the object: the motion "
+        f"takes {use:.2f} of their friction, allowed {USE[-1]:g}"
+    )
+
+
+def _figures(drag: _Drag) -> dict[str, float]:
+    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre."""
+    surface = drag.surface
+    return {
+        "cop_x": surface.center[0], "cop_y": surface.center[1], "rho": surface.rho,
+        "push_force": surface.max_force, "friction_use": drag.use,
+    }  # fmt: skip
+
+
+MODE = BimanualPressSlide()
+allocator = MODE.allocator

@@ -1,0 +1,252 @@
+"""Mode orthogonal_push: two arms push two faces that are not parallel (docs/mechanics.md, section 6).
+
+Together they drive every twist of a cone: ahead between the two normals, turned to either side by friction
+and by contacts beside the centre of mass; never back. Where the contacts are decides which cone it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+from itertools import combinations, product
+
+from pushpressslide.allocation.projections import Projection
+from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.path import SpeedProfile
+from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.twist_path import TwistPath, screw
+from pushpressslide.core.wrench import Twist
+from pushpressslide.identification.online import Identified
+from pushpressslide.mechanics.face_push import on_face
+from pushpressslide.mechanics.faces import Face, faces
+from pushpressslide.mechanics.push_surface import push_surface
+from pushpressslide.modes.base import path_problem
+from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.planning.side_contacts import (
+    assignments,
+    contact_height,
+    drag_problem,
+    farthest_corner,
+    given_to,
+    least_distance,
+    span,
+)
+from pushpressslide.tracking.holonomic import HolonomicTracker
+
+ORIGIN = (0.0, 0.0)
+CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of its face
+PLACES = (-1.0, -0.5, 0.0, 0.5, 1.0)  # of a contact, in units of the face's room beside the CoM's line
+ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
+SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: of a plan, and of one made anew
+KEPT = 0.9  # of the friction: what corrections may use
+LOOP_RATIO = 1.6  # times the direct way: a longer one is not taken
+PIECEWISE = 5  # placements on two faces for which ways of several twists are looked for
+OFFERED = 6  # placements on two faces that are looked at further
+ENOUGH = 6  # choices that the arms can follow: worse ones are not looked at
+OVERHEAD = 8.5  # [s] typical time of approach, touch and release
+
+
+class OrthogonalPush:
+    """Two arms push two faces that are not parallel."""
+
+    name = "orthogonal_push"
+    arms = 2
+    reduced_model = "quasi-holonomic within a cone"
+    tracking_point = "CoM"
+    cop_steering = False
+
+    def choices(self, task: Task) -> list[Choice]:
+        """Return the best placements on every two faces, feasible ones first, the quickest first; of equally
+        quick ones the one deepest inside its cone.
+        """
+        if isinstance(task.object.shape, Cylinder):
+            return [Choice(self.name, False, "a cylinder has no flat faces for two pushes")]
+        drafts = []
+        for pair in combinations(faces(task.object, CORNER_CLEARANCE), 2):
+            (ax, ay), (bx, by) = pair[0].normal, pair[1].normal
+            if ANGLES[0] <= abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by)) <= ANGLES[1]:
+                drafts += self._drafts(task, pair)
+
+        @cache
+        def problem(path: TwistPath, contact: Contact, time: float) -> str | None:
+            one = Choice(self.name, True, "", (contact,), path.length, time, path=path)
+            return path_problem(task, one, Pose2())
+
+        out, found = [], 0
+        for draft in sorted(drafts, key=_rank):
+            path, time = draft.path, draft.time
+            if not draft.feasible or path is None or time is None:
+                out.append(draft)
+                continue
+            if found == ENOUGH:
+                out.append(_refused(draft, f"slower or nearer to slipping than {ENOUGH} others"))
+                continue
+            poses = [path.pose(share * path.length) for share in (0.0, 0.5, 1.0)]
+            ways = assignments(task.robots, [c.point for c in draft.contacts], poses)
+            if not ways:
+                out.append(_refused(draft, "the arms would cross"))
+            for arms in ways:
+                choice = replace(draft, contacts=given_to(draft.contacts, arms))
+                problems = (problem(path, contact, time) for contact in choice.contacts)
+                why = next((p for p in problems if p is not None), None)
+                found += why is None
+                out.append(choice if why is None else _refused(choice, why))
+        return sorted(out, key=lambda c: not c.feasible) or [
+            Choice(self.name, False, "no two faces with 40 to 140 deg between their normals")
+        ]
+
+    def _drafts(self, task: Task, pair: tuple[Face, Face]) -> list[Choice]:
+        """Return the best placements on two faces, but for the arms' reach; or one, and why it cannot do the
+        task.
+        """
+        names, height = f"faces {pair[0].index} and {pair[1].index}", contact_height(task)
+        placed = _places(task, pair)
+        middles = tuple(Contact(i, "side", f.foot, f.normal, height) for i, f in enumerate(pair))
+
+        def refused(why: str, contacts: tuple[Contact, ...] = middles) -> list[Choice]:
+            return [Choice(self.name, False, f"{names}: {why}", contacts)]
+
+        problem = drag_problem(task, pair, height)
+        if problem is not None:
+            return refused(problem)
+        if not placed:
+            return refused(f"no two contacts {least_distance(task) * 1e3:.0f} mm apart, as two tools need")
+        start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
+        direct, radius = screw(start, goal), farthest_corner(task.object)
+        try:
+            surface = push_surface(task, height, Twist(*direct))
+        except ValueError as error:
+            return refused(str(error))
+        cones = [TwistCone(contacts, task.believed.contact_friction, surface) for contacts in placed]
+        cones.sort(key=lambda cone: (-round(cone.spare(*direct), 6), _spread(cone.contacts)))
+        best = cones[0].spare(*direct)
+        longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length
+        out = []
+        for cone in cones if best >= SPARE else cones[:PIECEWISE]:
+            path = path_in_cone(start, goal, cone, SPARE, radius, longest)
+            if path is not None:
+                out.append(self._draft(task, names, path, cone))
+        if out:
+            return sorted(out, key=_rank)[:OFFERED]
+        fx, fy, tau, _ = cones[0].wrench(*direct)
+        return refused(
+            f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, {told(cones[0].angle(*direct), SPARE)}; "
+            f"no way of three twists within {longest:.2f} m",
+            cones[0].contacts,
+        )
+
+    def _draft(self, task: Task, names: str, path: TwistPath, cone: TwistCone) -> Choice:
+        """Return the choice of a path in a cone, its contacts not yet given to arms."""
+        spare, motion = least_spare(path, cone), task.motion
+        places = " and ".join(f"({c.point[0]:.3f}, {c.point[1]:.3f})" for c in cone.contacts)
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        parameters = {
+            **cone.figures, "radius": path.radius, "speed": motion.speed,
+            "contact_height": cone.contacts[0].height,
+        }  # fmt: skip
+        allocate = self.allocator(cone.contacts, task.believed.contact_friction, cone.surface.rho)
+        wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
+        push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)
+        reason = (
+            f"{names} at {places}: path {path.length:.3f} m of {len(path.pieces)} twist(s), "
+            f"{told(spare, SPARE)}, pushed with up to {push:.1f} N"
+        )
+        feasible = push <= task.limits.normal_force
+        if not feasible:
+            reason += f", limits.normal_force is {task.limits.normal_force:g} N"
+        return Choice(self.name, feasible, reason, cone.contacts, path.length, time, spare, parameters, path)
+
+    def vehicle_frame(self, choice: Choice) -> Pose2:
+        """Return X_BV: a constant twist is the same motion whatever point it is told of, so V is B."""
+        return Pose2()
+
+    def tracker(self, plan: Plan) -> HolonomicTracker:
+        """Return the holonomic law for a plan, corrected within the cone of KEPT of the friction."""
+        choice, friction = plan.choice, KEPT * plan.task.believed.contact_friction
+        cone = TwistCone.remembered(choice.parameters, choice.contacts, friction)
+        return HolonomicTracker(plan.X_BV, cone.surface, cone.nearest)
+
+    def allocator(
+        self,
+        contacts: Sequence[Contact],
+        friction: float,
+        rho: float | None = None,
+        cop: Point = ORIGIN,
+        projection: Projection = "nearest",
+    ) -> Callable[[float, float, float], Allocation]:
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
+
+        ``rho`` [m] weighs torque errors (default: half the distance of the contacts); ``projection`` says
+        what is kept of a wrench outside the cone.
+        """
+        points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
+        normals = [c.normal for c in contacts]
+        rho = rho if rho is not None else 0.5 * math.dist(*points)
+        return two_contact_allocator(points, normals, friction, rho, projection=projection)
+
+    def identifier(self, plan: Plan) -> None:
+        """Return nothing: the contacts hold the object, there is no axle."""
+
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> None:
+        """Return nothing: pushes do not go back."""
+
+    def replan(
+        self,
+        plan: Plan,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> Plan | None:
+        """Return the plan from the object's true pose and the true contacts; None if there is none of up to
+        ``longest`` [m] within the cone.
+        """
+        figures, pairs = plan.choice.parameters, zip(plan.choice.contacts, touched, strict=True)
+        contacts = tuple(replace(contact, point=point) for contact, point in pairs)
+        cone = TwistCone.remembered(figures, contacts, plan.task.believed.contact_friction)
+        goal = plan.goal.compose(plan.task.object.X_GB)
+        path = path_in_cone(X_WB, goal, cone, REPLAN_SPARE, figures["radius"], longest)
+        if path is None:
+            return None
+        choice = replace(plan.choice, contacts=contacts, path=path, path_length=path.length)
+        profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+        return replace(plan, choice=choice, path=path, profile=profile)
+
+
+def _places(task: Task, pair: tuple[Face, Face]) -> list[tuple[Contact, ...]]:
+    """Return contacts on two faces that leave room for the tools."""
+    height, sides = contact_height(task), []
+    for i, face in enumerate(pair):
+        low, high = span(task.object, face)
+        low, high = low + CORNER_CLEARANCE, high - CORNER_CLEARANCE
+        middle = min(max(0.0, low), high)
+        offsets = (middle + k * (high - middle if k > 0.0 else middle - low) for k in PLACES)
+        sides.append([Contact(i, "side", on_face(face, y), face.normal, height) for y in offsets])
+    apart = least_distance(task)
+    return [(a, b) for a, b in product(*sides) if math.dist(a.point, b.point) >= apart]
+
+
+def _refused(choice: Choice, why: str) -> Choice:
+    return replace(choice, feasible=False, reason=f"{choice.reason}; {why}")
+
+
+def _rank(choice: Choice) -> tuple[float, float, float]:
+    """Order of choices: the quickest first, then the deepest inside its cone, then nearest to the CoM."""
+    if choice.time is None or choice.friction_margin is None:
+        return (math.inf, 0.0, 0.0)
+    return (round(choice.time, 3), -round(choice.friction_margin, 6), _spread(choice.contacts))
+
+
+def _spread(contacts: Sequence[Contact]) -> float:
+    """Sum of the contacts' distances from the CoM [m]: settles ties, the same for a mirrored object."""
+    return round(sum(math.hypot(*contact.point) for contact in contacts), 6)
+
+
+MODE = OrthogonalPush()
+allocator = MODE.allocator

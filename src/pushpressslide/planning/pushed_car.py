@@ -1,0 +1,102 @@
+"""An object that two arms push on one face, as a car: fitted to the exact limit surface, and its paths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.mechanics.face_push import on_face, turning
+from pushpressslide.mechanics.faces import Face
+from pushpressslide.planning.run_in import with_run_in
+from pushpressslide.rom.differential_car import DifferentialCar
+from pushpressslide.rom.rear_steer_car import RearSteerCar
+
+ORIGIN = (0.0, 0.0)
+RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
+TIGHTER = (0.3, 0.6, 1.0)  # curvatures that are tried, in shares of the tightest that a plan may use
+
+
+@dataclass(frozen=True, slots=True)
+class PushedCar:
+    """A car whose axle, the point without side slip, is ahead of the CoM along the pushes."""
+
+    heading: float  # [rad] of the pushes in B
+    axle: float  # [m] ahead of the CoM
+    lead: float  # [m] of the axle from the CoP under way: rho^2 / d with equal forces, 0 without friction
+    rho: float  # [m]
+    left: float  # [1/m] > 0 tightest curve to the left
+    right: float  # [1/m] > 0 to the right
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Pose of the vehicle frame, at the axle, in the body frame."""
+        return Pose2(self.axle * math.cos(self.heading), self.axle * math.sin(self.heading), self.heading)
+
+    @property
+    def tightest(self) -> float:
+        """Curvature [1/m] that it can turn with to either side."""
+        return min(self.left, self.right)
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """What a choice remembers of the car."""
+        return {**asdict(self), "height_shift": self.axle - self.lead}
+
+    @classmethod
+    def remembered(cls, figures: Mapping[str, float]) -> PushedCar:
+        """Return the car of a choice's ``figures``."""
+        return cls(*(figures[name] for name in ("heading", "axle", "lead", "rho", "left", "right")))
+
+
+def pushed_car(task: Task, face: Face, half_width: float, height: float, synchronised: bool) -> PushedCar:
+    """Return the reduced model, as believed, of contacts ``half_width`` [m] either side of the CoM's line.
+
+    Turned by normal forces alone it is a differential car, ``synchronised``, by equal forces, a rear-steer
+    one (docs/mechanics.md, section 5). Axle and rho are those of the exact surface, under the load that the
+    push at ``height`` [m] itself shifts, at ``curvature_margin`` of the force's way to its limits; the
+    tightest curves are no tighter than the object's. Raises ValueError where the object tips.
+    """
+    belief, body, use = task.believed, task.object, task.motion.curvature_margin
+    mu_s, mu_a, (nx, ny) = belief.support_friction, belief.contact_friction, face.normal
+    heading = math.atan2(ny, nx)
+    # how far off the CoM the force may be, or how much across the normal; and the moment that this makes
+    limit, arm = (mu_a, face.depth) if synchronised else (half_width, 1.0)
+
+    def turned(share: float) -> tuple[float, float]:
+        off = share * limit
+        return turning(body, mu_s, face, height, *((0.0, off) if synchronised else (off, 0.0)))
+
+    if belief.rho is not None:
+        rho, shift, least = belief.rho, height * mu_s, (math.inf, math.inf)
+    else:
+        seen = turned(-use), turned(use)
+        rho = math.sqrt(0.5 * arm * use * limit * sum(1.0 / abs(curvature) for _, curvature in seen))
+        shift = 0.5 * sum(axle for axle, _ in seen) - (rho * rho / face.depth if synchronised else 0.0)
+        least = abs(turned(-1.0)[1]), abs(turned(1.0)[1])
+    lead = rho * rho / face.depth if synchronised else 0.0
+    car = (
+        RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
+        if synchronised
+        else DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
+    )
+    low, high = car.curvature_limits
+    return PushedCar(heading, shift + lead, lead, rho, min(high, least[0]), min(-low, least[1]))
+
+
+def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:
+    """Return the path of up to ``longest`` [m] with the longest run-in, then the gentlest turns, none above
+    ``tightest`` [1/m]; the shortest one where there is none.
+    """
+    tried = []
+    for run_in in RUN_INS:
+        for share in TIGHTER:
+            curvature = share * tightest
+            path = with_run_in(start, goal, curvature, curvature, run_in)
+            if path.length <= longest:
+                return path
+            tried.append(path)
+    return min(tried, key=lambda path: path.length)

@@ -1,0 +1,31 @@
+"""A holonomic law that asks for no more than the contacts hold: the pull towards the path is eased until they
+do, the path's own motion is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import MotionPath
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.wrench import Wrench
+from pushpressslide.tracking.holonomic import HolonomicTracker
+
+SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
+
+
+class EasedTracker:
+    """The law with the largest share of its pull at which the contacts hold; without where they never do."""
+
+    def __init__(self, law: HolonomicTracker, holds: Callable[[Wrench], bool]) -> None:
+        """Bind to a law; ``holds`` says of a wrench about its own point whether the contacts can give it."""
+        self._law, self._holds = law, holds
+
+    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
+        """Return wrench and twist that follow ``path`` at ``speed`` [m/s]; ``grip`` in (0, 1] eases too."""
+        for share in SHARES:
+            guidance = self._law.step(path, X_WB, progress, speed, share * grip)
+            if self._holds(guidance.wrench):
+                break
+        return guidance

@@ -1,0 +1,145 @@
+"""Two arms side by side (docs/mechanics.md, section 5): what they can do, how, and what they refuse."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide import load_task
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Robot, Task
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.mechanics.friction import cone_margin
+from pushpressslide.modes import MODES
+from pushpressslide.pipeline.planner import plan
+from pushpressslide.pipeline.selection import select
+from pushpressslide.planar.engine import run
+from pushpressslide.report.metrics import result
+
+MODE = MODES["parallel_push"]
+SHIPPED = load_task("parallel-push")
+HANDS = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.5, -0.5))
+REAR, D = 3, 0.2
+
+
+def to(x: float, y: float, yaw_deg: float, drive: str | None = None, **more) -> Task:
+    """Return the shipped task for free tips, pushed on its rear face to a goal seen from the start."""
+    goal = SHIPPED.start.compose(Pose2(x, y, math.radians(yaw_deg)))
+    motion = replace(SHIPPED.motion, face=REAR, vehicle=drive)
+    return replace(SHIPPED, robots=HANDS, goal=goal, motion=motion, **more)
+
+
+def best(task: Task) -> Choice:
+    choice = MODE.choices(task)[0]
+    assert choice.feasible, choice.reason
+    return choice
+
+
+def allocations(made: Plan, count: int = 40):
+    """Yield what the tracker wants along the path of a plan, and the forces that give it."""
+    tracker, p = MODE.tracker(made), made.choice.parameters
+    cop = (p.get("cop_x", 0.0), p.get("cop_y", 0.0))
+    friction = made.task.believed.contact_friction
+    allocate = MODE.allocator(made.choice.contacts, friction, p["rho"], cop)
+    for i in range(count + 1):
+        s = made.path.length * i / count
+        X_WB = made.path.pose(s).compose(made.X_BV.inverse())
+        guidance = tracker.step(made.path, X_WB, s, 0.05, 1.0)
+        yield guidance, allocate(*guidance.wrench[:3])
+
+
+def test_the_shipped_task_is_done_with_each_arm_on_its_own_side() -> None:
+    choice = select(SHIPPED)[0]
+    assert choice.feasible, choice.reason
+    assert [c.arm for c in choice.contacts] == [0, 1]
+    assert choice.contacts[0].point[1] > 0.0 > choice.contacts[1].point[1]
+    assert all(c.normal == pytest.approx((1.0, 0.0)) for c in choice.contacts)
+
+
+def test_the_differential_car_takes_no_friction_at_all() -> None:
+    for _, allocation in allocations(plan(to(0.46, 0.05, 10.0), best(to(0.46, 0.05, 10.0, "differential")))):
+        assert allocation.status == "ok"
+        for force, normal in zip(allocation.forces, allocation.normals, strict=True):
+            assert force == pytest.approx((normal, 0.0), abs=1e-9)
+            assert normal > 0.0
+
+
+def test_the_synchronised_car_is_pushed_with_equal_forces() -> None:
+    task = to(0.46, 0.05, 10.0, "synchronised")
+    for guidance, allocation in allocations(plan(task, best(task))):
+        assert allocation.status == "ok"
+        assert allocation.forces[0] == pytest.approx(allocation.forces[1], abs=1e-9)
+        assert guidance.wrench.tau == pytest.approx(-D * guidance.wrench.fy, abs=1e-9)
+
+
+def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> None:
+    aside = (0.25, 0.08, 0.0)
+    car = MODE.choices(to(*aside, "differential"))[0]
+    assert not car.feasible
+    assert "a loop of" in car.reason
+    choice = best(to(*aside))
+    assert isinstance(choice.path, TwistPath)
+    assert "mixed" in choice.reason
+    for _, allocation in allocations(plan(to(*aside), choice)):
+        assert allocation.status == "ok"
+        assert allocation.forces[0][1] + allocation.forces[1][1] > 0.3  # friction carries it to the left
+        for contact, force in zip(choice.contacts, allocation.forces, strict=True):
+            assert cone_margin(force, contact.normal, 0.6) > 0.0
+
+
+@pytest.mark.parametrize("goal", [(-0.3, 0.0, 0.0), (0.0, 0.0, 40.0), (0.0, 0.3, 0.0)])
+def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> None:
+    choices = MODE.choices(to(*goal))
+    assert not any(c.feasible for c in choices)
+    for choice in choices:
+        assert "a loop of" in choice.reason
+        assert "deg outside the cone, needed 6 deg inside" in choice.reason
+
+
+def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
+    told = replace(SHIPPED.believed, rho=0.13)
+    for choice in MODE.choices(to(0.46, 0.05, 10.0, "differential", belief=told)):
+        half_width = 0.5 * math.dist(*(c.point for c in choice.contacts))
+        assert choice.parameters["left"] == pytest.approx(half_width / 0.13**2)
+        assert choice.parameters["right"] == pytest.approx(half_width / 0.13**2)
+
+
+def test_what_stands_against_it_is_told_with_the_number() -> None:
+    cylinder = ObjectModel(Cylinder(0.2, 0.2), 2.0, (0.0, 0.0))
+    assert "no flat face" in MODE.choices(to(0.3, 0.0, 0.0, object=cylinder))[0].reason
+    narrow = ObjectModel(Box((0.4, 0.1, 0.2)), 2.0, (0.0, 0.0))
+    refusal = MODE.choices(to(0.3, 0.0, 0.0, object=narrow))[0]
+    assert "contacts 70 mm apart, two tools need 100 mm" in refusal.reason
+    weak = replace(SHIPPED.limits, normal_force=4.0)
+    assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak))[0].reason
+    beside = ObjectModel(Box((0.4, 0.4, 0.2)), 2.0, (0.0, 0.19))
+    assert "contacts 30 mm apart" in MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0].reason
+
+
+@pytest.mark.parametrize("drive", ["differential", "synchronised", "mixed"])
+@pytest.mark.parametrize("goal", [(0.46, 0.03, 8.0), (0.4, -0.04, -12.0)])
+def test_the_planar_engine_ends_where_the_plan_does(drive: str, goal) -> None:
+    task = to(*goal, drive)
+    made = plan(task, best(task))
+    figures = result(task, made, run(made), {})
+    assert figures["reason"]["code"] in ("goal_reached", "goal_missed")
+    assert figures["final_position_error"] < 1e-3
+    assert figures["final_yaw_error"] < math.radians(0.3)
+    assert figures["contact_loss_time"] == 0.0
+
+
+@pytest.mark.parametrize("drive", ["differential", "mixed"])
+def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(drive: str) -> None:
+    task = to(0.46, 0.05, 10.0, drive)
+    made = plan(task, best(task))
+    X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
+    touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.choice.contacts)
+    fresh = MODE.replan(made, X_WB, touched, 1.2 * made.path.length)
+    assert fresh is not None
+    assert [c.point for c in fresh.choice.contacts] == list(touched)
+    for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
+        pose = fresh.object_pose(s)
+        assert math.dist(pose.position, wanted.position) < 1e-9
+        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    assert MODE.replan(made, X_WB, touched, 0.5 * made.path.length) is None

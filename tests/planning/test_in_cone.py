@@ -1,0 +1,79 @@
+"""Paths of twists within a cone."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.twist_path import screw
+from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+
+RADIUS = 0.15
+LEAST = 0.05
+
+
+class RoundCone:
+    """Twists within ``half`` [rad] of straight ahead, turning counted at RADIUS."""
+
+    def __init__(self, half: float) -> None:
+        self.half = half
+
+    def spare(self, vx: float, vy: float, w: float) -> float:
+        return self.half - math.atan2(math.hypot(vy, RADIUS * w), vx)
+
+    def rays(self, least: float) -> list[tuple[float, float, float]]:
+        out, size = [(1.0, 0.0, 0.0)], math.tan(self.half - least)
+        for i in range(8):
+            angle = 0.25 * math.pi * i
+            out.append((1.0, size * math.cos(angle), size * math.sin(angle) / RADIUS))
+        return [ray for ray in out if self.spare(*ray) >= least - 1e-12]
+
+
+CONE = RoundCone(math.radians(30.0))
+
+
+@given(x=st.floats(0.05, 0.5), y=st.floats(-0.4, 0.4), yaw=st.floats(-1.0, 1.0))
+def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowed(x, y, yaw) -> None:
+    start = Pose2(0.3, -0.2, 0.7)
+    goal = start.compose(Pose2(x, y, yaw))
+    path = path_in_cone(start, goal, CONE, LEAST, RADIUS, 0.8)
+    if path is None:
+        assert CONE.spare(*screw(start, goal)) < LEAST or math.hypot(x, y) > 0.5
+        return
+    assert (path.end.x, path.end.y) == pytest.approx((goal.x, goal.y), abs=1e-9)
+    assert math.remainder(path.end.yaw - goal.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    assert len(path.pieces) <= 3
+    assert path.length <= 0.8 + 1e-9
+    assert least_spare(path, CONE) >= LEAST - 1e-9
+
+
+def test_what_one_twist_can_do_is_done_by_one() -> None:
+    path = path_in_cone(Pose2(), Pose2(0.3, 0.1, 0.2), CONE, LEAST, RADIUS, 1.0)
+    assert path is not None
+    assert len(path.pieces) == 1
+
+
+def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
+    goal = Pose2(0.45, 0.30, 0.0)  # 34 degrees off, the cone has 30
+    assert CONE.spare(*screw(Pose2(), goal)) < 0.0
+    path = path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 1.0)
+    assert path is not None
+    assert len(path.pieces) > 1
+    assert path.pose(0.3 * path.length).yaw > 0.02
+
+
+@pytest.mark.parametrize("goal", [Pose2(-0.2, 0.0, 0.0), Pose2(0.0, 0.0, 1.0), Pose2(0.0, 0.3, 0.0)])
+def test_back_on_the_spot_and_sideways_there_is_no_path(goal: Pose2) -> None:
+    assert path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 3.0) is None
+
+
+def test_a_path_longer_than_allowed_is_not_taken() -> None:
+    assert path_in_cone(Pose2(), Pose2(0.5, 0.0, 0.0), CONE, LEAST, RADIUS, 0.49) is None
+
+
+def test_the_words_say_inside_or_outside_and_what_is_needed() -> None:
+    assert told(math.radians(20.0), LEAST) == "20 deg inside the cone"
+    assert told(math.radians(-53.0), math.radians(6.0)) == "53 deg outside the cone, needed 6 deg inside"
+    assert told(math.radians(1.84), math.radians(6.0)) == "1.8 deg inside the cone, needed 6 deg inside"

@@ -1,0 +1,44 @@
+"""Places to push that turn an object about a held point."""
+
+import pytest
+
+from pushpressslide.core.pose import cross
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
+from pushpressslide.planning.levers import SHORTEST, depth_inside, levers
+
+BOX = ObjectModel(Box((0.6, 0.8, 0.7)), 5.0, (0.05, -0.02))
+SHAPES = [
+    BOX,
+    ObjectModel(Cylinder(0.2, 0.1), 1.0, (0.03, 0.0)),
+    ObjectModel(Prism(((0.0, 0.0), (0.3, 0.0), (0.1, 0.25)), 0.1), 1.0, (0.133, 0.083)),
+]
+
+
+@pytest.mark.parametrize("body", SHAPES, ids=["box", "cylinder", "prism"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(body, side: float) -> None:
+    held = (-0.05, 0.04)
+    found = levers(body, held, side)
+    assert found
+    for lever in found:
+        turn = cross((lever.point[0] - held[0], lever.point[1] - held[1]), lever.face.normal)
+        assert side * turn == pytest.approx(lever.length)
+        assert lever.length >= SHORTEST * found[0].length
+        assert depth_inside(body, lever.point) == pytest.approx(0.0, abs=2e-3)
+    assert [lever.length for lever in found] == sorted((lever.length for lever in found), reverse=True)
+
+
+def test_a_face_can_be_asked_for() -> None:
+    held = (-0.16, 0.225)
+    assert {lever.face.index for lever in levers(BOX, held, 1.0, 3)} == {3}
+    assert len({lever.face.index for lever in levers(BOX, held, 1.0)}) > 1
+
+
+def test_a_point_held_at_the_middle_of_a_cylinder_leaves_no_lever() -> None:
+    body = ObjectModel(Cylinder(0.2, 0.1), 1.0, (0.0, 0.0))
+    assert levers(body, (0.0, 0.0), 1.0) == []
+
+
+def test_depth_is_measured_to_the_nearest_edge() -> None:
+    assert depth_inside(BOX, (0.0, 0.0)) == pytest.approx(0.25)
+    assert depth_inside(BOX, (0.30, 0.0)) == pytest.approx(-0.05)

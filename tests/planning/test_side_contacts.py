@@ -1,0 +1,78 @@
+"""Where two arms push, and which arm takes which contact."""
+
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide import load_task
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, Robot
+from pushpressslide.mechanics.faces import faces
+from pushpressslide.planning.side_contacts import (
+    assignments,
+    contact_height,
+    drag_problem,
+    given_to,
+    least_distance,
+    span,
+)
+
+TASK = load_task("parallel-push")
+REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
+ROBOTS = (Robot("hand", (0.0, 0.5, 0.0)), Robot("hand", (0.0, -0.5, 0.0)))
+
+
+def test_each_arm_takes_the_contact_on_its_own_side_where_they_would_cross_else() -> None:
+    points = ((-0.2, 0.1), (-0.2, -0.1))  # left, right
+    assert assignments(ROBOTS, points, [Pose2(0.6, 0.0, 0.0)]) == [(0, 1)]
+    assert assignments(ROBOTS, points[::-1], [Pose2(0.6, 0.0, 0.0)]) == [(1, 0)]
+
+
+def test_contacts_in_line_away_from_the_arms_go_either_way_nearest_first() -> None:
+    near, far = (-0.2, 0.05), (0.2, 0.0)
+    assert assignments(ROBOTS, (near, far), [Pose2(0.6, 0.0, 0.0)]) == [(0, 1), (1, 0)]
+
+
+def test_a_motion_on_which_either_way_crosses_has_no_assignment() -> None:
+    points = ((-0.2, 0.1), (-0.2, -0.1))
+    turned = [Pose2(0.6, 0.0, 0.0), Pose2(0.6, 0.0, 3.1)]
+    assert assignments(ROBOTS, points, turned) == []
+
+
+def test_given_contacts_are_in_the_order_of_their_arms() -> None:
+    contacts = tuple(Contact(i, "side", (0.1 * i, 0.0), (1.0, 0.0), 0.05) for i in range(2))
+    given = given_to(contacts, (1, 0))
+    assert [c.arm for c in given] == [0, 1]
+    assert given[0].point == contacts[1].point
+
+
+def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
+    def at(height: float) -> float:
+        body = replace(TASK.object, shape=Box((0.4, 0.4, height)))
+        return contact_height(replace(TASK, object=body))
+
+    reach = TASK.robots[0].tip_length
+    assert at(0.10) == pytest.approx(0.04)
+    assert at(0.20) == pytest.approx(0.20 + 0.04 - reach)
+    assert contact_height(replace(TASK, motion=replace(TASK.motion, contact_height=0.11))) == 0.11
+
+
+def test_the_span_of_a_face_is_told_from_the_com() -> None:
+    body = replace(TASK.object, shape=Box((0.4, 0.3, 0.2)), center_of_mass=(0.0, 0.05))
+    rear = next(face for face in faces(body, 0.01) if face.index == 3)
+    assert span(body, rear) == pytest.approx((-0.2, 0.1))
+
+
+def test_what_stands_against_a_push_is_told_with_the_number() -> None:
+    assert drag_problem(TASK, (REAR,), 0.09) is None
+    assert "200 mm high" in str(drag_problem(TASK, (REAR,), 0.21))
+    heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
+    assert "needs 58.9 N" in str(drag_problem(heavy, (REAR,), 0.09))
+    tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
+    rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
+    assert "allowed up to 117 mm" in str(drag_problem(tall, (rear,), 0.4))
+
+
+def test_tools_need_room() -> None:
+    assert least_distance(TASK) == pytest.approx(0.10)
