@@ -37,7 +37,7 @@ def possible(press, load, push, normal, friction, cop, wrench) -> tuple[bool, bo
     e, n = r / np.linalg.norm(r), np.array(normal)
     a = (tau - cross((press[0] - cop[0], press[1] - cop[1]), (fx, fy))) / cross(tuple(r), normal)
     reach = abs(a) + math.hypot(fx, fy) + friction * load
-    s = np.linspace(-8.0 * reach, 8.0 * reach, 400_001)[:, None]
+    s = np.linspace(-8.0 * reach, 8.0 * reach, 80_001)[:, None]
     f2 = a * n + s * e
     f1 = np.array((fx, fy)) - f2
     slack = np.minimum(
@@ -45,12 +45,12 @@ def possible(press, load, push, normal, friction, cop, wrench) -> tuple[bool, bo
         friction * load - np.hypot(f1[:, 0], f1[:, 1]),
     )
     best = float(slack.max())
-    return best > 0.0, abs(best) > 1e-3 * reach
+    return best > 0.0, abs(best) > 2e-3 * reach
 
 
 def test_a_wrench_is_realised_exactly_whenever_some_forces_can() -> None:
     found = {True: 0, False: 0}
-    for case in drawn(400, seed=0):
+    for case in drawn(300, seed=0):
         *contacts, wrench = case
         can, clear = possible(*case)
         if not clear:
@@ -58,7 +58,7 @@ def test_a_wrench_is_realised_exactly_whenever_some_forces_can() -> None:
         out = press_and_push_allocator(*contacts)(*wrench)
         assert (out.status == "ok") == can
         found[can] += 1
-    assert min(found.values()) > 80
+    assert min(found.values()) > 60
 
 
 def test_forces_and_residual_add_up_and_are_inside_cone_and_disc() -> None:
@@ -88,10 +88,10 @@ def test_friction_of_the_push_relieves_a_press_that_would_slip() -> None:
     wrench = (11.0, 6.0, 6.0)
     strong = press_and_push_allocator(PRESS, 60.0, PUSH, (1.0, 0.0), 0.7, COP)(*wrench)
     alone = math.hypot(*strong.forces[0])
-    weak = press_and_push_allocator(PRESS, 0.97 * alone / 0.7, PUSH, (1.0, 0.0), 0.7, COP)(*wrench)
+    weak = press_and_push_allocator(PRESS, 0.985 * alone / 0.7, PUSH, (1.0, 0.0), 0.7, COP)(*wrench)
     assert weak.status == "ok"
     assert weak.forces[1][1] != 0.0
-    assert math.hypot(*weak.forces[0]) == pytest.approx(0.97 * alone)
+    assert math.hypot(*weak.forces[0]) == pytest.approx(0.985 * alone)
 
 
 def test_a_push_never_pulls() -> None:

@@ -12,11 +12,13 @@ from pushpressslide import load_task
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2, cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, Task
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.experiments.sampling import random_task
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin, press_margin
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+from pushpressslide.mechanics.top import inside_top
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Mode
 from pushpressslide.pipeline.planner import plan
@@ -30,7 +32,22 @@ def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
     base = replace(
         BASE, modes=(mode.name,), robots=tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms))
     )
-    return [random_task(base, index, seed=7) for index in range(count)]
+    tasks = [random_task(base, index, seed=7) for index in range(count)]
+    if mode.name == "press_and_push":
+        return [turned_about_a_point(task, random.Random(i)) for i, task in enumerate(tasks)]
+    return tasks
+
+
+def turned_about_a_point(task: Task, rng: random.Random) -> Task:
+    """Return the task with a goal that is a turn about a point of the object's top."""
+    body, place = task.object, (math.inf, math.inf)
+    while not inside_top(body, place, 0.013):
+        place = (rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1))
+    X_GP = Pose2(place[0] + body.center_of_mass[0], place[1] + body.center_of_mass[1], 0.0)
+    turn = rng.choice([1.0, -1.0]) * math.radians(rng.uniform(20.0, 80.0))
+    X_WP = task.start.compose(X_GP)
+    goal = Pose2(X_WP.x, X_WP.y, X_WP.yaw + turn).compose(X_GP.inverse())
+    return replace(task, goal=goal)
 
 
 @cache
@@ -177,7 +194,8 @@ def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(
             allocate = allocator(mode, stretch.choice, friction)
             assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
             allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
-            assert allocation.margin > 0.0
+            assert allocation.status == "ok"
+            assert allocation.margin >= -1e-9
 
 
 @every_mode
@@ -186,6 +204,8 @@ def test_the_tracking_point_does_not_slip_sideways(mode: Mode) -> None:
     for _, made in planned(mode, 12):
         for _ in range(20):
             guidance, stretch = guided(mode, made, rng)
+            if isinstance(stretch.path, TwistPath):
+                continue  # it slides any way
             at_point = guidance.twist.moved_to(stretch.X_BV.position)
             along, across = stretch.X_BV.unrotate((at_point.vx, at_point.vy))
             assert along > 0.0
@@ -201,6 +221,9 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
             figures, yaw, about = stretch.choice.parameters, stretch.X_BV.yaw, guidance.wrench.about
             surface = EllipsoidLimitSurface(figures["push_force"], figures["rho"], about)
             forward, shift = (math.cos(yaw), math.sin(yaw)), figures.get("height_shift", 0.0)
+            if "lift" in figures:  # along the force, whichever way that is
+                fx, fy, size = *guidance.wrench[:2], math.hypot(*guidance.wrench[:2])
+                forward, shift = (fx / size, fy / size), figures["lift"] * size / figures["push_force"]
             direction = surface.twist_direction(guidance.wrench)
             # the model's axle is moved ahead with the CoP by the height term: compare about that CoP
             twist = guidance.twist.moved_to((about[0] + shift * forward[0], about[1] + shift * forward[1]))
@@ -262,7 +285,7 @@ def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
         assert len(own) == len(other)
 
         def figures(choice: Choice, sign: float):
-            contacts = [(c.point[0], sign * c.point[1]) for c in choice.contacts]
+            contacts = sorted((round(c.point[0], 6), round(sign * c.point[1], 6)) for c in choice.contacts)
             return contacts, choice.feasible, choice.path_length, choice.friction_margin
 
         for choice in own:

@@ -14,7 +14,9 @@ from pushpressslide.mechanics.pressing import Press
 DT = 0.004
 
 
-def seen(axle: float, reach: float, drag: float, angle: float, predicted: Identified, lever: float, noise=0.0):
+def seen(
+    axle: float, reach: float, drag: float, angle: float, predicted: Identified, lever: float, noise=0.0
+):
     """Return what is identified over 3 s of a steady turn about an axle, force and motion to match."""
     rng = random.Random(0)
     identifier, state, pose = AxleIdentifier(0.3, predicted, lever), AxleState(), Pose2(0.1, 0.2, 0.5)

@@ -24,7 +24,8 @@ def cases(count: int, seed: int = 0):
         length, width = rng.uniform(0.1, 0.6, 2)
         cop = (rng.uniform(-0.3, 0.3) * length, rng.uniform(-0.3, 0.3) * width)
         samples = rectangle_pressure(length, width, rng.uniform(2.0, 60.0), cop, 5)
-        v, angle, w = rng.uniform(0.0, 1.0), rng.uniform(-math.pi, math.pi), rng.normal() / length
+        v, angle = rng.uniform(0.0, 1.0), rng.uniform(-math.pi, math.pi)
+        w = rng.choice((-1.0, 1.0)) * 10.0 ** rng.uniform(-1.2, 1.0) / rho_pole(samples)
         yield samples, Twist(v * math.cos(angle), v * math.sin(angle), w, samples.cop)
 
 
@@ -39,10 +40,10 @@ def test_it_touches_the_exact_surface_so_that_beside_its_twist_it_errs_in_second
     rng = np.random.default_rng(1)
     for samples, twist in cases(50, seed=2):
         surface, scale = touching_ellipsoid(samples, MU, twist), rho_pole(samples)
-        errors = []
-        for step in (0.02, 0.01):
+        errors, directions = [], rng.normal(size=(40, 3))
+        for step in (0.002, 0.001):
             worst = 0.0
-            for dx, dy, dw in rng.normal(size=(40, 3)):
+            for dx, dy, dw in directions:
                 speed = step * math.hypot(twist.vx, twist.vy, scale * twist.w)
                 near = Twist(
                     twist.vx + speed * dx, twist.vy + speed * dy, twist.w + speed * dw / scale, twist.of
@@ -51,8 +52,7 @@ def test_it_touches_the_exact_surface_so_that_beside_its_twist_it_errs_in_second
                 level = math.hypot(fx, fy, tau / surface.rho) / surface.max_force
                 worst = max(worst, abs(level - 1.0))
             errors.append(worst)
-        assert errors[1] < 0.5 * errors[0]
-        assert errors[1] < 0.01
+        assert errors[1] < 0.3 * errors[0]
 
 
 def test_its_rho_is_the_pressures_deviation_for_straight_sliding_and_the_mean_distance_for_a_turn() -> None:

@@ -23,8 +23,9 @@ from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
 LEAST_TURN = 0.01  # of the speed, at the pressure's radius: a straight motion is taken to turn so much
 RESOLUTION = 5  # of the pressure samples
-ROUNDS = 6  # of the centre of pressure and the wrench that moves it
-CLOSE = 1e-6  # [m] between two rounds
+ROUNDS = 12  # of the centre of pressure and the wrench that moves it
+FIRST = 0.5  # of the way to where the drag would move it that the first round goes
+CLOSE = 1e-6  # [m] of the centre of pressure from there
 
 
 def pressures(task: Task) -> Callable[[Point], PressureSamples]:
@@ -79,11 +80,14 @@ def dragged_ellipsoid(
     total, ``cop`` [m] the CoP without drag; ``shift(wrench)`` [m] is how far the forces that give a wrench
     move it. Raises ValueError where it leaves the base: the object tips.
     """
-    moved = cop
+    # By the secant method in complex numbers: the twist's turn makes of an offset of the centre of pressure a
+    # shift that is turned and scaled, which is what a complex factor does.
+    at, step, before = complex(*cop), 0j, 0j
     for _ in range(ROUNDS):
-        surface = touching_ellipsoid(pressure_at(moved).scaled_to(load), mu, twist)
-        dx, dy = shift(surface.wrench(twist))
-        last, moved = moved, (cop[0] + dx, cop[1] + dy)
-        if math.dist(last, moved) < CLOSE:
+        surface = touching_ellipsoid(pressure_at((at.real, at.imag)).scaled_to(load), mu, twist)
+        off = complex(*cop) + complex(*shift(surface.wrench(twist))) - at
+        if abs(off) < CLOSE:
             break
-    return surface, moved
+        step = off * step / (before - off) if step and before != off else FIRST * off
+        at, before = at + step, off
+    return surface, (at.real, at.imag)

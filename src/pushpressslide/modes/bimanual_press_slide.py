@@ -133,12 +133,15 @@ class BimanualPressSlide:
         twist = _twist(path, (0.0, 0.0))
         try:
             problem, normals = self._loads(task, points, twist, cop)
-            pressed = contacts(normals)
-            point = _tracking_point(task, pressed, twist)
-            path = TwistPath.between((start.compose(Pose2(*point)), goal.compose(Pose2(*point))), radius)
-            drag = self._drag(task, pressed, _twist(path, point))
         except ValueError as error:
             return refused(str(error))
+        pressed = contacts(normals)
+        point = _tracking_point(task, pressed, twist)
+        path = TwistPath.between((start.compose(Pose2(*point)), goal.compose(Pose2(*point))), radius)
+        try:
+            drag = self._drag(task, pressed, _twist(path, point))
+        except ValueError as error:
+            return refused(f"the object would tip: {error}")
         if problem is None and drag.room < TIPPING_ROOM:
             problem = (
                 f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "

@@ -44,7 +44,9 @@ CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of its face
 PLACES = (-1.0, -0.5, 0.0, 0.5, 1.0)  # of a contact, in units of the face's room beside the CoM's line
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
 SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: of a plan, and of one made anew
-KEPT = 0.9  # of the friction: what corrections may use
+ENOUGH_SPARE = math.radians(30.0)  # of placements with more the one that takes the least force is the best
+KEPT, PREFERRED = 0.9, 0.8  # of the friction: what corrections may use, and what forces keep to if they can
+SQUEEZE = 1.6  # times the drag that one contact may push with: more is spent against the other
 LOOP_RATIO = 1.6  # times the direct way: a longer one is not taken
 PIECEWISE = 5  # placements on two faces for which ways of several twists are looked for
 OFFERED = 6  # placements on two faces that are looked at further
@@ -63,7 +65,7 @@ class OrthogonalPush:
 
     def choices(self, task: Task) -> list[Choice]:
         """Return the best placements on every two faces, feasible ones first, the quickest first; of equally
-        quick ones the one deepest inside its cone.
+        quick ones that with the least force, if it is well inside its cone.
         """
         if isinstance(task.object.shape, Cylinder):
             return [Choice(self.name, False, "a cylinder has no flat faces for two pushes")]
@@ -133,11 +135,11 @@ class OrthogonalPush:
             if path is not None:
                 out.append(self._draft(task, names, path, cone))
         if out:
-            return sorted(out, key=_rank)[:OFFERED]
+            return sorted(out, key=lambda draft: (not draft.feasible, *_rank(draft)))[:OFFERED]
         fx, fy, tau, _ = cones[0].wrench(*direct)
         return refused(
-            f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, {told(cones[0].angle(*direct), SPARE)}; "
-            f"no way of three twists within {longest:.2f} m",
+            f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
+            f"{told(cones[0].angle(*direct), SPARE)}; no way of three twists within {longest:.2f} m",
             cones[0].contacts,
         )
 
@@ -146,10 +148,6 @@ class OrthogonalPush:
         spare, motion = least_spare(path, cone), task.motion
         places = " and ".join(f"({c.point[0]:.3f}, {c.point[1]:.3f})" for c in cone.contacts)
         time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
-        parameters = {
-            **cone.figures, "radius": path.radius, "speed": motion.speed,
-            "contact_height": cone.contacts[0].height,
-        }  # fmt: skip
         allocate = self.allocator(cone.contacts, task.believed.contact_friction, cone.surface.rho)
         wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
         push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)
@@ -157,9 +155,16 @@ class OrthogonalPush:
             f"{names} at {places}: path {path.length:.3f} m of {len(path.pieces)} twist(s), "
             f"{told(spare, SPARE)}, pushed with up to {push:.1f} N"
         )
-        feasible = push <= task.limits.normal_force
-        if not feasible:
-            reason += f", limits.normal_force is {task.limits.normal_force:g} N"
+        parameters = {
+            **cone.figures, "radius": path.radius, "speed": motion.speed, "normal_force": push,
+            "contact_height": cone.contacts[0].height,
+        }  # fmt: skip
+        limit, squeeze = task.limits.normal_force, SQUEEZE * cone.surface.max_force
+        if push > limit:
+            reason += f", limits.normal_force is {limit:g} N"
+        elif push > squeeze:
+            reason += f", a squeeze: allowed {squeeze:.1f} N, {SQUEEZE:g} times the drag"
+        feasible = push <= min(limit, squeeze)
         return Choice(self.name, feasible, reason, cone.contacts, path.length, time, spare, parameters, path)
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
@@ -182,19 +187,24 @@ class OrthogonalPush:
     ) -> Callable[[float, float, float], Allocation]:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
 
-        ``rho`` [m] weighs torque errors (default: half the distance of the contacts); ``projection`` says
-        what is kept of a wrench outside the cone.
+        Forces keep to PREFERRED of the friction where that is enough. ``rho`` [m] weighs torque errors
+        (default: half the distance of the contacts); ``projection`` says what is kept of a wrench outside the
+        cone.
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         normals = [c.normal for c in contacts]
         rho = rho if rho is not None else 0.5 * math.dist(*points)
-        return two_contact_allocator(points, normals, friction, rho, projection=projection)
+        preferred = two_contact_allocator(points, normals, PREFERRED * friction, rho)
+        exact = two_contact_allocator(points, normals, friction, rho, projection=projection)
+
+        def allocate(fx: float, fy: float, tau: float) -> Allocation:
+            allocation = preferred(fx, fy, tau)
+            return allocation if allocation.status == "ok" else exact(fx, fy, tau)
+
+        return allocate
 
     def identifier(self, plan: Plan) -> None:
         """Return nothing: the contacts hold the object, there is no axle."""
-
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> None:
-        """Return nothing: pushes do not go back."""
 
     def replan(
         self,
@@ -236,11 +246,17 @@ def _refused(choice: Choice, why: str) -> Choice:
     return replace(choice, feasible=False, reason=f"{choice.reason}; {why}")
 
 
-def _rank(choice: Choice) -> tuple[float, float, float]:
-    """Order of choices: the quickest first, then the deepest inside its cone, then nearest to the CoM."""
+def _rank(choice: Choice) -> tuple[float, float, float, float]:
+    """Order of choices: the quickest first, then by how far inside the cone, by force, and by distance."""
     if choice.time is None or choice.friction_margin is None:
-        return (math.inf, 0.0, 0.0)
-    return (round(choice.time, 3), -round(choice.friction_margin, 6), _spread(choice.contacts))
+        return (math.inf, 0.0, 0.0, 0.0)
+    spare = round(min(choice.friction_margin, ENOUGH_SPARE), 6)
+    return (
+        round(choice.time, 3),
+        -spare,
+        round(choice.parameters["normal_force"], 6),
+        _spread(choice.contacts),
+    )
 
 
 def _spread(contacts: Sequence[Contact]) -> float:

@@ -209,9 +209,6 @@ class ParallelPush:
     def identifier(self, plan: Plan) -> None:
         """Return nothing: two contacts hold the object, wherever its axle is."""
 
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> None:
-        """Return nothing: pushes do not go back."""
-
     def replan(
         self,
         plan: Plan,

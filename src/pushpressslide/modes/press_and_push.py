@@ -124,7 +124,7 @@ class PressAndPush:
         try:
             load, drag = self._press(task, contacts, _twist(path, pin))
         except ValueError as error:
-            return refused(str(error))
+            return refused(f"the object would tip: {error}")
         side, problem = drag.forces.normals[1], None
         if load > cap:
             problem = f"motion.press_force of {load:g} N, limits.normal_force is {cap:g} N"
