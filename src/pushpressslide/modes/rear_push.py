@@ -7,15 +7,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, remainder, sin, sqrt, tan
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
-from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import TURN, ArcPath, SpeedProfile, advance
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
@@ -23,10 +20,9 @@ from pushpressslide.mechanics.virtual_axle import pushed_twist
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.rom.rear_steer_car import RearSteerCar
-from pushpressslide.tracking.rear_stanley import Steering, rear_stanley
+from pushpressslide.tracking.rear_car import RearPushTracker
+from pushpressslide.tracking.rear_stanley import rear_stanley
 
-ORIGIN = (0.0, 0.0)
-new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 GRAVITY = 9.81  # [m/s^2]
 
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
@@ -66,46 +62,6 @@ def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: flo
     path = shortest_path(start, advance(goal, 0.0, -run_in), left, right)
     pieces = (*path.pieces, (0.0, run_in)) if run_in > 0.0 else path.pieces
     return ArcPath(start, tuple(piece for piece in pieces if piece[1] > 0.0))
-
-
-class RearPushTracker:
-    """Rear Stanley law, and the wrench on the limit surface that steers so."""
-
-    def __init__(self, steer: Steering, car: RearSteerCar, reach: float, level: float) -> None:
-        """Bind the law to a car whose axle is ``reach`` [m] ahead of the CoM, pushed with mu_s N = ``level``
-        [N].
-        """
-        self._steer = steer
-        ex, ey = car.axis
-        stretch = 1.0 + (car.lever / car.rho) ** 2
-        self._figures = (reach, math.atan2(ey, ex), ex, ey, level, stretch, -car.lever, -1.0 / car.wheelbase)
-
-    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
-        reach, axis, ex, ey, level, stretch, arm, turning = self._figures
-        yaw = X_WB.yaw + axis
-        progress, left, heading, curvature = path.nearest(
-            X_WB.x + reach * cos(yaw), X_WB.y + reach * sin(yaw), progress
-        )
-        heading_error = remainder(heading - yaw, TURN)
-        delta, saturated = self._steer(left, heading_error, curvature, grip)
-        k = tan(delta)
-        # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
-        along = level / sqrt(1.0 + stretch * k * k)
-        across = along * k
-        w = turning * speed * k
-        drift = reach * w  # the axle moves along e, the CoM is reach behind it
-        return new(
-            Guidance,
-            (
-                progress,
-                new(Wrench, (along * ex - across * ey, along * ey + across * ex, arm * across, ORIGIN)),
-                new(Twist, (speed * ex + drift * ey, speed * ey - drift * ex, w, ORIGIN)),
-                delta,
-                (0.0, left, heading_error),
-                saturated,
-            ),
-        )
 
 
 class RearPush:
