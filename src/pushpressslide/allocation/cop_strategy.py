@@ -11,8 +11,8 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 
 Cop = Side | float
-"""Where the centre of pressure goes: "balanced" (equal presses); as far "left" or "right" as a turn on the spot
-allows at the press that the motion takes; or a fraction in (0, 1) of the way from left to right contact.
+"""Where the centre of pressure goes: "balanced" (equal presses); as far "left" or "right" as a turn on the
+spot allows at the press that the motion takes; or a fraction in (0, 1) of the way from left to right contact.
 """
 
 FRACTIONS = [0.01 * i for i in range(1, 100)]
