@@ -206,6 +206,10 @@ class OrthogonalPush:
     def identifier(self, plan: Plan) -> None:
         """Return nothing: the contacts hold the object, there is no axle."""
 
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return the plan for what is left of the way; None where that is not within the cone."""
+        return self.replan(plan, X_WB, touched, math.inf)
+
     def replan(
         self,
         plan: Plan,

@@ -209,6 +209,12 @@ class ParallelPush:
     def identifier(self, plan: Plan) -> None:
         """Return nothing: two contacts hold the object, wherever its axle is."""
 
+    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
+        """Return the plan for what is left of the way; None where that is not within the cone, or for a car,
+        which does not go back.
+        """
+        return self.replan(plan, X_WB, touched, math.inf) if isinstance(plan.path, TwistPath) else None
+
     def replan(
         self,
         plan: Plan,
