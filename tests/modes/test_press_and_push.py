@@ -154,7 +154,8 @@ def test_too_light_a_press_is_refused_with_the_friction_that_it_takes_and_does_s
     use = float(why.split("takes ")[1].split()[0])
     assert "pressed with 10.0 N the tip slips" in why
     assert use > USE[-1]
-    lighter = replace(task, motion=replace(task.motion, press_force=7.0))
+    short = replace(task.limits, time=15.0)
+    lighter = replace(task, motion=replace(task.motion, press_force=7.0), limits=short)
     made = pps.plan(lighter, next(c for c in MODE.choices(lighter) if c.path is not None), force=True)
     record = run_planar(made)
     press = made.choice.contacts[0]

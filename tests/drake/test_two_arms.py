@@ -1,0 +1,28 @@
+"""Two iiwa7 at work, in Drake."""
+
+import math
+
+import pytest
+
+from pushpressslide.experiments.run import simulate
+from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.report.metrics import result
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "bimanual-slide",
+        pytest.param("orthogonal-push", marks=pytest.mark.long),
+        pytest.param("parallel-push", marks=pytest.mark.long),
+    ],
+)
+def test_two_arms_reach_their_goal(name: str) -> None:
+    task = load_task(name)
+    plan, record, _ = simulate(task)
+    found = result(task, plan, record, {})
+    assert found["success"]
+    assert found["final_position_error"] < 0.005
+    assert math.degrees(found["final_yaw_error"]) < 1.0
+    assert found["torque_limit_violation_fraction"] == 0.0
+    assert record.meta["clearance_planned"] >= 0.005
