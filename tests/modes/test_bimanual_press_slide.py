@@ -129,8 +129,8 @@ def test_a_tall_object_is_led_as_well_since_the_drag_at_its_top_is_reckoned_with
 
 
 def test_the_arms_do_not_cross() -> None:
-    for goal in GOALS.values():
-        task = slide(goal)
+    for name in ("sideways", "turn on the spot", "anywhere"):
+        task = slide(GOALS[name])
         for choice in MODE.choices(task):
             if choice.feasible:
                 ends = [X.compose(task.object.X_GB) for X in (task.start, task.goal)]

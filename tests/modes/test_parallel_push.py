@@ -18,7 +18,10 @@ from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 
 MODE = MODES["parallel_push"]
-SHIPPED = load_task("parallel-push")
+SHIPPED = load_task(
+    "parallel-push",
+    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+)
 HANDS = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.5, -0.5))
 REAR, D = 3, 0.2
 

@@ -11,7 +11,10 @@ from pushpressslide.mechanics.face_push import turning
 from pushpressslide.mechanics.faces import faces
 from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_car
 
-TASK = load_task("parallel-push")
+TASK = load_task(
+    "parallel-push",
+    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+)
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
 TOLD = replace(TASK, belief=replace(TASK.believed, rho=0.13))
 HEIGHT, HALF = 0.05, 0.09

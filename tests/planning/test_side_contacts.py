@@ -18,7 +18,10 @@ from pushpressslide.planning.side_contacts import (
     span,
 )
 
-TASK = load_task("parallel-push")
+TASK = load_task(
+    "parallel-push",
+    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+)
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
 ROBOTS = (Robot("hand", (0.0, 0.5, 0.0)), Robot("hand", (0.0, -0.5, 0.0)))
 
