@@ -151,7 +151,7 @@ def test_a_given_point_that_would_have_to_move_is_refused_with_how_far() -> None
 def test_too_light_a_press_is_refused_with_the_friction_that_it_takes_and_does_slip() -> None:
     task = replace(pivot(robots=HANDS), modes=("press_and_push",), limits=Limits(time=12.0))
     takes = []
-    for force in (3.9, 3.0):
+    for force in (4.0, 3.0):
         light = replace(task, motion=Motion(press_force=force))
         why = refusal(light)
         assert f"pressed with {force} N the tip slips" in why
