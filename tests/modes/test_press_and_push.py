@@ -148,7 +148,7 @@ def test_a_given_point_that_would_have_to_move_is_refused_with_how_far() -> None
     assert f"start and goal have it {apart:.1f} mm apart, allowed 5 mm" in refusal(off)
 
 
-def test_too_light_a_press_is_refused_with_the_friction_that_it_takes_and_does_slip() -> None:
+def test_too_light_a_press_is_refused_with_the_friction_that_it_takes() -> None:
     task = replace(pivot(robots=HANDS), modes=("press_and_push",), limits=Limits(time=12.0))
     takes = []
     for force in (4.0, 2.5):
@@ -157,9 +157,6 @@ def test_too_light_a_press_is_refused_with_the_friction_that_it_takes_and_does_s
         assert f"pressed with {force} N the tip slips" in why
         takes.append(float(why.split("takes ")[1].split()[0]))
     assert all(USE[-1] < taken for taken in takes)
-    made = pps.plan(light, next(c for c in MODE.choices(light) if c.path is not None), force=True)
-    assert made.choice.contacts[0].kind == "top"
-    assert series.slip(made, run_planar(made), 0)[-1] > 2e-3
 
 
 def test_forces_beyond_the_limit_are_refused() -> None:
