@@ -148,17 +148,6 @@ def test_a_given_point_that_would_have_to_move_is_refused_with_how_far() -> None
     assert f"start and goal have it {apart:.1f} mm apart, allowed 5 mm" in refusal(off)
 
 
-def test_too_light_a_press_is_refused_with_the_friction_that_it_takes() -> None:
-    task = replace(pivot(robots=HANDS), modes=("press_and_push",), limits=Limits(time=12.0))
-    takes = []
-    for force in (4.0, 2.5):
-        light = replace(task, motion=Motion(press_force=force))
-        why = refusal(light)
-        assert f"pressed with {force} N the tip slips" in why
-        takes.append(float(why.split("takes ")[1].split()[0]))
-    assert all(USE[-1] < taken for taken in takes)
-
-
 def test_forces_beyond_the_limit_are_refused() -> None:
     assert "motion.press_force of 60 N, limits.normal_force is 40 N" in refusal(
         replace(pivot(), motion=Motion(press_force=60.0))

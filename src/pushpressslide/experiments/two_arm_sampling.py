@@ -21,7 +21,7 @@ DISTANCE = (0.12, 0.35)  # [m]
 def random_push_task(base: Task, index: int, seed: int) -> Task:
     """Return a new task for ``base``'s two robots, for ``parallel_push`` or ``orthogonal_push`` (base.modes).
 
-    Boxes of 22 to 42 cm a side, and triangle and hexagon prisms of like size (a third), 0.5 to 4 kg, object/
+    Boxes of 20 to 42 cm a side, and triangle and hexagon prisms of like size (a third), 0.5 to 4 kg, object/
     support friction 0.2 to 0.5, tip friction 0.4 to 1.0. One face, or two neighbours, look back at the robots
     within ``HEADING``; the goal is ``DISTANCE`` away, up to ``BEARING`` off the face's normal, or off the
     middle of two, and turned by up to ``TURN``.
@@ -74,7 +74,7 @@ def _shape(rng: np.random.Generator) -> Box | Prism:
     kind = rng.choice(["box", "box", "box", "box", "triangle", "hexagon"])
     height = float(rng.uniform(0.1, 0.22))
     if kind == "box":
-        return Box((float(rng.uniform(0.22, 0.42)), float(rng.uniform(0.22, 0.42)), height))
-    count, radius = (3, rng.uniform(0.17, 0.26)) if kind == "triangle" else (6, rng.uniform(0.22, 0.28))
+        return Box((float(rng.uniform(0.2, 0.42)), float(rng.uniform(0.2, 0.42)), height))
+    count, radius = (3, rng.uniform(0.17, 0.26)) if kind == "triangle" else (6, rng.uniform(0.16, 0.24))
     angles = [math.pi / 6.0 + 2.0 * math.pi * i / count for i in range(count)]
     return Prism(tuple((float(radius * math.cos(a)), float(radius * math.sin(a))) for a in angles), height)

@@ -43,7 +43,7 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 ORIGIN = (0.0, 0.0)
 GRAVITY = 9.81  # [m/s^2]
-HALF_WIDTHS = (0.15, 0.12, 0.09, 0.06)  # [m] of the contacts from the line through the CoM, as tried
+HALF_WIDTHS = (0.12, 0.09, 0.07, 0.05)  # [m] of the contacts from the line through the CoM that are tried
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
 DRIVES = {"differential": ("differential",), "synchronised": ("synchronised",), "mixed": ("mixed",)}
 EITHER = ("differential", "mixed")  # in this order, where motion.vehicle is none of these
@@ -54,9 +54,6 @@ KEPT = 0.9  # of the friction: what corrections may use
 LOOP_RATIO, SLACK = 1.25, 0.03  # times the straight way, and [m]: a longer path has turned a loop
 ENOUGH = 6  # choices that the arms can follow: slower ones are not looked at
 OVERHEAD = 8.5  # [s] typical time of approach, touch and release
-TIME_STEP = (
-    0.5  # [s] to which times are told: no reason to prefer contacts where the arms are near each other
-)
 
 
 class ParallelPush:
@@ -126,7 +123,6 @@ class ParallelPush:
         """
         X_VB, motion = self.vehicle_frame(choice).inverse(), task.motion
         time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
-        time = TIME_STEP * math.ceil(time / TIME_STEP)
         common = {"speed": motion.speed, "contact_height": contacts[0].height}
         choice = replace(
             choice, contacts=contacts, path_length=path.length, time=time,

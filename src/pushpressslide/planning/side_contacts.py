@@ -15,7 +15,7 @@ from pushpressslide.mechanics.faces import Face, room_ahead
 TABLE_GAP = 0.006  # [m] of a tip above the support
 WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
-TOOL_ROOM = 0.09  # [m] between two tips, for the wrists that hold them
+TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
 TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
 GRAVITY = 9.81  # [m/s^2]
 
