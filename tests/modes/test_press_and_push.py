@@ -10,7 +10,7 @@ import pushpressslide as pps
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Belief, Box, Limits, Motion, ObjectModel, Robot, Task, Tolerance
+from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Robot, Task, Tolerance
 from pushpressslide.experiments.sampling import varied_task
 from pushpressslide.modes.press_and_push import EDGE, MODE, USE
 from pushpressslide.planar.engine import run as run_planar
