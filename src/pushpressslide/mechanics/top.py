@@ -45,6 +45,13 @@ def room_inside(body: ObjectModel, point: Point) -> float:
     )
 
 
+def half_width(body: ObjectModel) -> float:
+    """Return half of the least width of the outline [m]."""
+    if isinstance(body.shape, Cylinder):
+        return body.shape.radius
+    return 0.5 * min(width for _, _, _, width in _edges(body))
+
+
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
     """Return places to press [m], ``margin`` [m] inside the outline: in all directions from the CoM."""
     out = []

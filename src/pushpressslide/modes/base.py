@@ -15,7 +15,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
-from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
 GRAVITY, TURN = 9.81, 2.0 * math.pi
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
@@ -42,6 +42,7 @@ class Mode(Protocol):
     reduced_model: str
     tracking_point: str
     cop_steering: bool
+    walls: bool  # whether it can hold an object on a wall
 
     def choices(self, task: Task) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each judged feasible or
@@ -133,12 +134,12 @@ def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
 
 def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | None:
     """Return why the arm of a contact cannot follow it along the body poses X_WB; None if it can."""
-    robot = task.robots[contact.arm]
+    robot, frame = task.robots[contact.arm], task.support.frame
     point, height = contact.tip_place(robot.tip_radius)
-    points = [(*X_WB.apply(point), height) for X_WB in bodies]
-    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-    attitudes = [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    return held_somehow_problem(robot, points, [UPRIGHT, *attitudes])
+    points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
+    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], task.bases[contact.arm])
+    tilted = [ToolAttitude(tilt, azimuth, frame.axes) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    return held_somehow_problem(robot, points, [ToolAttitude(axes=frame.axes), *tilted])
 
 
 def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:

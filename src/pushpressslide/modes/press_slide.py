@@ -65,6 +65,7 @@ class PressSlide:
     reduced_model = "unicycle / car / forklift"
     tracking_point = "virtual axle"
     cop_steering = True
+    walls = False
 
     def choices(self, task: Task) -> list[Choice]:
         """Return one choice per contact and direction, feasible ones first, the quickest first.

@@ -9,6 +9,7 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import (
     Belief,
     Box,
@@ -17,6 +18,7 @@ from pushpressslide.core.task import (
     Motion,
     ObjectModel,
     Obstacle,
+    Opening,
     Prism,
     Robot,
     Sensing,
@@ -84,7 +86,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         start=_pose(d["start"]),
         goal=goal,
         robots=tuple(_robot(r, i, source) for i, r in enumerate(d["robots"])),
-        support=Support(d["support"]["kind"], d["support"]["friction"]),
+        support=_support(d["support"], source),
         contact_friction=contact_friction,
         tolerance=Tolerance(d["tolerance"]["position"], math.radians(d["tolerance"]["yaw_deg"])),
         obstacles=obstacles,
@@ -113,15 +115,25 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
 
 
 def _refuse_unsupported(d: Mapping[str, Any], source: str) -> None:
-    later = "not supported yet by this version"
-    if d["support"]["kind"] == "wall":
-        raise TaskError(source, "support.kind", "wall", f"{later}; allowed: table")
-    if d["support"]["pose"] is not None:
-        raise TaskError(
-            source, "support.pose", d["support"]["pose"], "only a wall has a pose; leave it out for a table"
-        )
     if d["legs"]:
-        raise TaskError(source, "legs", d["legs"], f"{later}; leave it out")
+        raise TaskError(source, "legs", d["legs"], "not supported yet by this version; leave it out")
+
+
+def _support(d: Mapping[str, Any], source: str) -> Support:
+    pose, opening = d["pose"], d["opening"]
+    if d["kind"] == "table":
+        for name in ("pose", "opening"):
+            if d[name] is not None:
+                allowed = f"only a wall has one; allowed for a table: leave support.{name} out"
+                raise TaskError(source, f"support.{name}", d[name], allowed)
+        return Support("table", d["friction"])
+    if pose is None:
+        raise TaskError(source, "support.pose", None, "it is missing; allowed: the pose of the wall")
+    frame = SupportFrame.of_wall((pose["x"], pose["y"], pose["z"]), math.radians(pose["yaw_deg"]))
+    hole = None
+    if opening is not None:
+        hole = Opening(opening["size"], (opening["pose"]["x"], opening["pose"]["y"]), opening["depth"])
+    return Support("wall", d["friction"], frame, hole)
 
 
 def _told(value: float | None, truth: float) -> float:

@@ -59,13 +59,17 @@ class Approach:
         ``first`` [m] is the tip at the touch, in posture ``q`` (n,) at tool yaw ``yaw``; ``normal`` points
         from the tip into the object.
         """
-        beside = first - self.task.motion.approach_distance * np.array(normal)
+        frame = self.task.support.frame
+        place = frame.coordinates((float(first[0]), float(first[1]), float(first[2])))
+        gap = self.task.motion.approach_distance
+        start = np.array(place)
+        beside = start - gap * np.array(normal)
         height = float(beside[2])
         hover = max(self.hover, height + 0.08)
-        back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - first) + first
+        back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - start) + start
         levels = np.linspace(height, hover, max(4, math.ceil((hover - height) / 0.02)))[1:]
         rise = np.column_stack([np.full((len(levels), 2), beside[:2]), levels])
-        points = np.concatenate([back, rise])
+        points = np.concatenate([back, rise]) @ np.array(frame.axes).T + np.array(frame.origin)
         path = continuations(
             self.kin, points, np.full((1, len(points)), yaw), q[None], attitude, DESCENT_MARGIN
         )[0]
@@ -87,14 +91,19 @@ class Approach:
             yield self._timed([*corners, down[0]], down, drop)
 
     def _tip_height(self, q: Array) -> Array:
-        return np.asarray(self.kin.tip_pose(q)[1])[..., 2]
+        frame = self.task.support.frame
+        place = np.asarray(self.kin.tip_pose(q)[1]) - np.array(frame.origin)
+        return np.asarray(place @ np.array(frame.axes)[:, 2])
 
     def _lifted(self, home: Array) -> Array | None:
         """The ready posture with its tip straight above, higher than everything; None where it cannot be."""
-        p = np.asarray(self.kin.tip_pose(home)[1])
-        if p[2] >= self.hover:
+        frame = self.task.support.frame
+        x, y, height = frame.coordinates(tuple(self.kin.tip_pose(home)[1].tolist()))
+        if height >= self.hover:
             return None
-        found = solve_ik(self.kin, np.array([p[0], p[1], self.hover]), q_seed=home, best_margin=False)
+        above = np.array(frame.point((x, y, self.hover)))
+        upright = ToolAttitude(axes=frame.axes)
+        found = solve_ik(self.kin, above, upright, q_seed=home, best_margin=False)
         return np.asarray(found.q[0]) if found.converged[0] else None
 
     def _vias(self) -> list[Array]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.control import ControlLog, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.record import ReasonCode, Record
+from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.execution.arm import ArmExecutor, ArmState
 from pushpressslide.pipeline.control_state import ControllerState
 from pushpressslide.pipeline.controller import Commands, Controller
@@ -59,6 +60,7 @@ class _Arm:
         self.executor = ArmExecutor(
             facts.effort_limit, facts.torque_rate_limit, attitude.rotation_at, path.tool_yaw_offset,
             plan.task.motion.joint_stiffness if plan.task.motion.joint_tracking else 0.0, dt,
+            plan.task.support.frame,
         )  # fmt: skip
         self.path = path
         self.lower, self.upper = facts.lower, facts.upper
@@ -108,7 +110,7 @@ def run(
     controller's commands at a time [s] on their way to the arms, to try what happens when they fail.
     """
     task = plan.task
-    dt = task.motion.control_period
+    dt, frame = task.motion.control_period, task.support.frame
     physics_step = time_step or task.motion.time_step
     if paths is None:
         paths = joint_paths(plan)
@@ -139,13 +141,14 @@ def run(
             break
         tick = perf_counter()
         x = station.state_vector()
-        pose = planar_pose_from_positions(x[object_q : object_q + 7])
-        forces = [station.contact_force(i) for i in range(len(arms))]
+        pose = planar_pose_from_positions(x[object_q : object_q + 7], frame)
+        forces = [frame.components(station.contact_force(i)) for i in range(len(arms))]
         executing = perf_counter()
         tips = []
         for arm, force in zip(arms, forces, strict=True):
             arm.state = arm.model.state(x[arm.q_at], x[arm.v_at])
-            tips.append(TipState(arm.state.position, arm.state.velocity, force))
+            place, velocity = frame.coordinates(arm.state.position), frame.components(arm.state.velocity)
+            tips.append(TipState(place, velocity, force))
         executed = perf_counter() - executing
         commands: Commands
         followed = state.reference if state is not None else None
@@ -185,10 +188,10 @@ def run(
         total = perf_counter() - tick
         recorder.add(
             time=time, log=log, true_pose=pose,
-            twist=(x[object_v + 3], x[object_v + 4], x[object_v + 2]),
+            twist=_planar_twist(x[object_v : object_v + 6], frame),
             commands=commands, tips=[t.position for t in tips], forces=forces,
             ticks=(*controller.ticks, executed, total),
-            more=_rows(x, object_q, arms, references, forces, bodies), followed=followed,
+            more=_rows(x, object_q, arms, references, tips, bodies), followed=followed,
         )  # fmt: skip
         if state is not None and state.phase == "done":
             reason = state.failure or ("goal_reached", "")
@@ -229,6 +232,12 @@ def run(
     return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta)
 
 
+def _planar_twist(V: Array, frame: SupportFrame) -> tuple[float, float, float]:
+    """The velocity in the plane and the yaw rate of a body's spatial velocity: angular, then linear."""
+    vx, vy, _ = frame.components((V[3], V[4], V[5]))
+    return vx, vy, float(np.dot(frame.spin_axis, V[:3]))
+
+
 def _waiting(plan: Plan) -> ControlLog:
     """The log of a tick on the way to the object."""
     return ControlLog("approach", 0.0, plan.task.start, NO_LOG_ERROR, NO_LOG_ERROR, NO_LOG_ERROR, 0.0, "ok")
@@ -239,21 +248,21 @@ def _rows(
     object_q: int,
     arms: list[_Arm],
     references: list[Array],
-    forces: list[tuple[float, float, float]],
+    tips: list[TipState],
     bodies: dict[str, int],
 ) -> dict[str, Any]:
     """What only this engine records of a tick."""
     rows: dict[str, Any] = {"object_pose_3d": x[object_q : object_q + 7].copy()}
     points = []
-    for i, (arm, q_ref, force) in enumerate(zip(arms, references, forces, strict=True)):
+    for i, (arm, q_ref, tip) in enumerate(zip(arms, references, tips, strict=True)):
         state = arm.state
         assert state is not None
         rows[f"joint_position_{i}"], rows[f"joint_velocity_{i}"] = state.q, state.v
         rows[f"joint_torque_{i}"], rows[f"joint_reference_{i}"] = arm.torque, q_ref
         rows[f"torque_share_{i}"] = arm.share
-        size = math.hypot(*force)
+        size = math.hypot(*tip.force)
         if size > 0.3:
-            points.append([p + arm.radius * f / size for p, f in zip(state.position, force, strict=True)])
+            points.append([p + arm.radius * f / size for p, f in zip(tip.position, tip.force, strict=True)])
         else:
             points.append([math.nan] * 3)
     rows["contact_point"] = points

@@ -68,9 +68,10 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         return _at_rest(kin)
     s, bodies = _body_path(plan)
     inside, height = contact.tip_place(robot.tip_radius)
-    positions = np.array([(*X.apply(inside), height) for X in bodies])
+    frame = plan.task.support.frame
+    positions = np.array([frame.point((*X.apply(inside), height)) for X in bodies])
     yaws = np.unwrap(np.array([X.yaw for X in bodies]))
-    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
+    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], plan.task.bases[arm])
     model = ClearanceModel(plan, arm)
     X_BG = plan.task.object.X_GB.inverse()
     poses = [X.compose(X_BG) for X in bodies]
@@ -84,9 +85,10 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointP
         f"with joints {JOINT_MARGIN:g} rad inside their limits"
     )
     least = -math.inf
-    attitudes = [ToolAttitude(0.0, azimuths[0])]
+    attitudes = [ToolAttitude(0.0, azimuths[0], frame.axes)]
     if kin.facts.size >= POSE:
-        attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+        tilts = TOOL_TILTS[1:]
+        attitudes += [ToolAttitude(tilt, azimuth, frame.axes) for tilt in tilts for azimuth in azimuths]
     for attitude in attitudes:
         candidates, why = _candidates(kin, positions, yaws, attitude, force)
         if not candidates and least == -math.inf:

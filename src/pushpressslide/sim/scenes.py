@@ -22,6 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core import task as model
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.surfaces import (
@@ -36,7 +37,9 @@ from pushpressslide.sim.surfaces import (
 ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
+WALL_REACH, WALL_HIGH = 1.0, 0.7  # [m] to both sides of a wall's origin, and above it, that are drawn
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
+WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
 OBJECT_COLOR = np.array([0.85, 0.55, 0.25, 1.0])
 OBSTACLE_COLOR = np.array([0.45, 0.50, 0.58, 1.0])
 
@@ -146,7 +149,8 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step or task.motion.time_step)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
-    plant.set_contact_model(ContactModel.kHydroelastic)
+    # rigid tips and rigid obstacles touch in points, all else hydroelastically
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
     body, own = task.object, object_friction(task)
     ground = partner_friction(task.support.friction, own)
     thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
@@ -156,21 +160,15 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
         thing, RigidTransform(), shape, "object", compliant_properties(own, 0.25 * size)
     )
     plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
-    grid = support_grid(grid_bounds(plan), tile_size(body.shape))
+    grid = support_grid(grid_bounds(plan), tile_size(body.shape), task.support)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), grid, "support",
         rigid_properties(ground),
     )  # fmt: skip
-    plant.RegisterVisualGeometry(
-        plant.world_body(),
-        RigidTransform([0.45, 0.0, -0.0101]),
-        DrakeBox(1.7, 1.8, 0.02),
-        "table",
-        TABLE_COLOR,
-    )
+    _draw_support(plant, task.support)
     bodies: dict[str, RigidBody] = {}
     for obstacle in task.obstacles:
-        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK)
+        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK, task.support.frame)
         box = DrakeBox(*obstacle.size)
         friction = obstacle_friction(ground, obstacle.friction)
         if obstacle.movable:
@@ -213,6 +211,31 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
     return Scene(builder, plant, scene_graph, thing, bodies, robots)
+
+
+def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
+    """Draw the table, or the floor, and a wall round its opening."""
+    slabs = [(RigidTransform([0.45, 0.0, -0.0101]), (1.7, 1.8, 0.02))]
+    if support.kind == "wall":
+        opening = support.opening or model.Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+        (w, h), (cx, cy), depth = opening.size, opening.center, opening.depth
+        thick = max(depth + 0.01, 0.02)
+        below = min(support.frame.origin[2], WALL_REACH)
+        low, high, left, right = cy - 0.5 * h, cy + 0.5 * h, cx - 0.5 * w, cx + 0.5 * w
+        parts = [
+            (-WALL_REACH, left, -below, WALL_HIGH, thick, 0.0), (right, WALL_REACH, -below, WALL_HIGH, thick, 0.0),
+            (left, right, -below, low, thick, 0.0), (left, right, high, WALL_HIGH, thick, 0.0),
+            (left, right, low, high, thick - depth, depth),
+        ]  # fmt: skip
+        for a, b, c, d, size, behind in parts:
+            if a < b and c < d:
+                X = rigid_transform(
+                    Pose2(0.5 * (a + b), 0.5 * (c + d)), -behind - 0.5 * size - SINK, support.frame
+                )
+                slabs.append((X, (b - a, d - c, size)))
+    for i, (X, size) in enumerate(slabs):
+        name, color = ("table", TABLE_COLOR) if i == 0 else (f"wall_{i}", WALL_COLOR)
+        plant.RegisterVisualGeometry(plant.world_body(), X, DrakeBox(*size), name, color)
 
 
 def _let_only_tips_touch(
