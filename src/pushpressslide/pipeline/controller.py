@@ -37,6 +37,7 @@ from pushpressslide.pipeline.control_state import (
     seen,
     smooth,
 )
+from pushpressslide.pipeline.entry import SEAT_TIME, entry
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, touch
@@ -81,6 +82,7 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
+        self.entry = entry(plan)
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
     def init(self, measurement: Measurement) -> ControllerState:
@@ -170,13 +172,15 @@ class Controller:
         contacts, dt = binding.plan.choice.contacts, measurement.time - state.last_time
         reference = joint_reference(state, measurement.time)
         gain = self.force_gain * drag_ratio(state)
+        speeds = self._entry_speeds(measurement)
         moved = [
             self.mover.step(
                 memory, measurement.tips[contact.arm], contact, X_WB, guidance.twist, inside, (gain * f[0],
-                gain * f[1]), load, dt, reference,
+                gain * f[1]), load, dt, reference, entry_speed,
             )
-            for memory, contact, inside, f, load in zip(
-                state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, strict=True
+            for memory, contact, inside, f, load, entry_speed in zip(
+                state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, speeds,
+                strict=True,
             )
         ]  # fmt: skip
         commands, memories, felt = zip(*moved, strict=True)
@@ -201,7 +205,7 @@ class Controller:
         if abs(guidance.error[1]) > ASTRAY:
             text = f"{abs(guidance.error[1]) * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
             return begin(replace(state, failure=("goal_missed", text)), "release", measurement)
-        if left <= STOP:
+        if left <= STOP and (state.ahead or self._seated(state, measurement)):
             ahead = state.ahead or self._once_more(state, measurement, X_WB)
             if not ahead:
                 return begin(state, "release", measurement)
@@ -225,6 +229,22 @@ class Controller:
                     state, binding=bind(fresh), progress=progress, clock_start=time - clock, corrected=time
                 )
         return state
+
+    def _depths(self, measurement: Measurement) -> list[float]:
+        """How deep in the opening the tips are [m]."""
+        assert self.entry is not None
+        return [self.entry.depth(measurement.tips[c.arm], c) for c in self.plan.choice.contacts]
+
+    def _entry_speeds(self, measurement: Measurement) -> list[float | None]:
+        """The speed [m/s] at which each tip may go into the opening; None where the support is pressed."""
+        if self.entry is None or not self.entry.begun(depths := self._depths(measurement)):
+            return [None] * len(self.plan.choice.contacts)
+        return [self.entry.speed(depth) for depth in depths]
+
+    def _seated(self, state: ControllerState, measurement: Measurement) -> bool:
+        """Whether the object is where it ends, into the opening, or has been waited for."""
+        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
+        return self.entry is None or self.entry.ended(self._depths(measurement)) or late > SEAT_TIME
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""
