@@ -15,7 +15,7 @@ from pushpressslide.core.plan import Contact, Plan
 ENTERED = 0.003  # [m] of any tip beyond where it touched at which the object counts as going in
 SEATED = 0.002  # [m] from the back at which it counts as seated
 SEAT_TIME = 3.0  # [s] that is waited for it at the end of the motion
-BRAKE, LANDING = 2.0, 0.1  # [m/s^2] of the tips before the back, [m/s] at which they meet it
+BRAKE, LANDING = 1.0, 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet it
 
 
 @dataclass(frozen=True, slots=True)
