@@ -36,6 +36,29 @@ def joint_paths(plan: Plan, *, force: bool = False) -> tuple[ArmPath, ...]:
     return paths if len(paths) < 2 else _apart(plan, paths, force)
 
 
+class GraspPaths:
+    """The joint paths of one grasp after the other, each from where the arms let go in the one before."""
+
+    def __init__(self, force: bool = False) -> None:
+        """Begin; ``force`` takes the best there is."""
+        self._force = force
+        self.plans: list[Plan] = []
+        self.paths: list[tuple[ArmPath, ...]] = []
+
+    def add(self, grasp: Plan) -> None:
+        """Add the plan of one more grasp; raises InfeasibleTaskError as ``joint_paths``."""
+        self.paths.append(joint_paths(grasp, force=self._force))
+        self.plans.append(grasp)
+
+
+def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
+    """Return the joint paths of every grasp of a plan; raises InfeasibleTaskError as ``joint_paths``."""
+    out = GraspPaths()
+    for grasp in plan.grasps:
+        out.add(grasp)
+    return out.paths
+
+
 def _apart(plan: Plan, paths: tuple[ArmPath, ...], force: bool) -> tuple[ArmPath, ...]:
     pair = _Pair(plan)
     left, right = paths[0][0], paths[1][0]
