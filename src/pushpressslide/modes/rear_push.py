@@ -29,6 +29,7 @@ STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, fo
 OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 TURNING_LIMIT = math.radians(270.0)  # of all arcs together: in longer spirals the model's error adds up
+TURN_RATE = 0.47  # [rad/s] of the object: in a faster turn the arm's inertia drags the tip along the face
 TABLE_GAP = 0.006  # [m] of the tip above the support
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
@@ -164,6 +165,7 @@ class RearPush:
         run_in, use, speed, path = tried[-1]
         if path.length > longest:
             run_in, use, speed, path = min(tried, key=lambda t: t[3].length)
+        speed = min([speed, *(TURN_RATE / abs(k) for k, _ in path.pieces if k)])
         steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
         bounds = car.steering_limits
         margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)
