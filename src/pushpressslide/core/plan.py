@@ -111,3 +111,4 @@ class JointPath:
     joint_margin: float  # [rad] least distance to a joint limit
     condition: float  # largest condition number of the tip's 6 x n Jacobian
     clearance: float  # [m] least distance of the arm to table, object and obstacles
+    gap: float  # [m] free way before the touch that the approach leaves

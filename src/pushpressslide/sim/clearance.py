@@ -4,15 +4,16 @@ only.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import Box as DrakeBox
-from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, ProximityProperties
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, ProximityProperties, SignedDistancePair
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.multibody.tree import SpatialInertia, default_model_instance
+from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, default_model_instance
 from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.plan import Plan
@@ -24,6 +25,7 @@ from pushpressslide.sim.surfaces import object_shape
 Array = NDArray[np.float64]
 
 LOOK = 0.08  # [m] distances beyond this are of no interest
+SMOOTHING = 5e-4  # [m] over which the smooth least distance passes from one pair to the next
 TABLE_LEVEL = -0.001  # [m] a hair below, so that a base bolted to the table does not count
 
 
@@ -57,6 +59,9 @@ class ClearanceModel:
             )  # fmt: skip
         plant.Finalize()
         self._object_shape = shape_id
+        robot = self._instance
+        joints = [plant.GetJointByName(fact.name, robot.model_instance) for fact in robot.facts.moving]
+        self._columns = np.array([joint.velocity_start() for joint in joints])  # of q in a Jacobian
         self._tip = set(plant.GetCollisionGeometriesForBody(self._instance.tip_body))
         self._plant, self._height = plant, 0.5 * task.object.shape.height
         base = [
@@ -90,21 +95,50 @@ class ClearanceModel:
         """
         least, pair = LOOK, "nothing within reach"
         for q, pose in zip(postures, object_poses, strict=True):
-            self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
-            self._plant.SetFreeBodyPose(
-                self._plant_context, self._object, rigid_transform(pose, self._height)
-            )
-            query = self._query.Eval(self._plant_context)
-            for found in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
-                if (
-                    touching
-                    and {found.id_A, found.id_B} & self._tip
-                    and self._object_shape in (found.id_A, found.id_B)
-                ):
-                    continue
+            for found in self._pairs(q, pose, touching):
                 if found.distance < least:
                     least = found.distance
                     pair = " and ".join(
                         self._inspector.GetName(g).split("::")[-1] for g in (found.id_A, found.id_B)
                     )
         return float(least), pair
+
+    def smooth_least(self, q: Array, object_pose: Pose2, *, touching: bool) -> tuple[float, Array]:
+        """Return a smooth lower bound of the least distance [m], and its gradient (n,)."""
+        pairs = list(self._pairs(q, object_pose, touching))
+        if not pairs:
+            return LOOK, np.zeros(len(q))
+        distances = np.array([pair.distance for pair in pairs])
+        least = float(distances.min())
+        weights = np.exp((least - distances) / SMOOTHING)
+        total = float(weights.sum())
+        gradient = np.zeros(len(q))
+        for pair, weight in zip(pairs, weights / total, strict=True):
+            if weight > 1e-6:
+                gradient += weight * self._gradient(pair)
+        return least - SMOOTHING * math.log(total), gradient
+
+    def _gradient(self, pair: SignedDistancePair) -> Array:
+        """Gradient (n,) of one pair's distance."""
+        plant, out = self._plant, np.zeros(len(self._columns))
+        for shape, point, sign in ((pair.id_A, pair.p_ACa, 1.0), (pair.id_B, pair.p_BCb, -1.0)):
+            frame = plant.GetBodyFromFrameId(self._inspector.GetFrameId(shape)).body_frame()
+            if frame.model_instance() == self._instance.model_instance:
+                jacobian = plant.CalcJacobianTranslationalVelocity(
+                    self._plant_context, JacobianWrtVariable.kV, frame,
+                    self._inspector.GetPoseInFrame(shape) @ point, plant.world_frame(), plant.world_frame(),
+                )  # fmt: skip
+                out += sign * (pair.nhat_BA_W @ jacobian)[self._columns]
+        return out
+
+    def _pairs(self, q: Array, object_pose: Pose2, touching: bool) -> Iterator[SignedDistancePair]:
+        """Yield what is near each other in one posture."""
+        self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
+        self._plant.SetFreeBodyPose(
+            self._plant_context, self._object, rigid_transform(object_pose, self._height)
+        )
+        query = self._query.Eval(self._plant_context)
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
+            between = {pair.id_A, pair.id_B}
+            if not (touching and between & self._tip and self._object_shape in between):
+                yield pair

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -120,7 +121,9 @@ def run(
     station = Station(plan, models=models, time_step=physics_step, view=view)
     arms = [_Arm(plan, i, station, *paths[i], dt, models) for i in range(len(task.robots))]
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
-    controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
+    gap = min(task.motion.approach_distance, *(path.gap for path, _ in paths))
+    told = replace(plan, task=replace(task, motion=replace(task.motion, approach_distance=gap)))
+    controller, sensor, recorder = Controller(told), Sensor(task.sensing, seed, dt), Recorder(plan)
     approach_time = max(float(arm.path.approach_time[-1]) for arm in arms) + 0.2
     expected = approach_time + sum(stretch.profile.duration for stretch in plan.stretches) + 4.0
     plant = station.plant
