@@ -5,7 +5,7 @@ only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,14 +30,15 @@ TABLE_LEVEL = -0.001  # [m] a hair below, so that a base bolted to the table doe
 
 
 class ClearanceModel:
-    """One arm with collision capsules, the object, the table and the obstacles; no dynamics."""
+    """One arm with collision capsules, the object, the table, the obstacles, and arms that stand still."""
 
-    def __init__(self, plan: Plan, arm: int) -> None:
-        """Build the planning plant."""
+    def __init__(self, plan: Plan, arm: int, others: Mapping[int, Array] | None = None) -> None:
+        """Build the planning plant; ``others`` are the postures of arms that stand still."""
         task = plan.task
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
         self._instance = add_robot(plant, task.robots[arm], arm, collision=True)
+        still = {i: add_robot(plant, task.robots[i], i, collision=True) for i in others or ()}
         self._object = plant.AddRigidBody(
             "object", default_model_instance(), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
         )
@@ -67,7 +68,10 @@ class ClearanceModel:
         base = [
             plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links
         ]
-        arm_bodies = [plant.get_body(i) for i in plant.GetBodyIndices(self._instance.model_instance)]
+        arm_bodies, *still_bodies = (
+            [plant.get_body(i) for i in plant.GetBodyIndices(robot.model_instance)]
+            for robot in (self._instance, *still.values())
+        )
         manager = scene_graph.collision_filter_manager()
 
         def shapes(bodies: Sequence[object]) -> GeometrySet:
@@ -81,9 +85,15 @@ class ClearanceModel:
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(base), world))
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(shape_id), world))
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(arm_bodies)))
+        world.Add(shape_id)
+        for bodies in still_bodies:
+            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(bodies)))
+            manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(bodies), world))
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
+        for i, robot in still.items():
+            plant.SetPositions(self._plant_context, robot.model_instance, (others or {})[i])
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
 

@@ -5,12 +5,14 @@ The tip must follow its contact point, the tool's yaw must follow the object (a 
 the face rolls along it), and the tool's axis keeps a constant direction. What is free is the tool's yaw
 relative to the object, the tilt, and the elbow. All combinations of a grid are followed by continuation, with
 the elbow kept away from the joint limits (postures.py); the best that is clear of table, object and obstacles
-is taken. Where there is none, the nearest misses are refined (refine.py) and judged again.
+is taken. Where there is none, the nearest misses are refined (refine.py) and judged again. An arm without a
+contact stays where it is.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, pairwise
 
@@ -18,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Contact, JointPath, Plan
+from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.modes.base import tool_azimuths
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
 from pushpressslide.sim.approach import LEAST_GAP, Approach
 from pushpressslide.sim.clearance import ClearanceModel
@@ -30,12 +32,14 @@ from pushpressslide.sim.postures import (
     POSE,
     Miss,
     Move,
+    Posture,
     TipPath,
+    held_on,
     moves,
     problem,
     shortfall,
 )
-from pushpressslide.sim.refine import refined_move, refined_way
+from pushpressslide.sim.refine import refined_move
 
 Array = NDArray[np.float64]
 
@@ -48,38 +52,182 @@ REFINED = 4  # misses that are tried to be made good
 NEAR = 0.03  # shortfall of a near miss
 YAW_APART = 0.6  # [rad] between the tool yaws of two that are tried at one tilt
 
+ArmPath = tuple[JointPath, ToolAttitude]
 
-def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointPath, ToolAttitude]:
-    """Return the joint path of one arm and how its tool is held; ``force`` takes the best there is, however
-    bad.
+
+def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> ArmPath:
+    """Return the joint path of one arm and how its tool is held, as if it were alone; ``force`` takes the
+    best there is, however bad.
 
     Raises InfeasibleTaskError, with the figure that decides, where no tried posture does it.
     """
-    kin = arm_kinematics(plan.task.robots[arm])
-    contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
-    if contact is None:
-        return _at_rest(kin)
-    search = _Search(plan, kin, contact)
-    misses: list[Miss] = []
-    for attitude in search.attitudes:
-        found, failed = moves(kin, search.tip, attitude, force=force)
-        misses += failed
-        for move in found[:ENOUGH]:
-            done = search.finished(move, force=force)
+    search = ArmSearch(plan, arm)
+    for move, path in search.paths(force=force):
+        return path, move.posture.attitude
+    raise search.refusal()
+
+
+class ArmSearch:
+    """What one arm can do in a plan: its moves along the contact, and its ways to where they begin."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        arm: int,
+        start: Array | None = None,
+        *,
+        holds: bool = False,
+        others: Mapping[int, Array] | None = None,
+    ) -> None:
+        """Look at a plan from where the arm is: ``start`` (n,), else its ready posture.
+
+        ``holds``: at the start it has its contact already. ``others`` are the postures of arms that stand
+        still.
+        """
+        self.plan, self.arm, self.others = plan, arm, dict(others or {})
+        robot = plan.task.robots[arm]
+        self.kin = arm_kinematics(robot)
+        self.contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
+        self.stays = holds or self.contact is None
+        self.arc_length, bodies = _body_path(plan)
+        X_BG = plan.task.object.X_GB.inverse()
+        self.objects = [X.compose(X_BG) for X in bodies]
+        self.model = ClearanceModel(plan, arm, self.others)
+        self.misses: list[Miss] = []
+        self.start = self.kin.facts.home if start is None else start
+        if self.contact is None:
+            return
+        inside, height = self.contact.tip_place(robot.tip_radius)
+        positions = np.array([(*X.apply(inside), height) for X in bodies])
+        yaws = np.unwrap(np.array([X.yaw for X in bodies]))
+        self.tip = TipPath(positions, yaws, self.objects)
+        self.normal = self.contact.direction(bodies[0])
+        azimuths = tool_azimuths(self.contact, bodies[len(bodies) // 2], robot.base)
+        self.attitudes = [ToolAttitude(0.0, azimuths[0])]
+        if self.kin.facts.size >= POSE:
+            self.attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+        if not holds:
+            self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
+
+    def paths(self, *, force: bool = False) -> Iterator[tuple[Move, JointPath]]:
+        """Yield the moves with the whole joint path, the preferred first; refined ones where there is no
+        other.
+        """
+        found = False
+        for move in self._moves(force):
+            done = self.path(move, force=force)
             if isinstance(done, JointPath):
-                return done, attitude
-            misses.append(done)
-    misses.sort(key=lambda miss: miss.short)
-    for miss in _diverse(misses) if kin.facts.size >= POSE else ():
-        refined = search.refined(miss)
-        if refined is not None:
-            done = search.finished(refined, thorough=True)
-            if isinstance(done, JointPath):
-                return done, refined.posture.attitude
-    raise InfeasibleTaskError(
-        f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path "
-        f"along the contact: {misses[0].why}"
-    )
+                found = True
+                yield move, done
+            else:
+                self.misses.append(done)
+        self.misses.sort(key=lambda miss: miss.short)
+        if found or self.kin.facts.size < POSE or self.stays:
+            return
+        for miss in _diverse(self.misses):
+            near = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
+            refined = None if near is None else self.path(near, thorough=True)
+            if near is not None and isinstance(refined, JointPath):
+                yield near, refined
+
+    def path(
+        self,
+        move: Move,
+        *,
+        others: Mapping[int, Array] | None = None,
+        force: bool = False,
+        thorough: bool = False,
+    ) -> JointPath | Miss:
+        """Return the whole joint path of a move, the way to the object included.
+
+        ``others`` are the postures of further arms that stand still on the way; ``thorough`` also looks for
+        ways round what is in the way.
+        """
+        posture, objects = move.posture, self.objects
+        clear, pair = self.model.least(posture.q, objects, touching=True)
+        if clear < CLEARANCE and not force:
+            return Miss(10.0 * (CLEARANCE - clear), _near(pair, clear), posture)
+        if self.stays:
+            times, way = np.array([0.0, 0.5]), np.repeat(self.start[None], 2, axis=0)
+            return self._joint_path(move, times, way, clear, math.inf)
+        model = (
+            self.model if others is None else ClearanceModel(self.plan, self.arm, {**self.others, **others})
+        )
+        tip = self.tip
+        yaw = float(tip.yaws[0]) + posture.offset
+        descent = self.approach.descent(
+            tip.positions[0], yaw, self.normal, posture.q[0], posture.attitude, 0.0 if force else LEAST_GAP
+        )
+        ways = self.approach.ways(descent)
+        if thorough:
+            ways = chain(ways, self.approach.ways_round(descent, lambda q: self._free(model, q)))
+        best, why = -math.inf, ""
+        for times, way in ways:
+            way_clear, way_pair = self._clear(model, way[::GLANCE])
+            if way_clear >= CLEARANCE:
+                way_clear, way_pair = self._clear(model, way)
+            if way_clear >= CLEARANCE or force:
+                return self._joint_path(move, times, way, min(clear, way_clear), descent.gap)
+            if way_clear > best:
+                best, why = way_clear, _near(way_pair, way_clear)
+        if best == -math.inf:
+            why = problem(descent.back, descent.points)
+            return Miss(shortfall(descent.back, descent.needed), f"before the contact, {why}", posture)
+        return Miss(10.0 * (CLEARANCE - best), f"on the way to the object {why}", posture, on_the_way=True)
+
+    def refusal(self) -> InfeasibleTaskError:
+        """Return the error that says what the nearest miss lacked."""
+        task = self.plan.task
+        return InfeasibleTaskError(
+            f"{task.source or task.name}: robots: the {self.kin.facts.name} has no joint path "
+            f"along the contact: {self.misses[0].why}"
+        )
+
+    def _moves(self, force: bool) -> Iterator[Move]:
+        """Yield the moves that keep off limits, upright ones first, each time the best first."""
+        if self.contact is None:
+            yield Move.of(self.kin, Posture(UPRIGHT, 0.0, np.repeat(self.start[None], len(self.objects), 0)))
+            return
+        if self.stays:
+            found, failed = held_on(self.kin, self.tip, self.start, force=force)
+            self.misses += failed
+            yield from found
+            return
+        for attitude in self.attitudes:
+            found, failed = moves(self.kin, self.tip, attitude, force=force)
+            self.misses += failed
+            yield from found[:ENOUGH]
+
+    def _refined(self, miss: Miss) -> Move | None:
+        """Return an allowed move near a missed one, drawn back from the object as well, or None."""
+        tip, posture, before = self.tip, miss.posture, 3
+        first = tip.positions[0]
+        gap = min(LEAST_GAP, self.plan.task.motion.approach_distance)
+        back = np.linspace(first - gap * np.array(self.normal), first, before + 1)[:-1]
+        whole = TipPath(
+            np.concatenate([back, tip.positions]),
+            np.concatenate([np.repeat(tip.yaws[:1], before), tip.yaws]),
+            [*self.objects[:1] * before, *self.objects],
+        )
+        guess = replace(posture, q=np.concatenate([np.repeat(posture.q[:1], before, axis=0), posture.q]))
+        found = refined_move(self.kin, self.model, whole, guess, JOINT_MARGIN, CLEARANCE)
+        if found is None:
+            return None
+        move = Move.of(self.kin, replace(found, q=found.q[before:]))
+        return move if move.allowed else None
+
+    def _clear(self, model: ClearanceModel, way: Array) -> tuple[float, str]:
+        """Least distance on the way to the object, and between what."""
+        return model.least(way, self.objects[:1] * len(way), touching=False)
+
+    def _free(self, model: ClearanceModel, q: Array) -> bool:
+        return self._clear(model, q[None])[0] >= CLEARANCE
+
+    def _joint_path(self, move: Move, times: Array, way: Array, clear: float, gap: float) -> JointPath:
+        posture = move.posture
+        return JointPath(
+            times, way, self.arc_length, posture.q, posture.offset, move.margin, move.condition, clear, gap
+        )
 
 
 def _diverse(misses: list[Miss]) -> list[Miss]:
@@ -97,103 +245,8 @@ def _diverse(misses: list[Miss]) -> list[Miss]:
     return out
 
 
-class _Search:
-    """What there is to know about one contact of one arm, and the judging of its moves."""
-
-    def __init__(self, plan: Plan, kin: ArmKinematics, contact: Contact) -> None:
-        self.plan, self.kin, self.contact = plan, kin, contact
-        robot = plan.task.robots[contact.arm]
-        self.arc_length, bodies = _body_path(plan)
-        self.tip = self._tip_path(bodies)
-        self.normal = contact.direction(bodies[0])
-        self.model, self.start = ClearanceModel(plan, contact.arm), self.tip.objects[0]
-        self.approach = Approach(plan.task, kin, lambda q: self._clear(q[None])[0] >= CLEARANCE)
-        azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-        self.attitudes = [ToolAttitude(0.0, azimuths[0])]
-        if kin.facts.size >= POSE:
-            self.attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-
-    def finished(self, move: Move, *, force: bool = False, thorough: bool = False) -> JointPath | Miss:
-        """Return the whole joint path, the way to the object included; ``thorough`` tries curved ways too."""
-        posture, tip = move.posture, self.tip
-        clear, pair = self.model.least(posture.q, tip.objects, touching=True)
-        if clear < CLEARANCE and not force:
-            return Miss(10.0 * (CLEARANCE - clear), _near(pair, clear), posture)
-        yaw = float(tip.yaws[0]) + posture.offset
-        descent = self.approach.descent(
-            tip.positions[0], yaw, self.normal, posture.q[0], posture.attitude, 0.0 if force else LEAST_GAP
-        )
-        ways = self.approach.ways(descent)
-        if thorough:
-            ways = chain(ways, self.approach.bent_ways(descent, self._bent))
-        best, why = -math.inf, ""
-        for times, way in ways:
-            way_clear, way_pair = self._clear(way[::GLANCE])
-            if way_clear >= CLEARANCE:
-                way_clear, way_pair = self._clear(way)
-            if way_clear >= CLEARANCE or force:
-                return JointPath(
-                    times, way, self.arc_length, posture.q, posture.offset, move.margin, move.condition,
-                    min(clear, way_clear), descent.gap,
-                )  # fmt: skip
-            if way_clear > best:
-                best, why = way_clear, _near(way_pair, way_clear)
-        if best == -math.inf:
-            why = problem(descent.back, descent.points)
-            short = shortfall(descent.back, descent.needed)
-            return Miss(short, f"before the contact, {why}", posture)
-        return Miss(10.0 * (CLEARANCE - best), f"on the way to the object {why}", posture, on_the_way=True)
-
-    def _clear(self, way: Array) -> tuple[float, str]:
-        """Least distance on the way to the object, and between what."""
-        return self.model.least(way, [self.start] * len(way), touching=False)
-
-    def refined(self, miss: Miss) -> Move | None:
-        """Return an allowed move near a missed one, drawn back from the object as well, or None."""
-        if miss.on_the_way:
-            return Move.of(self.kin, miss.posture)
-        tip, posture, before = self.tip, miss.posture, 3
-        first = tip.positions[0]
-        gap = min(LEAST_GAP, self.plan.task.motion.approach_distance)
-        whole = TipPath(
-            np.concatenate(
-                [np.linspace(first - gap * np.array(self.normal), first, before + 1)[:-1], tip.positions]
-            ),
-            np.concatenate([np.repeat(tip.yaws[:1], before), tip.yaws]),
-            [self.start] * before + list(tip.objects),
-        )
-        guess = replace(posture, q=np.concatenate([np.repeat(posture.q[:1], before, axis=0), posture.q]))
-        found = refined_move(self.kin, self.model, whole, guess, JOINT_MARGIN, CLEARANCE)
-        if found is None:
-            return None
-        move = Move.of(self.kin, replace(found, q=found.q[before:]))
-        return move if move.allowed else None
-
-    def _bent(self, start: Array, end: Array) -> Array:
-        return refined_way(self.kin, self.model, self.start, start, end, CLEARANCE)
-
-    def _tip_path(self, bodies: list[Pose2]) -> TipPath:
-        task, contact = self.plan.task, self.contact
-        inside, height = contact.tip_place(task.robots[contact.arm].tip_radius)
-        X_BG = task.object.X_GB.inverse()
-        return TipPath(
-            np.array([(*X.apply(inside), height) for X in bodies]),
-            np.unwrap(np.array([X.yaw for X in bodies])),
-            [X.compose(X_BG) for X in bodies],
-        )
-
-
 def _near(pair: str, clear: float) -> str:
     return f"{pair} come as near as {clear * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
-
-
-def _at_rest(kin: ArmKinematics) -> tuple[JointPath, ToolAttitude]:
-    """Return the joint path of an arm that has nothing to do."""
-    q, none = kin.facts.home[None], np.zeros(1)
-    margin = float(kin.joint_margin(q)[0])
-    return JointPath(
-        np.array([0.0, 0.5]), np.repeat(q, 2, 0), none, q, 0.0, margin, 1.0, math.inf, math.inf
-    ), UPRIGHT
 
 
 def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:

@@ -91,6 +91,20 @@ class Miss:
     on_the_way: bool = False  # to the object; what comes after is good
 
 
+def held_at(kin: ArmKinematics, q: Array) -> tuple[ToolAttitude, float]:
+    """Return how the tool is held in posture ``q`` (n,), and its yaw [rad]."""
+    R = np.asarray(kin.tip_pose(q)[0])
+    x, y, z = R[:, 2]
+    attitude = ToolAttitude(math.acos(min(max(-z, 0.1), 1.0)), math.atan2(y, x))
+    return attitude, float(attitude.yaw(R))
+
+
+def held_on(kin: ArmKinematics, tip: TipPath, q: Array, *, force: bool) -> tuple[list[Move], list[Miss]]:
+    """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
+    attitude, yaw = held_at(kin, q)
+    return _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
+
+
 def moves(
     kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, *, force: bool
 ) -> tuple[list[Move], list[Miss]]:
@@ -98,10 +112,17 @@ def moves(
     the others; ``force`` allows all.
     """
     offsets = YAW_OFFSETS if kin.facts.size >= POSE else np.zeros(1)
+    first, yaws = np.tile(tip.positions[0], (len(offsets), 1)), tip.yaws[0] + offsets
+    starts = solve_ik(kin, first, attitude, yaws, joint_margin=JOINT_MARGIN)
+    return _followed(kin, tip, attitude, offsets, starts.q, force)
+
+
+def _followed(
+    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, starts: Array, force: bool
+) -> tuple[list[Move], list[Miss]]:
+    """Follow a tip path at tool yaw offsets (b,) from postures (b, n)."""
     yaws = tip.yaws + offsets[:, None]
-    first = np.tile(tip.positions[0], (len(offsets), 1))
-    starts = solve_ik(kin, first, attitude, yaws[:, 0], joint_margin=JOINT_MARGIN)
-    paths = continuations(kin, tip.positions, yaws, starts.q, attitude, JOINT_MARGIN, LARGEST_STEP)
+    paths = continuations(kin, tip.positions, yaws, starts, attitude, JOINT_MARGIN, LARGEST_STEP)
     found, misses = [], []
     for offset, path in zip(offsets, paths, strict=True):
         posture = Posture(attitude, float(offset), path.q)

@@ -76,22 +76,6 @@ def refined_move(
     return Posture(attitude, offset, exact.q) if exact.converged.all() else None
 
 
-def refined_way(
-    kin: ArmKinematics, model: ClearanceModel, pose: Pose2, start: Array, end: Array, clearance: float
-) -> Array:
-    """Return postures (m, n) from ``start`` to ``end``, as far as found clear of everything with the object
-    at ``pose`` X_WG.
-    """
-    inset = 0.01 * (kin.facts.upper - kin.facts.lower)
-    line = start + np.linspace(0.0, 1.0, WAY_POINTS)[:, None] * (end - start)
-    spline = _Spline(kin.facts.lower + inset, kin.facts.upper - inset, line)
-    spline.pin(0.0, start)
-    spline.pin(1.0, end)
-    for u in np.linspace(0.0, 1.0, WAY_SAMPLES)[1:-1]:
-        spline.keep_clear(u, model, pose, clearance, len(start), touching=False)
-    return spline.solution(4 * WAY_SAMPLES)
-
-
 def _tip(kin: ArmKinematics, attitude: ToolAttitude, position: Array, yaw: float) -> Function:
     """The tip's error (6,) [rad; m] as a function of joints, tool yaw offset and tilt."""
     n, step = kin.facts.size, 1e-6
