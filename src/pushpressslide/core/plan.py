@@ -107,6 +107,11 @@ class Plan:
         """The plan of each grasp, in order: this one, and those for which arms let go in between."""
         return (self,) if self.next_grasp is None else (self, *self.next_grasp.grasps)
 
+    def kept(self, after: Plan) -> frozenset[int]:
+        """Return the arms that need not let go for the grasp ``after`` it."""
+        pairs = [(c, d) for c in self.choice.contacts for d in after.choice.contacts]
+        return frozenset(c.arm for c, d in pairs if c.same_place(d))
+
     @property
     def way(self) -> tuple[Plan, ...]:
         """The stretches of all grasps."""
@@ -132,3 +137,4 @@ class JointPath:
     joint_margin: float  # [rad] least distance to a joint limit
     condition: float  # largest condition number of the tip's 6 x n Jacobian
     clearance: float  # [m] least distance of the arm to table, object and obstacles
+    gap: float  # [m] free way before the touch that the approach leaves

@@ -68,8 +68,8 @@ def simulate(
         made = chained([grasp(task, of[0], force=force) for of in candidates])
         with held():
             return made, run_planar(made, seed=seed, progress=progress, stop=stop), judged
-    from pushpressslide.sim.arms import GraspPaths
     from pushpressslide.sim.engine import run as run_drake
+    from pushpressslide.sim.grasps import GraspPaths
 
     paths = GraspPaths(force)
     for of in candidates:

@@ -81,9 +81,7 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
-        after = plan.next_grasp
-        # arms that do not let go: their contact is the next grasp's, too
-        self.kept = {c.arm for c in contacts if after and any(c.same_place(d) for d in after.choice.contacts)}
+        self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
     def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:

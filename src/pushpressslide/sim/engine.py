@@ -23,8 +23,9 @@ from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
-from pushpressslide.sim.arms import ArmPath, all_joint_paths
 from pushpressslide.sim.convert import planar_pose_from_positions
+from pushpressslide.sim.grasps import all_joint_paths
+from pushpressslide.sim.joint_path import ArmPath
 from pushpressslide.sim.station import Station
 
 Array = NDArray[np.float64]
@@ -123,7 +124,7 @@ def run(
         arm.take(plan, *paths[0][i])
         station.plant.SetPositions(station.plant_context, arm.instance, arm.path.approach[0])
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
-    controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
+    controller, sensor, recorder = _controller(plan, paths[0]), Sensor(task.sensing, seed, dt), Recorder(plan)
     (grasp, _), *ahead = zip(plan.grasps, paths, strict=True)
     kept: Commands = (None,) * len(arms)
     began, reached = 0.0, _arrival(arms)
@@ -205,7 +206,7 @@ def run(
             (grasp, taken), *ahead = ahead
             for arm, path in zip(arms, taken, strict=True):
                 arm.take(grasp, *path)
-            controller, state, began = Controller(grasp), None, time
+            controller, state, began = _controller(grasp, taken), None, time
             reached = time + _arrival(arms)
             recorder.begin(grasp)
         if state is not None and state.phase == "done":
@@ -246,6 +247,13 @@ def run(
         "start_tips": start_tips,
     }
     return recorder.record(reason, "drake", seed, perf_counter() - started, meta)
+
+
+def _controller(grasp: Plan, paths: Sequence[ArmPath]) -> Controller:
+    """The controller of a grasp, told how far off the object the arms' ways really end."""
+    motion = grasp.task.motion
+    gap = min(motion.approach_distance, *(path.gap for path, _ in paths))
+    return Controller(replace(grasp, task=replace(grasp.task, motion=replace(motion, approach_distance=gap))))
 
 
 def _arrival(arms: list[_Arm]) -> float:
