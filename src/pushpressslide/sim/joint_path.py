@@ -24,7 +24,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.modes.base import tool_azimuths
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 from pushpressslide.sim.approach import LEAST_GAP, Approach
 from pushpressslide.sim.clearance import ClearanceModel
 from pushpressslide.sim.postures import (
@@ -34,6 +34,7 @@ from pushpressslide.sim.postures import (
     Move,
     Posture,
     TipPath,
+    attitudes,
     held_on,
     moves,
     problem,
@@ -49,7 +50,7 @@ CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the re
 GLANCE = 8  # of so many postures of a way one is looked at first
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 REFINED = 4  # misses that are tried to be made good
-NEAR = 0.03  # shortfall of a near miss
+NEAR = 0.1  # shortfall of a near miss
 YAW_APART = 0.6  # [rad] between the tool yaws of two that are tried at one tilt
 
 ArmPath = tuple[JointPath, ToolAttitude]
@@ -102,10 +103,11 @@ class ArmSearch:
         yaws = np.unwrap(np.array([X.yaw for X in bodies]))
         self.tip = TipPath(positions, yaws, self.objects)
         self.normal = self.contact.direction(bodies[0])
-        azimuths = tool_azimuths(self.contact, bodies[len(bodies) // 2], robot.base)
-        self.attitudes = [ToolAttitude(0.0, azimuths[0])]
+        middle = len(bodies) // 2
+        azimuths = tool_azimuths(self.contact, bodies[middle], robot.base)
+        self.attitudes = [(ToolAttitude(0.0, azimuths[0]), np.zeros(1))]
         if self.kin.facts.size >= POSE:
-            self.attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+            self.attitudes = attitudes(azimuths, float(yaws[middle]))
         if not holds:
             self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
 
@@ -193,8 +195,8 @@ class ArmSearch:
             self.misses += failed
             yield from found
             return
-        for attitude in self.attitudes:
-            found, failed = moves(self.kin, self.tip, attitude, force=force)
+        for attitude, offsets in self.attitudes:
+            found, failed = moves(self.kin, self.tip, attitude, offsets, force=force)
             self.misses += failed
             yield from found[:ENOUGH]
 

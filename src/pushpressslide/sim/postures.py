@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.robots.continuation import Continuation, continuations
-from pushpressslide.robots.inverse import solve_ik
+from pushpressslide.robots.inverse import IkSolution, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
-from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singul
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
 POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
+SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad] of a turning tool, to which it leans
+LEANING = math.radians(60.0)  # from behind the contact, of a turning tool
 
 
 @dataclass(frozen=True)
@@ -106,15 +108,24 @@ def held_on(kin: ArmKinematics, tip: TipPath, q: Array, *, force: bool) -> tuple
 
 
 def moves(
-    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, *, force: bool
+    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, *, force: bool
 ) -> tuple[list[Move], list[Miss]]:
-    """Return the allowed ways of following a tip path at one attitude, one for each tool yaw, best first, and
-    the others; ``force`` allows all.
+    """Return the allowed ways of following a tip path at one attitude, one for each tool yaw offset (b,),
+    best first, and the others; ``force`` allows all.
     """
-    offsets = YAW_OFFSETS if kin.facts.size >= POSE else np.zeros(1)
-    first, yaws = np.tile(tip.positions[0], (len(offsets), 1)), tip.yaws[0] + offsets
-    starts = solve_ik(kin, first, attitude, yaws, joint_margin=JOINT_MARGIN)
+    if attitude.turns:  # many are tried: those that reach the end too
+        last = _held(kin, tip, -1, attitude, offsets)
+        offsets = offsets[last.converged]
+        if len(offsets) == 0:
+            return [], []
+    starts = _held(kin, tip, 0, attitude, offsets)
     return _followed(kin, tip, attitude, offsets, starts.q, force)
+
+
+def _held(kin: ArmKinematics, tip: TipPath, i: int, attitude: ToolAttitude, offsets: Array) -> IkSolution:
+    """Postures at one sample of a tip path, at tool yaw offsets (b,)."""
+    place = np.tile(tip.positions[i], (len(offsets), 1))
+    return solve_ik(kin, place, attitude, tip.yaws[i] + offsets, joint_margin=JOINT_MARGIN)
 
 
 def _followed(
@@ -161,3 +172,21 @@ def problem(path: Continuation, positions: Array) -> str:
         return f"{path.position_residual[i] * 1e3:.1f} mm short of reach {place}"
     turn = float(np.abs(path.q[i] - path.q[i - 1]).max())
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
+
+
+def attitudes(azimuths: Sequence[float], yaw: float) -> list[tuple[ToolAttitude, Array]]:
+    """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
+
+    ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
+    path.
+    """
+    out = [(ToolAttitude(0.0, azimuths[0]), YAW_OFFSETS)]
+    out += [(ToolAttitude(tilt, azimuth), YAW_OFFSETS) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    for tilt in TOOL_TILTS[2:]:
+        for side in SIDES:
+            off = np.array(
+                [[math.remainder(o + side + yaw - a, math.tau) for a in azimuths] for o in YAW_OFFSETS]
+            )
+            near = np.abs(off).min(axis=1) < LEANING
+            out.append((ToolAttitude(tilt, side, turns=True), YAW_OFFSETS[near]))
+    return out
