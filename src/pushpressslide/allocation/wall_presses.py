@@ -15,12 +15,12 @@ Step = tuple[Twist, Point]
 
 def wall_loads(
     presses: Callable[[float], TwoPresses], steps: Sequence[Step], uses: Sequence[float], least: float
-) -> Point | None:
+) -> Point:
     """Return equal loads [N] of the left and right contact that drive every one of ``steps``, each at least
-    ``least`` [N], at the first of the shares ``uses`` of the contact friction that the cap allows; None if it
-    allows none.
+    ``least`` [N], at the first of the shares ``uses`` of the contact friction that the cap allows.
 
     ``presses(use)`` are those with that share of the friction, on an object that its weight does not press.
+    Raises ValueError, with the number that decides, where the cap allows none.
     """
     for use in uses:
         pair = presses(use)
@@ -28,29 +28,28 @@ def wall_loads(
         each = max(least, *(max(loads.normals) for loads in found))
         if each <= pair.cap and all(loads.status == "ok" for loads in found):
             return (each, each)
-    return None
+    raise ValueError(_problem(presses(uses[-1]), steps, least))
 
 
-def wall_problem(presses: TwoPresses, steps: Sequence[Step]) -> str:
-    """Return in one line, with the number that decides, why no two presses within their cap do it."""
+def _problem(presses: TwoPresses, steps: Sequence[Step], least: float) -> str:
+    """Why no two presses within their cap do it, in one line."""
     mu_a, mu_w, cap = presses.contact_friction, presses.support_friction, presses.cap
     weight = max(math.hypot(*gravity) for _, gravity in steps)
+    allowed, friction = f"limits.normal_force is {cap:g} N", f"{mu_a:.2f} of friction used at the tips"
     hold = 0.5 * wall_hold(weight, mu_a, mu_w)
     if hold > cap:
-        return (
-            f"to hold {weight:.1f} N with {mu_a:.2f} of friction at the tips and {mu_w:.2f} at the wall takes "
-            f"{hold:.1f} N of each arm, limits.normal_force is {cap:g} N"
-        )
+        return f"to hold {weight:.1f} N on the wall, {friction}, takes {hold:.1f} N of each arm; {allowed}"
     slide = 0.5 * max(wall_press(weight, mu_a, mu_w, up) for up in (_up(*step) for step in steps))
     if slide == math.inf:
         return (
-            f"no press carries {weight:.1f} N and drags the object on: the {mu_a:.2f} of friction that the "
-            f"tips may take must exceed the wall's, {mu_w:.2f}"
+            f"no press carries {weight:.1f} N and drags the object over the wall: {friction} must exceed "
+            f"the wall's, {mu_w:.2f}"
         )
-    return (
-        f"to carry {weight:.1f} N and drag the object on takes {slide:.1f} N or more of each arm, "
-        f"limits.normal_force is {cap:g} N"
-    )
+    if least > max(cap, slide):
+        return (
+            f"carried off its face the object leans over with less than {least:.1f} N of each arm; {allowed}"
+        )
+    return f"to carry {weight:.1f} N over the wall takes {slide:.1f} N or more of each arm; {allowed}"
 
 
 def _up(twist: Twist, gravity: Point) -> float:

@@ -38,7 +38,7 @@ class TipCommand:
     """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
 
     Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last
-    two per axis of the contact frame (n: in the plane at ``normal_yaw``; t: left of n; z: out of the support).
+    two per axis of the contact frame (n: in the plane at ``normal_yaw``; t: left of n; z: height).
     """
 
     force: Vector3  # [N] of the support's frame, feed-forward, ON the object

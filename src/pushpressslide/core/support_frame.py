@@ -62,3 +62,7 @@ class SupportFrame:
         """Return x, y and height [m] of a point given in the world."""
         x, y, z = self.origin
         return self.components((p_W[0] - x, p_W[1] - y, p_W[2] - z))
+
+
+TABLE = SupportFrame()
+"""The support's axes are the world's."""

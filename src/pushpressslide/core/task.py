@@ -6,11 +6,11 @@ SI units and radians throughout (the file has degrees where its key ends in ``_d
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class Support:
 
     kind: Literal["table", "wall"] = "table"
     friction: float = 0.3  # coefficient of the pair object/support, in (0, 2)
-    frame: SupportFrame = field(default_factory=SupportFrame)  # of all poses, in the world
+    frame: SupportFrame = TABLE  # of all poses, in the world
     opening: Opening | None = None  # in a wall
 
 
@@ -201,6 +201,15 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
+class Leg:
+    """One part of a task that is done in several: a mode, and where it takes the object."""
+
+    mode: str
+    goal: Pose2  # X_WG at its end
+    motion: Motion  # how it is done
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
     """One manipulation task, complete and checked."""
 
@@ -215,6 +224,7 @@ class Task:
     obstacles: tuple[Obstacle, ...] = ()
     tool: ToolUse | None = None  # then ``goal`` is where the tool has the other body at its goal
     modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
+    legs: tuple[Leg, ...] = ()  # in order, the last one to ``goal``; empty: one mode does it all
     limits: Limits = field(default_factory=Limits)
     belief: Belief | None = None  # never None once loaded
     start_error: Pose2 = field(default_factory=Pose2)  # the true start is start + this, in world axes
@@ -251,6 +261,16 @@ class Task:
         """Whether the goal lies in an opening of the support."""
         opening = self.support.opening
         return opening is not None and opening.holds(self.goal, self.object.shape)
+
+    @property
+    def parts(self) -> tuple[Task, ...]:
+        """The task of each leg, from where the one before it ends; of a task without legs itself."""
+        out, begin = [], replace(self, legs=())
+        for i, leg in enumerate(self.legs):
+            part = replace(begin, goal=leg.goal, modes=(leg.mode,), motion=leg.motion)
+            out.append(replace(part, source=f"{self.source}: legs[{i}]"))
+            begin = replace(begin, start=leg.goal, start_error=Pose2())
+        return tuple(out) or (self,)
 
     @property
     def true_start(self) -> Pose2:

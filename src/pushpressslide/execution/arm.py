@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import TipCommand, Vector3
-from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
 from pushpressslide.execution.torque import inertia_torque, joint_torque, limited, task_torque
 
@@ -52,7 +52,7 @@ class ArmExecutor:
     yaw_offset: float  # [rad] tool yaw minus object yaw
     joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
     dt: float  # [s]
-    frame: SupportFrame = SupportFrame()  # of the commands
+    frame: SupportFrame = TABLE  # of the commands
 
     def free(self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None) -> tuple[Array, float]:
         """Return torque (n,) and the share of the effort limit asked for, tracking joints in free space."""

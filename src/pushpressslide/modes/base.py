@@ -18,6 +18,8 @@ from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
 GRAVITY, TURN = 9.81, 2.0 * math.pi
+# [rad] that a tool tilted away from its arm leans along the face: less is not tried, nor is more
+ASIDE = (math.radians(20.0), math.radians(60.0))
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
@@ -143,12 +145,16 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
 
 
 def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:
-    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing contact; under the arm, or
-    away from it, on top.
+    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing contact, straight and, as
+    far as the face allows it, away from the arm; under the arm, or away from it, on top.
     """
-    if contact.kind == "side":
-        x, y = X_WB.rotate(contact.normal)
-        return (math.atan2(y, x),)
     x, y = X_WB.apply(contact.point)
     outward = math.atan2(y - base[1], x - base[0])
-    return (outward, outward + math.pi)
+    if contact.kind == "top":
+        return (outward, outward + math.pi)
+    nx, ny = X_WB.rotate(contact.normal)
+    behind = math.atan2(ny, nx)
+    aside = math.remainder(outward - behind, TURN)
+    if not ASIDE[0] < abs(aside) < 0.5 * math.pi:
+        return (behind,)
+    return (behind, behind + math.copysign(min(abs(aside), ASIDE[1]), aside))

@@ -18,7 +18,7 @@ from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.cop_strategy import Cop, loads_with, possible_fractions, safe_loads
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.presses import two_press_allocator
-from pushpressslide.allocation.wall_presses import wall_loads, wall_problem
+from pushpressslide.allocation.wall_presses import wall_loads
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Plan
@@ -36,7 +36,6 @@ from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
-from pushpressslide.tracking.holonomic import HolonomicTracker
 
 COP: Cop = "balanced"
 USE = (0.7, 0.8, 0.9)  # shares of the tips' friction that a motion may take, the best first
@@ -97,7 +96,7 @@ class BimanualPressSlide:
             com = body.center_of_mass
             first, second = ((x - com[0], y - com[1]) for x, y in given)
             return [(first, second)]
-        dx, dy = lean(task, _least_press(task))
+        dx, dy = lean(task, task.motion.press_force or lean_press(task))
         pairs: list[Pair] = []
         for p in top_places(body, EDGE):
             q = (-p[0], -p[1])
@@ -159,8 +158,9 @@ class BimanualPressSlide:
             f"{fraction:.2f} of the way from left to right, {drag.use:.2f} of the tips' friction used"
         )
         parameters = {
-            **_figures(drag), "lever": lever(task, sum(normals)), "track_x": point[0], "track_y": point[1], "radius": radius,
-            "speed": motion.speed, "press_left": left, "press_right": right, "cop_fraction": fraction,
+            **_figures(drag), "lever": lever(task, sum(normals)), "radius": radius, "speed": motion.speed,
+            "track_x": point[0], "track_y": point[1], "press_left": left, "press_right": right,
+            "cop_fraction": fraction,
         }  # fmt: skip
         time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
         margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
@@ -195,10 +195,7 @@ class BimanualPressSlide:
             return None, normals
         if weight == 0.0:
             steps = [(twist, along) for along in weights(task, path)]
-            held = wall_loads(presses, steps, USE, _least_press(task))
-            if held is None:
-                raise ValueError(wall_problem(presses(USE[-1]), steps))
-            return None, held
+            return None, wall_loads(presses, steps, USE, max(LEAST_PRESS, lean_press(task)))
         found = safe_loads(presses, cop, twist, USE, LEAST_PRESS)
         if found is not None:
             return None, found
@@ -245,9 +242,7 @@ class BimanualPressSlide:
         surface = DraggedSurface(p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"]))
         allocate = self.allocator(plan.choice.contacts, friction, p["rho"], surface.center)
 
-        law: Tracker = HolonomicTracker(plan.X_BV, surface, decay=DECAY)
-        if p["lever"] > 0.0:
-            law = CarriedTracker(plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY)
+        law = CarriedTracker(plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY)
 
         def holds(wrench: Wrench) -> bool:
             allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
@@ -318,12 +313,6 @@ def _cop(task: Task, contacts: Sequence[Contact]) -> Point:
     """The centre of pressure without drag [m]."""
     weight = task.weight_on_support
     return center_of_pressure(weight, (0.0, 0.0), [c.load for c in contacts], [c.point for c in contacts])
-
-
-def _least_press(task: Task) -> float:
-    """The least press [N] of each arm: what is given, what is felt for sure, what keeps it upright on a wall."""
-    given = task.motion.press_force
-    return given if given is not None else max(LEAST_PRESS, lean_press(task))
 
 
 def _tracking_point(task: Task, contacts: Sequence[Contact], twist: Twist) -> Point:

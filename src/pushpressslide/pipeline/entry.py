@@ -43,8 +43,9 @@ class Entry:
 
 
 def entry(plan: Plan) -> Entry | None:
-    """Return the way into the opening that the task's goal lies in; None where it lies in none."""
-    opening = plan.task.support.opening
-    if opening is None or not plan.task.enters:
+    """Return the way into the opening that the last stretch's goal lies in; None where it lies in none."""
+    task = plan.stretches[-1].task
+    opening = task.support.opening
+    if opening is None or not task.enters:
         return None
-    return Entry(opening.depth, tuple(robot.tip_radius for robot in plan.task.robots))
+    return Entry(opening.depth, tuple(robot.tip_radius for robot in task.robots))

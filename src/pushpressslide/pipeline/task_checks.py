@@ -39,7 +39,6 @@ def check(task: Task) -> None:
         TaskError: the first field that does not fit the others.
     """
     _check_motion(task)
-    _check_wall(task)
     _check_modes(task)
     _check_workspace(task)
     check_reach(task)
@@ -69,8 +68,11 @@ def _check_motion(task: Task) -> None:
         raise TaskError(task.source, "motion.contact_height", motion.contact_height, allowed)
 
 
-def _check_wall(task: Task) -> None:
-    """What hangs on a wall must be held: a loose body falls; a fall into an opening cannot be undone."""
+def check_wall(task: Task) -> None:
+    """Check what a wall asks of a whole task: a loose body falls off it, what is in its opening stays there.
+
+    Raises TaskError.
+    """
     if task.support.kind == "table":
         return
     for i, obstacle in enumerate(task.obstacles):
@@ -78,15 +80,18 @@ def _check_wall(task: Task) -> None:
             raise TaskError(
                 task.source, f"obstacles[{i}].movable", True, "on a wall it would fall; allowed: false"
             )
-    opening = task.support.opening
-    if opening is not None:
-        if opening.holds(task.start, task.object.shape):
-            raise TaskError(
-                task.source, "start", _at(task.start), "it lies in support.opening; allowed: outside it"
-            )
-        if opening.depth >= task.object.shape.height:
-            allowed = f"allowed: less than the object's height of {task.object.shape.height:g} m"
-            raise TaskError(task.source, "support.opening.depth", opening.depth, allowed)
+    opening, shape = task.support.opening, task.object.shape
+    if opening is None:
+        return
+    if opening.depth >= shape.height:
+        allowed = f"allowed: less than the object's height of {shape.height:g} m"
+        raise TaskError(task.source, "support.opening.depth", opening.depth, allowed)
+    if opening.holds(task.start, shape):
+        raise TaskError(task.source, "start", _at(task.start), "it lies in support.opening; allowed: outside")
+    off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
+    if not task.enters and all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True)):
+        allowed = "allowed: outside support.opening, or where the object's outline is within it"
+        raise TaskError(task.source, "goal", _at(task.goal), allowed)
 
 
 def _arms(count: int) -> str:

@@ -27,8 +27,9 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
-from pushpressslide.pipeline.task_checks import MODELS, check
+from pushpressslide.pipeline.task_checks import MODELS, check, check_wall
 from pushpressslide.pipeline.task_dump import dump_task
+from pushpressslide.pipeline.task_legs import inherited, legs
 from pushpressslide.pipeline.task_reader import nearest, read
 from pushpressslide.pipeline.task_schema import SCHEMA
 from pushpressslide.pipeline.task_shapes import centroid, convexity_fault, depth_inside, signed_area
@@ -74,8 +75,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     Raises:
         TaskError: as :func:`load_task`.
     """
-    d = read(SCHEMA, dict(data), "", source)
-    _refuse_unsupported(d, source)
+    d = read(SCHEMA, inherited(data), "", source)
     belief, contact_friction = d["belief"], d["contact"]["friction"]
     model = ObjectModel(*_object(d["object"], source))
     obstacles = _obstacles(d["obstacles"], source)
@@ -92,6 +92,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         obstacles=obstacles,
         tool=tool,
         modes=d["modes"],
+        legs=legs(d, goal, source),
         limits=_limits(d["limits"], source),
         belief=Belief(
             _told(belief["support_friction"], d["support"]["friction"]),
@@ -110,13 +111,10 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         description=" ".join(d["description"].split()),
         source=source,
     )
-    check(task)
+    check_wall(task)
+    for part in task.parts:
+        check(part)
     return task
-
-
-def _refuse_unsupported(d: Mapping[str, Any], source: str) -> None:
-    if d["legs"]:
-        raise TaskError(source, "legs", d["legs"], "not supported yet by this version; leave it out")
 
 
 def _support(d: Mapping[str, Any], source: str) -> Support:

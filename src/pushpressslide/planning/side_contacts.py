@@ -81,7 +81,8 @@ def assignments(
 ) -> list[tuple[int, int]]:
     """Return the ways to give two contacts to two arms that do not cross, the arms nearest to them first.
 
-    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of an assignment is the arm of contact i.
+    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of
+    an assignment is the arm of contact i.
     """
     out = []
     for arms in ((0, 1), (1, 0)):

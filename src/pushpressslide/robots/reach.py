@@ -22,7 +22,7 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 """Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
 
 QUICK_ITERATIONS = 30
-HOPELESS = -0.03  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
+HOPELESS = 0.08  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 

@@ -1,15 +1,15 @@
-"""How the tool is held: its axis constant in the support's frame, its yaw free to follow the object.
+"""How the tool is held: its axis constant in the support's frame, or turning with the object as its yaw does.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the
-flange. The support's axes are x and y along the surface, and height out of it towards the robots (on a table
-those of the world; core/support_frame.py). An upright tool points along minus height. The TOOL YAW is the
-angle, from x to y, of the tool's x axis projected on the surface.
+flange. Frame S is the support's: x and y along the surface, z out of it towards the robots (on a table the
+world's axes; left-handed on a wall, see core/support_frame.py). An upright tool points along -z_S. The TOOL
+YAW is the angle, from x_S to y_S, of the tool's x axis projected on their plane.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,16 @@ TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 class ToolAttitude:
     """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning towards ``azimuth``.
 
-    Along the support's axes it is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
-    the direction opposite to ``azimuth``. Raises PushPressSlideError for a tilt outside [0, pi/2).
+    In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
+    the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
+    in their plane with its yaw, as if fixed to the object. Raises PushPressSlideError for a tilt outside
+    [0, pi/2).
     """
 
     tilt: float = 0.0  # [rad] in [0, pi/2)
-    azimuth: float = 0.0  # [rad] from x to y
-    axes: Matrix3 = WORLD_AXES  # of the support, see SupportFrame; the default is a table
+    azimuth: float = 0.0  # [rad] from x_S to y_S
+    axes: Matrix3 = WORLD_AXES  # of S in the world, rows; the default is a table
+    turns: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt < 0.5 * math.pi:
@@ -42,39 +45,45 @@ class ToolAttitude:
     @property
     def axis(self) -> Array:
         """Unit vector (3,) along the tool, out of the flange, in the world."""
-        out: Array = np.array(self.axes) @ np.array(self._along_support())
-        return out
-
-    def _along_support(self) -> tuple[float, float, float]:
         s = math.sin(self.tilt)
-        return (s * math.cos(self.azimuth), s * math.sin(self.azimuth), -math.cos(self.tilt))
+        axis_S = (s * math.cos(self.azimuth), s * math.sin(self.azimuth), -math.cos(self.tilt))
+        out: Array = np.array(self.axes) @ np.array(axis_S)
+        return out
 
     def rotation(self, tool_yaw: NDArray[np.float64] | float) -> Array:
         """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)
-        z = np.array(self._along_support())
-        up = -(z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / z[2]
-        x = np.stack([np.cos(yaw), np.sin(yaw), up], axis=-1)
+        if self.turns:
+            cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
+            turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
+            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation(0.0)
+            return self._in_world(turn.reshape(*yaw.shape, 3, 3) @ fixed)
+        s, c = math.sin(self.tilt), math.cos(self.tilt)
+        z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
+        x = np.stack([np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c], axis=-1)
         x /= np.linalg.norm(x, axis=-1, keepdims=True)
-        x, z = x @ np.array(self.axes).T, self.axis
-        out: Array = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
+        R_ST = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
+        return self._in_world(R_ST)
+
+    def _in_world(self, R_ST: Array) -> Array:
+        """Turn the x and z axes of T, given in S, into the world; its y axis follows, whatever S's hand."""
+        axes = np.array(self.axes)
+        out: Array = axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
         return out
 
     def rotation_at(self, tool_yaw: float) -> Array:
         """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats, for a control loop."""
-        zx, zy, zz = self._along_support()
-        xx, xy = math.cos(tool_yaw), math.sin(tool_yaw)
-        xz = -(zx * xx + zy * xy) / zz
-        size = math.sqrt(1.0 + xz * xz)
-        xx, xy, xz = xx / size, xy / size, xz / size
-        if self.axes is not WORLD_AXES:
-            (xx, xy, xz), (zx, zy, zz) = (
-                tuple(a[0] * x + a[1] * y + a[2] * z for a in self.axes)
-                for x, y, z in ((xx, xy, xz), (zx, zy, zz))
-            )
-        return np.array(
-            [[xx, zy * xz - zz * xy, zx], [xy, zz * xx - zx * xz, zy], [xz, zx * xy - zy * xx, zz]]
-        )
+        s, cz = math.sin(self.tilt), -math.cos(self.tilt)
+        zx, zy = s * math.cos(self.azimuth), s * math.sin(self.azimuth)
+        cos, sin = math.cos(tool_yaw), math.sin(tool_yaw)
+        x, y = (1.0, 0.0) if self.turns else (cos, sin)
+        up = -(zx * x + zy * y) / cz
+        size = math.sqrt(1.0 + up * up)
+        x, y, up = x / size, y / size, up / size
+        R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
+        if self.turns:
+            R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
+        return R_ST if self.axes is WORLD_AXES else self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
         """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""

@@ -16,11 +16,8 @@ from pydrake.multibody.math import SpatialForce
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.wrench import Wrench
-
-
-TABLE = SupportFrame()
 
 
 def rigid_transform(pose: Pose2, z: float, frame: SupportFrame = TABLE) -> RigidTransform:
@@ -54,6 +51,14 @@ def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
     x, y, _ = frame.coordinates(position)
     ax, ay, _ = frame.components(x_axis)
     return Pose2(float(x), float(y), math.atan2(ay, ax))
+
+
+def planar_twist(V: NDArray[np.float64], frame: SupportFrame = TABLE) -> Vector3:
+    """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's spatial velocity: angular,
+    then linear.
+    """
+    vx, vy, _ = frame.components((V[3], V[4], V[5]))
+    return (float(vx), float(vy), float(np.dot(frame.spin_axis, V[:3])))
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:

@@ -37,7 +37,7 @@ from pushpressslide.sim.surfaces import (
 ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
-WALL_REACH, WALL_HIGH = 1.0, 0.7  # [m] to both sides of a wall's origin, and above it, that are drawn
+WALL_REACH = 0.8  # [m] of a wall that is drawn beside and above its origin
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
 WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
 OBJECT_COLOR = np.array([0.85, 0.55, 0.25, 1.0])
@@ -99,7 +99,7 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
     else:
         reach = max(math.hypot(x, y) for x, y in shape.footprint)
     poses = [plan.task.true_start]
-    for stretch in plan.stretches:
+    for stretch in plan.way:
         poses += [stretch.object_pose(s) for s in np.linspace(0.0, stretch.path.length, 60)]
     margin = reach + 0.25
     for obstacle in plan.task.obstacles:
@@ -215,27 +215,29 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
 
 def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
     """Draw the table, or the floor, and a wall round its opening."""
-    slabs = [(RigidTransform([0.45, 0.0, -0.0101]), (1.7, 1.8, 0.02))]
-    if support.kind == "wall":
-        opening = support.opening or model.Opening((0.0, 0.0), (0.0, 0.0), 0.0)
-        (w, h), (cx, cy), depth = opening.size, opening.center, opening.depth
-        thick = max(depth + 0.01, 0.02)
-        below = min(support.frame.origin[2], WALL_REACH)
-        low, high, left, right = cy - 0.5 * h, cy + 0.5 * h, cx - 0.5 * w, cx + 0.5 * w
-        parts = [
-            (-WALL_REACH, left, -below, WALL_HIGH, thick, 0.0), (right, WALL_REACH, -below, WALL_HIGH, thick, 0.0),
-            (left, right, -below, low, thick, 0.0), (left, right, high, WALL_HIGH, thick, 0.0),
-            (left, right, low, high, thick - depth, depth),
-        ]  # fmt: skip
-        for a, b, c, d, size, behind in parts:
-            if a < b and c < d:
-                X = rigid_transform(
-                    Pose2(0.5 * (a + b), 0.5 * (c + d)), -behind - 0.5 * size - SINK, support.frame
-                )
-                slabs.append((X, (b - a, d - c, size)))
-    for i, (X, size) in enumerate(slabs):
-        name, color = ("table", TABLE_COLOR) if i == 0 else (f"wall_{i}", WALL_COLOR)
-        plant.RegisterVisualGeometry(plant.world_body(), X, DrakeBox(*size), name, color)
+    table = RigidTransform([0.45, 0.0, -0.0101])
+    plant.RegisterVisualGeometry(plant.world_body(), table, DrakeBox(1.7, 1.8, 0.02), "table", TABLE_COLOR)
+    if support.kind == "table":
+        return
+    opening = support.opening or model.Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+    (w, h), (cx, cy), depth = opening.size, opening.center, opening.depth
+    low, high, left, right = cy - 0.5 * h, cy + 0.5 * h, cx - 0.5 * w, cx + 0.5 * w
+    reach, floor, back = WALL_REACH, -support.frame.origin[2], -depth - 0.01
+    slabs = (  # from, to in x, y and height
+        ((-reach, left), (floor, reach), (back, -SINK)),
+        ((right, reach), (floor, reach), (back, -SINK)),
+        ((left, right), (floor, low), (back, -SINK)),
+        ((left, right), (high, reach), (back, -SINK)),
+        ((left, right), (low, high), (back, -depth - SINK)),
+    )
+    for i, spans in enumerate(slabs):
+        x, y, z = (0.5 * (a + b) for a, b in spans)
+        size = [b - a for a, b in spans]
+        if min(size) > 0.0:
+            X = rigid_transform(Pose2(x, y), z, support.frame)
+            plant.RegisterVisualGeometry(
+                plant.world_body(), X, DrakeBox(size[0], size[1], size[2]), f"wall_{i}", WALL_COLOR
+            )
 
 
 def _let_only_tips_touch(

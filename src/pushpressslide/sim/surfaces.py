@@ -107,7 +107,11 @@ def support_grid(
         (w, h), (cx, cy), back = opening.size, opening.center, -opening.depth
         left, right, low, high = cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
         x_min, x_max, y_min, y_max = min(x_min, left), max(x_max, right), min(y_min, low), max(y_max, high)
-        inner_x, inner_y, inwards = _lines(left, right, tile), _lines(low, high, tile), _lines(back, 0.0, tile)
+        inner_x, inner_y, inwards = (
+            _lines(left, right, tile),
+            _lines(low, high, tile),
+            _lines(back, 0.0, tile),
+        )
         around = (
             ((x_min, left), (y_min, y_max)), ((right, x_max), (y_min, y_max)),
             ((left, right), (y_min, low)), ((left, right), (high, y_max)),

@@ -1,5 +1,5 @@
-"""A holonomic law for an object on a wall: what the arms give is what slides it, less its weight
-(docs/mechanics.md, section 7).
+"""A holonomic law for an object that may be on a wall: the arms give what slides it, less its weight in the
+plane (docs/mechanics.md, section 7).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 
 class CarriedTracker:
-    """The weight acts in the plane, at the CoM: tips that carry it at another height move the CoP by
-    ``lever`` times it, against its direction.
+    """The weight acts at the CoM: tips that carry it at another height move the CoP by ``lever`` times it,
+    against its direction. Without a weight in the plane it is the holonomic law.
     """
 
     def __init__(
@@ -27,11 +27,14 @@ class CarriedTracker:
         """
         self._X_BV, self._surface, self._decay = X_BV, surface, decay
         self._weight, self._lever = weight, lever
+        self._level = HolonomicTracker(X_BV, surface, decay=decay)
 
     def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
         """Return the arms' wrench, about the surface's centre, and the twist that follow ``path``, a
         TwistPath, at ``speed`` [m/s] in its own metric.
         """
+        if not any(self._weight):
+            return self._level.step(path, X_WB, progress, speed, grip)
         wx, wy = X_WB.unrotate(self._weight)
         x, y = self._surface.center
         lifted = replace(self._surface, center=(x - self._lever * wx, y - self._lever * wy))
