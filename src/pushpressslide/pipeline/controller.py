@@ -213,7 +213,7 @@ class Controller:
         if abs(guidance.error[1]) > ASTRAY:
             text = f"{abs(guidance.error[1]) * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
             return begin(replace(state, failure=("goal_missed", text)), "release", measurement)
-        if left <= STOP and (state.ahead or self._seated(state, measurement)):
+        if self._arrived(state, measurement, left):
             ahead = state.ahead or self._once_more(state, measurement, X_WB)
             if not ahead:
                 return begin(state, "release", measurement)
@@ -249,10 +249,14 @@ class Controller:
             return [None] * len(self.plan.choice.contacts)
         return [self.entry.speed(depth) for depth in depths]
 
-    def _seated(self, state: ControllerState, measurement: Measurement) -> bool:
-        """Whether the object is where it ends, into the opening, or has been waited for."""
+    def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
+        """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
+        or has been waited for.
+        """
+        if self.entry is None or state.ahead:
+            return left <= STOP
         late = measurement.time - state.clock_start - state.binding.plan.profile.duration
-        return self.entry is None or self.entry.ended(self._depths(measurement)) or late > SEAT_TIME
+        return late > SEAT_TIME or (left <= STOP and self.entry.ended(self._depths(measurement)))
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""
