@@ -103,6 +103,8 @@ def support_grid(
         nx, ny = max(1, math.ceil((x_max - x_min) / tile)), max(1, math.ceil((y_max - y_min) / tile))
         xs, ys = [x_min + i * tile for i in range(nx + 1)], [y_min + j * tile for j in range(ny + 1)]
         patch(xs, ys, lambda x, y: (x, y, 0.0))
+        if support.kind == "wall":  # its lower edge too: Drake's convex hull of it must not be flat
+            patch([x_min, x_max], [-tile, 0.0], lambda x, z: (x, y_min, z))
     else:
         (w, h), (cx, cy), back = opening.size, opening.center, -opening.depth
         left, right, low, high = cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
