@@ -31,7 +31,8 @@ class ToolAttitude:
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
     the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
-    about z_S with its yaw, as if fixed to the object. Raises PushPressSlideError for a tilt outside [0, pi/2).
+    about z_S with its yaw, as if fixed to the object. Raises PushPressSlideError for a tilt outside
+    [0, pi/2).
     """
 
     tilt: float = 0.0  # [rad] in [0, pi/2)
