@@ -117,6 +117,11 @@ class Plan:
         """The stretches of all grasps."""
         return tuple(stretch for grasp in self.grasps for stretch in grasp.stretches)
 
+    @property
+    def contacts_by_leg(self) -> dict[int, tuple[Contact, ...]]:
+        """The contacts that the arms have in each leg."""
+        return {part.choice.leg: grasp.choice.contacts for grasp in self.grasps for part in grasp.stretches}
+
     def object_pose(self, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m]."""
         X_WB = self.path.pose(s).compose(self.X_BV.inverse())

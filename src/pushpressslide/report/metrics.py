@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
@@ -62,7 +62,8 @@ def result(
     }
     out |= dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS)
     if known:
-        out |= _motion_figures(task, plan, record) | _contact_figures(task, plan, record)
+        grasps = series.by_grasp(plan, record)
+        out |= _motion_figures(task, grasps, record) | _contact_figures(task, grasps)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
         "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,
@@ -141,18 +142,14 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
 
 
-def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record) -> dict[str, Any]:
     arrays = record.arrays
     time, pose = arrays["time"], arrays["object_pose"]
     move, contact = series.in_phase(record, "move"), series.contact_phase(record)
     offset = pose - arrays["reference_pose"]
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
-    tips = []
-    for c in plan.choice.contacts:
-        point, _ = c.tip_place(task.robots[c.arm].tip_radius)
-        wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
-        tips.append(np.linalg.norm(arrays["tip_position"][move, c.arm, :2] - wanted[move, :2], axis=1))
+    tips = [_tip_errors(task, c, part) for grasp, part in grasps for c in grasp.choice.contacts]
     cross_track = series.path_errors(task, record)[move]
     tracked, stretch = series.tracked_poses(task, record)[move, :2], arrays["stretch"][move]
     errors = arrays["tracking_error"][move]
@@ -160,10 +157,10 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "start_pose": pose[0],
         "final_pose": [*pose[-1, :2], wrap_angle(float(pose[-1, 2]))],
         "duration": float(time[-1] - time[0]),
-        "motion_duration": float(np.ptp(time[contact])) if contact.any() else 0.0,
+        "motion_duration": float(np.diff(time, append=time[-1])[contact].sum()),
         "rms_position_error": _rms(position_error),
         "rms_yaw_error": _rms(yaw_error),
-        "rms_end_effector_error": _rms(np.array(tips)),
+        "rms_end_effector_error": _rms(np.concatenate(tips)) if tips else math.nan,
         "max_position_error": float(position_error.max()) if position_error.size else None,
         "max_yaw_error": float(np.abs(yaw_error).max()) if yaw_error.size else None,
         "path_rms_error": _rms(cross_track),
@@ -179,9 +176,35 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     }
 
 
-def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
-    if not plan.choice.contacts:
+def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
+    """Distance [m] of a tip from its place on the object where the reference has it, at every tick of the
+    move.
+    """
+    arrays, move = record.arrays, series.in_phase(record, "move")
+    point, _ = contact.tip_place(task.robots[contact.arm].tip_radius)
+    wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
+    off: Array = np.linalg.norm(arrays["tip_position"][move, contact.arm, :2] - wanted[move, :2], axis=1)
+    return off
+
+
+def _contact_figures(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
+    """Contact figures of all grasps together; the shares are of the ticks in contact."""
+    parts = [_grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.choice.contacts]
+    if not parts:
         return {}
+    counts = [part.pop("touching") for part in parts]
+    forces = [part["max_normal_force"] for part in parts if part["max_normal_force"] is not None]
+    outside = sum(n * (part["cone_violation_fraction"] or 0.0) for n, part in zip(counts, parts, strict=True))
+    return {
+        "max_normal_force": max(forces, default=None),
+        "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
+        "cone_violation_fraction": outside / sum(counts) if sum(counts) else None,
+        "slip_distance": sum(part["slip_distance"] for part in parts),
+        "contacts": [contact for part in parts for contact in part["contacts"]],
+    }
+
+
+def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
     move, contact = series.in_phase(record, "move"), series.contact_phase(record)
@@ -199,8 +222,10 @@ def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "contact_loss_time": float(step[lost.any(axis=1)].sum()),
         "cone_violation_fraction": float(outside.sum() / count) if count else None,
         "slip_distance": sum(slips),
+        "touching": count,
         "contacts": [
             {
+                "leg": plan.choice.leg,
                 "arm": c.arm,
                 "kind": c.kind,
                 "load": c.load if c.kind == "top" else None,
@@ -279,10 +304,10 @@ def _max_tilt(record: Record) -> float | None:
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
     """What was foreseen, of all stretches together, to set beside what happened."""
-    margins = [s.choice.friction_margin for s in plan.stretches if s.choice.friction_margin is not None]
+    margins = [s.choice.friction_margin for s in plan.way if s.choice.friction_margin is not None]
     return {
-        "path_length": sum(series.path_length(stretch.path) for stretch in plan.stretches),
-        "motion_duration": sum(stretch.profile.duration for stretch in plan.stretches),
+        "path_length": sum(series.path_length(stretch.path) for stretch in plan.way),
+        "motion_duration": sum(stretch.profile.duration for stretch in plan.way),
         "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),
         "condition": record.meta.get("condition_planned"),
