@@ -16,7 +16,7 @@ from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import IkSolution, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
-from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,6 @@ LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
 YAW_APART = 0.6  # [rad] between the yaws of tools that are not held alike
 POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
-SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad] of a turning tool, to which it leans
 LEANING = math.radians(95.0)  # from behind the contact, of a turning tool
 
 
