@@ -9,24 +9,23 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.control import Vector3
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Robot, Task
+from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.robots.reach import REACH_MARGIN, held_somehow_problem, reachable
-from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
+from pushpressslide.robots.reach import held_somehow_problem
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, UPRIGHT, ToolAttitude
 
 GRAVITY, TURN = 9.81, 2.0 * math.pi
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried, nor is more
 ASIDE = (math.radians(20.0), math.radians(60.0))
-# [rad] to which a tool that turns with the object leans, from behind its contact, and from how much turn on
-LEANS = {"side": (0.0, ASIDE[1], -ASIDE[1]), "top": tuple(0.5 * math.pi * i for i in range(4))}
-LEAST_TURN = math.radians(20.0)
+# from behind the contact, of a tool that turns with the object
+LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
+TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
@@ -146,25 +145,17 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
     point, height = contact.tip_place(robot.tip_radius)
     points = [(*X_WB.apply(point), height) for X_WB in bodies]
     azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-    attitudes = [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    problem = held_somehow_problem(robot, points, [UPRIGHT, *attitudes])
-    if problem is None or max(abs(X.yaw - bodies[0].yaw) for X in bodies) < LEAST_TURN:
-        return problem
-    picked = [round(share * (len(bodies) - 1)) for share in (0.0, 1.0, 0.5, 0.25, 0.75)]
-    return None if _held_turning(contact, robot, [(bodies[i], points[i]) for i in picked]) else problem
-
-
-def _held_turning(contact: Contact, robot: Robot, places: list[tuple[Pose2, Vector3]]) -> bool:
-    """Whether the arm gets to all places with a tilted tool that turns with the object."""
-    kin, behind = arm_kinematics(robot), math.atan2(contact.normal[1], contact.normal[0])
-    return any(
-        all(
-            reachable(kin, np.array([p]), ToolAttitude(tilt, X_WB.yaw + behind + lean), None, REACH_MARGIN).ok
-            for X_WB, p in places
-        )
-        for tilt in reversed(TOOL_TILTS[1:])
-        for lean in LEANS[contact.kind]
-    )
+    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = [(UPRIGHT, None)]
+    holds += [(ToolAttitude(tilt, azimuth), None) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
+    if contact.kind == "side" and np.ptp(yaws) > TURNING:
+        behind = math.atan2(contact.normal[1], contact.normal[0])
+        holds += [
+            (ToolAttitude(TOOL_TILTS[-1], side, turns=True), yaws + behind + lean - side)
+            for lean in LEANS
+            for side in SIDES
+        ]
+    return held_somehow_problem(robot, points, holds)
 
 
 def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:
