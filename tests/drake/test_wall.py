@@ -77,7 +77,9 @@ def test_the_wall_holds_up_to_its_friction_and_no_more() -> None:
     assert height == pytest.approx(0.05, abs=1e-4)
     slid = (0.0, weight - 1.2 * Pressed.FRICTION * press, -press)
     pose, _ = Pressed(Pose2(0.1, -0.2, 0.3), None).under(slid, 0.5)
-    assert pose.y == pytest.approx(-0.2 - 0.5 * 0.2 * Pressed.FRICTION * press / Pressed.MASS * 0.25, rel=0.05)
+    assert pose.y == pytest.approx(
+        -0.2 - 0.5 * 0.2 * Pressed.FRICTION * press / Pressed.MASS * 0.25, rel=0.05
+    )
     assert pose.x == pytest.approx(0.1, abs=2e-4)
 
 

@@ -4,40 +4,46 @@ import math
 
 import pytest
 
-from pushpressslide import load_task
-from pushpressslide.core.control import TipState
-from pushpressslide.core.plan import Contact
-from pushpressslide.pipeline.entry import BRAKE, LANDING, Entry
+import pushpressslide as pps
+from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.pose import Pose2
+from pushpressslide.pipeline.entry import BRAKE, LANDING, Entry, entry
 
-ENTRY = Entry(0.15, (0.02, 0.03))
-CONTACT = Contact(1, "top", (0.02, -0.25), (0.0, 0.0), 0.25, 60.0)
-STILL = (0.0, 0.0, 0.0)
+ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
+
+
+def at(left: float, right: float) -> Measurement:
+    """Tips at depths [m] in the opening; the right arm is number 1 and has the first contact."""
+    places = ((0.0, 0.0, 0.28 - left), (0.0, 0.0, 0.27 - right))
+    still = (0.0, 0.0, 0.0)
+    return Measurement(0.0, Pose2(), tuple(TipState(place, still, still) for place in places))
 
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
-    assert ENTRY.depth(TipState((0.0, 0.0, 0.28), STILL, STILL), CONTACT) == pytest.approx(0.0)
-    assert ENTRY.depth(TipState((0.0, 0.0, 0.15), STILL, STILL), CONTACT) == pytest.approx(0.13)
+    assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
+    made = entry(pps.plan(pps.load_task("press-fit")))
+    assert made is not None
+    assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 
 
 def test_one_deep_tip_begins_it_and_all_must_be_deep_to_end_it() -> None:
-    assert not ENTRY.begun([0.002, 0.001])
-    assert ENTRY.begun([0.004, -0.001])
-    assert not ENTRY.ended([0.1495, 0.12])
-    assert ENTRY.ended([0.1495, 0.149])
+    assert ENTRY.speeds(at(0.002, 0.001)) == [None, None]
+    assert None not in ENTRY.speeds(at(0.004, -0.001))
+    assert not ENTRY.seated(at(0.1495, 0.12))
+    assert ENTRY.seated(at(0.1495, 0.149))
 
 
 def test_the_speed_lets_the_tips_stop_before_the_back() -> None:
-    way, speed = 0.05, ENTRY.speed(0.10)
-    left = math.sqrt(speed**2 - 2.0 * BRAKE * way)
-    assert left == pytest.approx(LANDING)
-    assert ENTRY.speed(0.16) == pytest.approx(LANDING)
+    (right, left), way = ENTRY.speeds(at(0.10, 0.16)), 0.05
+    assert right == pytest.approx(LANDING)
+    assert math.sqrt(left**2 - 2.0 * BRAKE * way) == pytest.approx(LANDING)
 
 
 def test_only_a_goal_within_the_opening_is_entered() -> None:
-    assert load_task("press-fit").enters
-    opening = load_task("press-fit").support.opening
+    assert pps.load_task("press-fit").enters
+    opening = pps.load_task("press-fit").support.opening
     assert opening is not None
-    upright = load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
+    upright = pps.load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
     assert not upright.enters
-    assert not any(part.enters for part in load_task("press-fit").parts[:2])
-    assert load_task("press-fit").parts[-1].enters
+    assert not any(part.enters for part in pps.load_task("press-fit").parts[:2])
+    assert pps.load_task("press-fit").parts[-1].enters

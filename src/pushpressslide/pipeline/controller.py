@@ -82,7 +82,7 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
-        self.entry = entry(plan)
+        self.entry = entry(plan)  # into an opening of the support
         self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
@@ -180,7 +180,8 @@ class Controller:
         contacts, dt = binding.plan.choice.contacts, measurement.time - state.last_time
         reference = joint_reference(state, measurement.time)
         gain = self.force_gain * drag_ratio(state)
-        speeds = self._entry_speeds(measurement)
+        entry = self.entry
+        speeds = entry.speeds(measurement) if entry is not None else [None] * len(contacts)
         moved = [
             self.mover.step(
                 memory, measurement.tips[contact.arm], contact, X_WB, guidance.twist, inside, (gain * f[0],
@@ -238,17 +239,6 @@ class Controller:
                 )
         return state
 
-    def _depths(self, measurement: Measurement) -> list[float]:
-        """How deep in the opening the tips are [m]."""
-        assert self.entry is not None
-        return [self.entry.depth(measurement.tips[c.arm], c) for c in self.plan.choice.contacts]
-
-    def _entry_speeds(self, measurement: Measurement) -> list[float | None]:
-        """The speed [m/s] at which each tip may go into the opening; None where the support is pressed."""
-        if self.entry is None or not self.entry.begun(depths := self._depths(measurement)):
-            return [None] * len(self.plan.choice.contacts)
-        return [self.entry.speed(depth) for depth in depths]
-
     def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
         """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
         or has been waited for.
@@ -256,7 +246,7 @@ class Controller:
         if self.entry is None or state.ahead:
             return left <= STOP
         late = measurement.time - state.clock_start - state.binding.plan.profile.duration
-        return late > SEAT_TIME or (left <= STOP and self.entry.ended(self._depths(measurement)))
+        return late > SEAT_TIME or (left <= STOP and self.entry.seated(measurement))
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from pushpressslide.core.control import TipState
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.control import Measurement
+from pushpressslide.core.plan import Plan
 
 ENTERED = 0.003  # [m] of any tip beyond where it touched at which the object counts as going in
 SEATED = 0.002  # [m] from the back at which it counts as seated
@@ -23,23 +23,23 @@ class Entry:
     """The way into the opening that the goal lies in."""
 
     stop: float  # [m] depth of its back
-    radii: tuple[float, ...]  # [m] of the tips, by arm
+    tips: tuple[tuple[int, float], ...]  # of each contact: its arm, and the tip's height [m] on the face
 
-    def depth(self, tip: TipState, contact: Contact) -> float:
-        """Return how much deeper a tip is than when its contact was on the support's face [m]."""
-        return contact.tip_place(self.radii[contact.arm])[1] - tip.position[2]
+    def depths(self, measurement: Measurement) -> list[float]:
+        """Return how much deeper each tip is than when its contact was on the face [m]."""
+        return [height - measurement.tips[arm].position[2] for arm, height in self.tips]
 
-    def speed(self, depth: float) -> float:
-        """Return the speed [m/s] at which a tip at ``depth`` [m] may go in."""
-        return math.sqrt(2.0 * BRAKE * max(self.stop - depth, 0.0) + LANDING * LANDING)
+    def speeds(self, measurement: Measurement) -> list[float | None]:
+        """Return the speed [m/s] at which each tip may go in; None while the support is pressed."""
+        depths = self.depths(measurement)
+        if max(depths) <= ENTERED:
+            return [None] * len(depths)
+        lefts = (max(self.stop - depth, 0.0) for depth in depths)
+        return [math.sqrt(2.0 * BRAKE * left + LANDING * LANDING) for left in lefts]
 
-    def begun(self, depths: list[float]) -> bool:
-        """Return whether the object goes in."""
-        return max(depths) > ENTERED
-
-    def ended(self, depths: list[float]) -> bool:
-        """Return whether the object is seated."""
-        return min(depths) > self.stop - SEATED
+    def seated(self, measurement: Measurement) -> bool:
+        """Return whether all tips are as deep as they go."""
+        return min(self.depths(measurement)) > self.stop - SEATED
 
 
 def entry(plan: Plan) -> Entry | None:
@@ -48,4 +48,7 @@ def entry(plan: Plan) -> Entry | None:
     opening = task.support.opening
     if opening is None or not task.enters:
         return None
-    return Entry(opening.depth, tuple(robot.tip_radius for robot in task.robots))
+    contacts = plan.choice.contacts
+    return Entry(
+        opening.depth, tuple((c.arm, c.tip_place(task.robots[c.arm].tip_radius)[1]) for c in contacts)
+    )

@@ -29,7 +29,7 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
     until = int(inside[0]) if len(inside) else len(gap)
     before = gap[:until][series.contact_phase(record)[:until]]
     out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task, positions))))
-    out["support_gap_max"] = float(before.max()) if before.size else None
+    out["support_gap_max"] = max(0.0, float(before.max())) if before.size else None
     out["seated_depth"] = -float(gap[-1]) if task.enters else None
     return out
 

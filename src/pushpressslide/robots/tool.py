@@ -19,7 +19,8 @@ from pushpressslide.core.support_frame import WORLD_AXES, Matrix3
 
 Array = NDArray[np.float64]
 
-# that are tried, the wrist behind the contact
+# that are tried: tilts, and the sides to which a tool that turns with the object leans
+SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad]
 TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 
 
@@ -29,8 +30,9 @@ class ToolAttitude:
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
     the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
-    in their plane with its yaw, as if fixed to the object. Raises PushPressSlideError for a tilt outside
-    [0, pi/2).
+    in their plane with its yaw, as if fixed to the object.
+
+    Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
 
     tilt: float = 0.0  # [rad] in [0, pi/2)

@@ -67,6 +67,7 @@ class ClearanceModel:
         base = [
             plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links
         ]
+        self._base_shapes = {g for body in base for g in plant.GetCollisionGeometriesForBody(body)}
         arm_bodies, *still_bodies = (
             [plant.get_body(i) for i in plant.GetBodyIndices(robot.model_instance)]
             for robot in (self._instance, *still.values())
@@ -113,8 +114,14 @@ class ClearanceModel:
         return float(least), pair
 
     def smooth_least(self, q: Array, object_pose: Pose2, *, touching: bool) -> tuple[float, Array]:
-        """Return a smooth lower bound of the least distance [m], and its gradient (n,)."""
-        pairs = list(self._pairs(q, object_pose, touching))
+        """Return a smooth lower bound of the least distance [m] of what the joints move, and its gradient
+        (n,).
+        """
+        pairs = [
+            pair
+            for pair in self._pairs(q, object_pose, touching)
+            if not {pair.id_A, pair.id_B} & self._base_shapes
+        ]
         if not pairs:
             return LOOK, np.zeros(len(q))
         distances = np.array([pair.distance for pair in pairs])

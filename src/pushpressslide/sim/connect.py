@@ -23,6 +23,8 @@ def connect(start: Array, goal: Array, free: Free, lower: Array, upper: Array) -
     ``free`` says whether one posture (n,) is; joints stay within ``lower`` and ``upper`` (n,). The same
     question has the same answer every time.
     """
+    if not (free(start) and free(goal)):
+        return None
     rng = np.random.default_rng(0)
     least = np.maximum(lower, np.minimum(start, goal) - ROOM)
     most = np.minimum(upper, np.maximum(start, goal) + ROOM)

@@ -51,7 +51,6 @@ GLANCE = 8  # of so many postures of a way one is looked at first
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 REFINED = 4  # misses that are tried to be made good
 NEAR = 0.1  # shortfall of a near miss
-YAW_APART = 0.6  # [rad] between the tool yaws of two that are tried at one tilt
 
 ArmPath = tuple[JointPath, ToolAttitude]
 
@@ -127,7 +126,9 @@ class ArmSearch:
         self.misses.sort(key=lambda miss: miss.short)
         if found or self.kin.facts.size < POSE or self.stays:
             return
-        for miss in _diverse(self.misses):
+        near_misses = [self._with_clearance(miss) for miss in self.misses if miss.short < NEAR]
+        near_misses.sort(key=lambda miss: miss.short)
+        for miss in _diverse([miss for miss in near_misses if miss.short < NEAR]):
             near = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
             refined = None if near is None else self.path(near, thorough=True)
             if near is not None and isinstance(refined, JointPath):
@@ -202,6 +203,11 @@ class ArmSearch:
             self.misses += failed
             yield from found[:ENOUGH]
 
+    def _with_clearance(self, miss: Miss) -> Miss:
+        """Return a miss of what the joints can do with what it lacks of clearance besides."""
+        clear, _ = self.model.least(miss.posture.q, self.objects, touching=True)
+        return replace(miss, short=max(miss.short, 10.0 * (CLEARANCE - clear)))
+
     def _refined(self, miss: Miss) -> Move | None:
         """Return an allowed move near a missed one, drawn back from the object as well, or None."""
         tip, posture, before = self.tip, miss.posture, 3
@@ -238,15 +244,9 @@ def _diverse(misses: list[Miss]) -> list[Miss]:
     """Return the nearest of near misses, not too like each other."""
     out: list[Miss] = []
     for miss in misses:
-        posture = miss.posture
-        like = (
-            chosen.posture.attitude == posture.attitude
-            and abs(math.remainder(chosen.posture.offset - posture.offset, 2.0 * math.pi)) < YAW_APART
-            for chosen in out
-        )
-        if miss.short < NEAR and len(out) < REFINED and not any(like):
+        if not any(miss.posture.like(chosen.posture) for chosen in out):
             out.append(miss)
-    return out
+    return out[:REFINED]
 
 
 def _near(pair: str, clear: float) -> str:

@@ -17,7 +17,7 @@ from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import IkSolution, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
-from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 Array = NDArray[np.float64]
 
@@ -25,9 +25,9 @@ JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach c
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
+YAW_APART = 0.6  # [rad] between the yaws of tools that are not held alike
 POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
-SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad] of a turning tool, to which it leans
-LEANING = math.radians(60.0)  # from behind the contact, of a turning tool
+LEANING = math.radians(95.0)  # from behind the contact, of a turning tool
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,18 @@ class Posture:
     attitude: ToolAttitude
     offset: float  # [rad] tool yaw minus object yaw
     q: Array  # (k, n)
+
+    def like(self, other: Posture) -> bool:
+        """Whether the tool is held much as in another."""
+        mine, theirs = self.attitude, other.attitude
+        turn = self.offset - other.offset
+        if mine.turns and theirs.turns:  # the same leaning counts, whichever side of the tool leans
+            return mine.tilt == theirs.tilt and _turned(turn + mine.azimuth - theirs.azimuth) < YAW_APART
+        return mine == theirs and _turned(turn) < YAW_APART
+
+
+def _turned(angle: float) -> float:
+    return abs(math.remainder(angle, math.tau))
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 Function = Callable[[Array], tuple[Array, Array]]
 """Value (m,) and Jacobian (m, size) at a point (size,)."""
 
-MAJOR_LIMIT, MINOR_LIMIT = 40, 1500  # iterations of one optimisation, a second or two
+MAJOR_LIMIT, MINOR_LIMIT = 40, 4000  # iterations of one optimisation, a second or two
 POINT_STEP = 0.025  # [m] of the tip between control points
 LEAST_POINTS, MOST_POINTS = 10, 30
 WAY_POINTS, WAY_SAMPLES = 12, 40
