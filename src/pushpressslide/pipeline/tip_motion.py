@@ -85,6 +85,8 @@ class TipMover:
         stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
         if entry_speed is not None:  # nothing but the damper holds it back
             push, damping, felt = load, load / entry_speed, Felt(False, 0.0)
+            most, size = self.friction * max(normal_force, 0.0), math.hypot(*f)
+            f = (f[0] * most / size, f[1] * most / size) if size > most else f  # what it holds by friction
         elif contact.kind == "top":
             push, regulator = self.regulator.step(regulator, load, normal_force, dt)
         else:
