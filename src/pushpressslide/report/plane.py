@@ -202,6 +202,10 @@ def _footprints(ax: Axes, task: Task, poses: Sequence[Pose2], color: str, label:
 def _surroundings(ax: Axes, task: Task) -> None:
     from matplotlib.patches import Circle, Polygon
 
+    if (opening := task.support.opening) is not None:
+        (w, h), (x, y) = opening.size, opening.center
+        corners = [(x + a * w, y + b * h) for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+        ax.add_patch(Polygon(corners, closed=True, fill=False, edgecolor="#6B7280", ls=":", label="opening"))
     for i, obstacle in enumerate(task.obstacles):
         a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
         corners = [obstacle.pose.apply(c) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]

@@ -69,7 +69,9 @@ class Playback:
     def _draw_plan(self) -> None:
         graph, task = self.scene.scene_graph, self.task
         source = graph.RegisterSource("plan")
-        height = 0.5 * task.object.shape.height - GOAL_SINK
+        opening = task.support.opening
+        depth = opening.depth if opening is not None and task.enters else GOAL_SINK
+        height = 0.5 * task.object.shape.height - depth
         _anchor(
             graph,
             source,
