@@ -14,10 +14,10 @@ from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Obstacle,
 from pushpressslide.pipeline.controller import RETREAT
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim import arms
-from pushpressslide.sim.arms import ArmPath, drawn_back, joint_paths
-from pushpressslide.sim.clearance import ClearanceModel
+from pushpressslide.sim.arms import APART, ArmPath, drawn_back, joint_paths
+from pushpressslide.sim.clearance import LOOK, ClearanceModel
 from pushpressslide.sim.joint_path import CLEARANCE
+from pushpressslide.sim.outline import Outline, least_distance
 
 
 def check(
@@ -43,8 +43,9 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
         np.column_stack([np.interp(times, path.approach_time, column) for column in path.approach.T])
         for path in (left, right)
     ]
-    assert arms._Pair(plan).least(*ways) > arms.APART - 2e-3
-    assert arms._Pair(plan).least(left.move, right.move) >= arms.APART
+    one, other = (Outline(robot, i) for i, robot in enumerate(plan.task.robots))
+    assert least_distance(one, other, *ways, LOOK) > APART - 2e-3
+    assert least_distance(one, other, left.move, right.move, LOOK) >= APART
 
 
 def turned(start: Pose2, point: Point, degrees: float) -> Pose2:

@@ -95,7 +95,7 @@ def test_a_tip_that_cannot_be_drawn_back_all_the_way_is_drawn_back_less() -> Non
     check(plan, path, attitude)
 
 
-@pytest.mark.parametrize("radius", [0.15, 0.24, 0.36])
+@pytest.mark.parametrize("radius", [0.24, 0.36])
 def test_a_push_may_begin_near_the_base(radius: float) -> None:
     plan = pps.plan(near_the_base(radius))
     check(plan, *search.joint_path(plan))
