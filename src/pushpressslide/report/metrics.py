@@ -17,14 +17,12 @@ from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.report import series
+from pushpressslide.report.contact_metrics import contact_figures
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 Array = NDArray[np.float64]
 
 SCHEMA = 1
-CONE_TOLERANCE = 0.02
-"""Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
-
 MOTION_FIELDS = (
     "start_pose", "final_pose", "duration", "motion_duration", "rms_position_error", "rms_yaw_error",
     "rms_end_effector_error", "max_position_error", "max_yaw_error", "path_rms_error", "path_max_error",
@@ -63,7 +61,7 @@ def result(
     out |= dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS)
     if known:
         grasps = series.by_grasp(plan, record)
-        out |= _motion_figures(task, grasps, record) | _contact_figures(task, grasps)
+        out |= _motion_figures(task, grasps, record) | contact_figures(task, grasps)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
         "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,
@@ -145,7 +143,7 @@ def _rms(values: Array) -> float:
 def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record) -> dict[str, Any]:
     arrays = record.arrays
     time, pose = arrays["time"], arrays["object_pose"]
-    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    move = series.in_phase(record, "move")
     offset = pose - arrays["reference_pose"]
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
@@ -157,7 +155,7 @@ def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: R
         "start_pose": pose[0],
         "final_pose": [*pose[-1, :2], wrap_angle(float(pose[-1, 2]))],
         "duration": float(time[-1] - time[0]),
-        "motion_duration": float(np.diff(time, append=time[-1])[contact].sum()),
+        "motion_duration": sum(_in_contact(part) for _, part in grasps),
         "rms_position_error": _rms(position_error),
         "rms_yaw_error": _rms(yaw_error),
         "rms_end_effector_error": _rms(np.concatenate(tips)) if tips else math.nan,
@@ -176,6 +174,12 @@ def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: R
     }
 
 
+def _in_contact(record: Record) -> float:
+    """Time [s] from the first tick of the move to the last."""
+    time = record.arrays["time"][series.contact_phase(record)]
+    return float(np.ptp(time)) if len(time) else 0.0
+
+
 def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
     """Distance [m] of a tip from its place on the object where the reference has it, at every tick of the
     move.
@@ -185,64 +189,6 @@ def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
     wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
     off: Array = np.linalg.norm(arrays["tip_position"][move, contact.arm, :2] - wanted[move, :2], axis=1)
     return off
-
-
-def _contact_figures(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
-    """Contact figures of all grasps together; the shares are of the ticks in contact."""
-    parts = [_grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.choice.contacts]
-    if not parts:
-        return {}
-    counts = [part.pop("touching") for part in parts]
-    forces = [part["max_normal_force"] for part in parts if part["max_normal_force"] is not None]
-    outside = sum(n * (part["cone_violation_fraction"] or 0.0) for n, part in zip(counts, parts, strict=True))
-    return {
-        "max_normal_force": max(forces, default=None),
-        "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
-        "cone_violation_fraction": outside / sum(counts) if sum(counts) else None,
-        "slip_distance": sum(part["slip_distance"] for part in parts),
-        "contacts": [contact for part in parts for contact in part["contacts"]],
-    }
-
-
-def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
-    time = record.arrays["time"]
-    normals, tangents = series.contact_forces(plan, record)
-    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
-    felt = normals[series.in_phase(record, "touch", "move", "release")]
-    step = np.diff(time, append=time[-1])
-    lost = contact[:, None] & (normals < series.CONTACT_FORCE)
-    touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
-    use = np.linalg.norm(tangents, axis=2) / allowed
-    outside = touching & (use > 1.0 + CONE_TOLERANCE)
-    slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
-    count = int(touching.sum())
-    return {
-        "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
-        "contact_loss_time": float(step[lost.any(axis=1)].sum()),
-        "cone_violation_fraction": float(outside.sum() / count) if count else None,
-        "slip_distance": sum(slips),
-        "touching": count,
-        "contacts": [
-            {
-                "leg": plan.choice.leg,
-                "arm": c.arm,
-                "kind": c.kind,
-                "load": c.load if c.kind == "top" else None,
-                "max_normal_force": float(np.nanmax(felt[:, i])) if felt.size else None,
-                "mean_normal_force": _mean(normals[touching[:, i], i]),
-                "mean_friction_use": _mean(use[touching[:, i], i]),
-                "contact_loss_time": float(step[lost[:, i]].sum()),
-                "cone_violation_fraction": _mean(outside[touching[:, i], i]),
-                "slip_distance": slips[i],
-            }
-            for i, c in enumerate(plan.choice.contacts)
-        ],
-    }
-
-
-def _mean(values: Array) -> float | None:
-    return float(values.mean()) if values.size else None
 
 
 def _torque_violations(task: Task, record: Record) -> float | None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+Maker = Callable[[Task, Plan, Record], "Figure | None"]
 MOST_POINTS = 20000  # of a curve; more than a figure can show
 LEAST_REACH = (
     0.1  # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill the panel
@@ -37,19 +38,15 @@ def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
 
     if series.ticks(record) < 2:
         return {}
-    makers: dict[str, Callable[[Task, Plan, Record], Figure | None]] = {
-        "path": path_figure,
-        "errors": errors_figure,
-        "tracking": tracking_figure,
-        "torques": torques_figure,
-        "speeds": speeds_figure,
-    }
-    made = {name: maker(task, plan, record) for name, maker in makers.items()}
+    of_all: dict[str, Maker] = {"path": path_figure, "errors": errors_figure, "tracking": tracking_figure}
+    of_grasp: dict[str, Maker] = {"axle": axle_over_time, "forces": forces_figure}
+    of_arms: dict[str, Maker] = {"torques": torques_figure, "speeds": speeds_figure}
     grasps = series.by_grasp(plan, record)
+    made = {name: maker(task, plan, record) for name, maker in of_all.items()}
     for i, (grasp, part) in enumerate(grasps):
         number = f"-{i + 1}" if len(grasps) > 1 else ""
-        made[f"axle{number}"] = axle_over_time(task, grasp, part)
-        made[f"forces{number}"] = forces_figure(task, grasp, part)
+        made |= {f"{name}{number}": maker(task, grasp, part) for name, maker in of_grasp.items()}
+    made |= {name: maker(task, plan, record) for name, maker in of_arms.items()}
     return {name: figure for name, figure in made.items() if figure is not None}
 
 
