@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Obstacle, Robot, Task
 from pushpressslide.pipeline.controller import RETREAT
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.sim import joint_path
 from pushpressslide.sim.arms import APART, ArmPath, drawn_back, joint_paths
 from pushpressslide.sim.clearance import LOOK, ClearanceModel
 from pushpressslide.sim.joint_path import CLEARANCE
@@ -91,7 +93,9 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
 
 
 def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paper's third experiment: the right arm turns with the face, then both go round to the rear."""
+    """The paper's third experiment: the right arm turns with the face, which only refinement makes possible,
+    then both go round to the rear.
+    """
     start, point = Pose2(0.38, -0.26, 0.0), (-0.11, 0.205)
     goal = turned(start, point, 90.0)
     size = (0.6, 0.8, 0.7)
@@ -115,6 +119,10 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.M
             motion=Motion(contact_height=0.45),
         )
     )
+    with monkeypatch.context() as grid_alone:
+        grid_alone.setattr(joint_path, "REFINED", 0)
+        with pytest.raises(InfeasibleTaskError, match="inside its limit"):
+            joint_paths(turn)
     first = joint_paths(turn)
     keep_apart(turn, first)
     postures = drawn_back(turn, first)

@@ -71,15 +71,6 @@ def test_the_tip_of_a_shipped_task_is_right(name: str) -> None:
     assert path.gap == pytest.approx(plan.task.motion.approach_distance)
 
 
-def test_a_near_miss_of_the_grid_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = pps.plan(random_task(base("iiwa7"), 69, seed=3))
-    with monkeypatch.context() as grid_alone:
-        grid_alone.setattr(search, "REFINED", 0)
-        with pytest.raises(InfeasibleTaskError, match="inside its limit"):
-            search.joint_path(plan)
-    check(plan, *search.joint_path(plan))
-
-
 def test_what_is_hopeless_is_refused_with_the_figure() -> None:
     plan = make_plan(near_the_base(0.02), force=True)
     with pytest.raises(
