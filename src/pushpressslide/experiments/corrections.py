@@ -7,7 +7,7 @@ One row for each of docs/mechanics.md, section 12. Renew the page by
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
@@ -30,7 +30,7 @@ def corrections() -> tuple[Correction, ...]:
     return tuple(row() for row in ROWS)
 
 
-def html(rows: tuple[Correction, ...]) -> str:
+def html(rows: Sequence[Correction]) -> str:
     """Return the corrections as an HTML table: a group of figures for each."""
     lines, marks = [], []
     for row in rows:
@@ -49,7 +49,7 @@ def html(rows: tuple[Correction, ...]) -> str:
     return table(("Claim and figure", "Paper", "Holds"), lines, marks, numbers=2)
 
 
-def markdown(rows: tuple[Correction, ...]) -> str:
+def markdown(rows: Sequence[Correction]) -> str:
     """Return the corrections as Markdown: a heading, a line and a table for each."""
     parts = []
     for row in rows:

@@ -1,0 +1,96 @@
+"""The paper's experiments as Markdown: its figures beside the measured ones, what they say, the claims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.experiments.claims import Claim
+from pushpressslide.experiments.evidence import Evidence, Outcome, Result
+from pushpressslide.experiments.experiment import Comparison, Experiment
+from pushpressslide.experiments.figures import FIGURES, figure_of, paper_figure
+
+LEGEND = (
+    "Time: contact phase, from the first push to the release, in simulated seconds. RMS: over the contact "
+    "phase, against the reference at the same time; who is late is far from it. End: distance from the goal."
+)
+TOLD = ("motion_duration", "rms_position_error", "rms_yaw_error", "final_position_error")  # in sentences
+ALIKE = 0.03  # share by which two figures may differ and still be called alike
+STATUS = {True: "reproduced", False: "not reproduced", None: "not run"}
+
+
+def write_table(
+    experiments: Sequence[Experiment], evidence: Evidence, judged: Sequence[Claim], path: Path
+) -> Path:
+    """Write figures and claims as a Markdown file and return its path."""
+    parts = [LEGEND + "\n"]
+    for experiment in experiments:
+        head = ["", "figures", *(label for label, *_ in FIGURES), "outcome"]
+        lines = [head, ["---"] * 2 + ["---:"] * len(FIGURES) + ["---"]]
+        for variant in experiment.variants:
+            outcome = evidence.outcomes[experiment.name, variant.name]
+            if variant.paper:
+                cells = [paper_figure(variant.paper, key) for _, key, *_ in FIGURES]
+                lines.append([variant.title, "paper", *cells, ""])
+            title = "" if variant.paper else variant.title
+            cells = [figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES]
+            lines.append([title, "measured", *cells, ending(outcome)])
+        said = " ".join([*findings(experiment, evidence), experiment.why])
+        parts.append(f"## {experiment.title}\n\n{_rows(lines)}\n\n{said}\n")
+    lines = [["claim", "paper", "measured", "status", "why"], ["---"] * 5]
+    lines += [[c.words, c.paper, c.measured, STATUS[c.reproduced], c.why] for c in judged]
+    parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rows(lines)}\n")
+    return write_whole(path, "\n".join(parts))
+
+
+def _rows(lines: Sequence[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def summary(judged: Sequence[Claim]) -> str:
+    """Say how many claims were reproduced, and how many were not run."""
+    good, run = sum(c.reproduced is True for c in judged), sum(c.reproduced is not None for c in judged)
+    rest = len(judged) - run
+    return f"{good} of {run} claims reproduced{f'; {rest} not run' if rest else ''}."
+
+
+def ending(outcome: Outcome) -> str:
+    """Say how a run ended."""
+    if outcome.result is None:
+        return f"not run: {outcome.failure}"
+    return str(outcome.result["reason"]["code"]).replace("_", " ")
+
+
+def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
+    """Return sentences that compare the measured figures of the experiment; none where a run is missing."""
+    said = []
+    for comparison in experiment.comparisons:
+        base, changed = (evidence.result(experiment.name, n) for n in (comparison.base, comparison.changed))
+        if base is not None and changed is not None:
+            said.append(_compared(comparison, base, changed))
+    return said
+
+
+def _compared(comparison: Comparison, base: Result, changed: Result) -> str:
+    """Say what a change did to time, RMS error and end."""
+    told = []
+    for label, key, factor, _, decimals in FIGURES:
+        before, after = base[key], changed[key]
+        if key not in TOLD or before is None or after is None:
+            continue
+        told.append(
+            f"{label} {factor * before:.{decimals}f} to {figure_of(changed, key)}{_ratio(before, after)}"
+        )
+    words = comparison.words[0].upper() + comparison.words[1:]
+    end = "" if changed["success"] else f" It ends with: {changed['reason']['text']}."
+    return f"{words}: {'; '.join(told)}.{end}"
+
+
+def _ratio(before: float, after: float) -> str:
+    if before <= 0.0 or after <= 0.0:
+        return ""
+    if abs(after / before - 1.0) <= ALIKE:
+        return " (alike)"
+    ratio = after / before
+    return f" (× {ratio:.2f})" if ratio < 10.0 else f" (× {ratio:.0f})"
