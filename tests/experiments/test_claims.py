@@ -28,15 +28,15 @@ def judged(experiment, results, rho=None):
 
 @pytest.mark.parametrize(("error", "met"), [(0.0149, True), (0.0151, False)])
 def test_a_figure_is_reproduced_where_it_is_met_or_beaten(error: float, met: bool) -> None:
-    position, yaw = judged(REACH_REAR, {"run": made_up(0.001, final_position_error=error)})
-    assert position.paper == "≤ 15.0 mm"
-    assert position.measured == f"{1e3 * error:.1f} mm"
-    assert position.reproduced is met
-    assert yaw.reproduced is True
+    (claim,) = judged(REACH_REAR, {"run": made_up(0.001, final_position_error=error)})
+    assert claim.words == "Push by the rear face: distance from the goal"
+    assert claim.paper == "≤ 15.0 mm, ≤ 2.00°"
+    assert claim.measured == f"{1e3 * error:.1f} mm, 0.06°"
+    assert claim.reproduced is met
 
 
 def test_what_was_not_run_is_neither() -> None:
-    assert [c.reproduced for c in judged(REACH_REAR, {"run": None})] == [None, None]
+    assert [c.reproduced for c in judged(REACH_REAR, {"run": None})] == [None]
 
 
 def test_experiments_without_figures_are_judged_by_their_goals() -> None:

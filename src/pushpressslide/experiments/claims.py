@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pushpressslide.experiments.corrections_one_arm import BAR
 from pushpressslide.experiments.evidence import Evidence, Result
 from pushpressslide.experiments.experiment import Experiment, Variant
-from pushpressslide.experiments.figures import ROWS, figure_of, paper_figure
+from pushpressslide.experiments.figures import figure_of, paper_figure
 
 FORCES = (("97 %", "less"), ("100 %", "force"), ("103 %", "more"))  # of friction, in JOINT_TRACKING
 FASTER, TIGHTER = 100.0 / 30.0, 0.095 / 0.085  # factors that the paper has between its two runs
@@ -21,6 +21,11 @@ RHO_WITHIN = 0.1  # share of the exact rho
 SEEN = -0.2  # [m] virtual axle from the CoM, in the paper's simulation
 SEEN_C = 0.43
 STEADY = 0.005  # [m] within which an axle has to stay to be called steady
+KINDS = (
+    ("time", ("motion_duration",)),
+    ("RMS of box, tip and yaw", ("rms_position_error", "rms_end_effector_error", "rms_yaw_error")),
+    ("distance from the goal", ("final_position_error", "final_yaw_error")),
+)
 WHY_NOT = {
     "fixed-target": "The literal reading of the paper's target; where it slides along the path, it is met."
 }  # by variant, where a figure of its is missed
@@ -53,14 +58,21 @@ def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]
 
 
 def _figures(experiment: Experiment, variant: Variant, result: Result | None) -> Iterator[Claim]:
-    """Judge every figure that the paper gives for a variant: reproduced where it is met or beaten."""
-    for key, figure in variant.paper.items():
-        told, label = figure_of(result or {}, key), ROWS[key][0]
-        value = None if result is None else result[key]
-        words = f"{variant.title}: {label[0].lower() + label[1:]}"
-        met = None if value is None else bool(value <= figure.value)
-        why = "" if met else WHY_NOT.get(variant.name, "")
-        yield Claim(experiment.title, words, paper_figure(variant.paper, key), told, met, why)
+    """Judge the figures that the paper gives for a variant: reproduced where all are met or beaten."""
+    title = variant.title if len(experiment.variants) > 1 else experiment.title
+    for what, keys in KINDS:
+        given = [key for key in keys if key in variant.paper]
+        if not given:
+            continue
+        met = None if result is None else all(result[k] <= variant.paper[k].value for k in given)
+        yield Claim(
+            experiment.title,
+            f"{title}: {what}",
+            ", ".join(paper_figure(variant.paper, key) for key in given),
+            "" if result is None else ", ".join(figure_of(result, key) for key in given),
+            met,
+            "" if met else WHY_NOT.get(variant.name, ""),
+        )
 
 
 def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:

@@ -97,7 +97,9 @@ def _claims(judged: Sequence[Claim]) -> str:
         "Every error and time that the paper gives, reproduced where it is met or beaten, and what it states "
         "of its experiments. What it derives is judged in the corrections."
     )
-    return f"<p>{text}</p>{table(('Claim', 'Paper', 'Measured', 'Status', 'Why'), rows, marks)}"
+    return (
+        f"<p>{text} {escape(LEGEND)}</p>{table(('Claim', 'Paper', 'Measured', 'Status', 'Why'), rows, marks)}"
+    )
 
 
 def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
@@ -112,7 +114,6 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
         *(_picture(runs[name], titles[name]) for name in experiment.pictured if name in runs),
         _figures(experiment, evidence, page),
-        f'<p class="legend">{escape(LEGEND)}</p>',
         "<h3>What comes out</h3>" + (f"<ul>{said}</ul>" if said else "") + f"<p>{escape(experiment.why)}</p>",
     ]
     plotted = [name for name in experiment.plotted or runs if name in runs]
