@@ -53,12 +53,14 @@ def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None
 
 def test_all_are_chosen_by_default_and_each_but_once() -> None:
     assert chosen(None) == (tuple(EXPERIMENTS.values()), True)
-    assert chosen(["rear-push-left", "rear-push-left"]) == ((EXPERIMENTS["rear-push-left"],), False)
+    assert chosen(["tool-use", "tool-use"]) == ((EXPERIMENTS["tool-use"],), False)
     assert chosen([AXLE]) == ((), True)
 
 
 def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -> None:
-    with pytest.raises(PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: .*left"):
+    with pytest.raises(
+        PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: rear-push, .*virtual-axle"
+    ):
         reproduce.reproduce(["press"], out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -94,12 +96,12 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     variants = (
-        replace(EXPERIMENTS["rear-push-rear"].variants[0], name="reached"),
+        replace(EXPERIMENTS["rear-push"].variants[0], name="reached"),
         Variant("missed", "Hard to please", "rear-push-rear", ("tolerance.position=1e-5",)),
         Variant("refused", "Not possible", "rear-push-rear", ("contact.friction=0.01",)),
     )
     experiment = replace(
-        EXPERIMENTS["rear-push-rear"], name="mixed", variants=variants, pictured=("reached", "refused")
+        EXPERIMENTS["rear-push"], name="mixed", variants=variants, pictured=("reached", "refused")
     )
     monkeypatch.setitem(paper.EXPERIMENTS, "mixed", experiment)
     seen: list[tuple[int, int]] = []
@@ -130,7 +132,7 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
     assert refused["measured"] is None
     assert refused["failure"]
     judged = {claim["words"]: claim["reproduced"] for claim in result["claims"]}
-    assert judged["As shipped: distance from the goal"] is True
+    assert judged["By the rear face: distance from the goal"] is True
     assert judged["Hard to please: reaches its goal"] is False
     assert judged["Not possible: reaches its goal"] is None
     assert len(result["corrections"]) == 15

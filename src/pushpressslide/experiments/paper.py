@@ -8,8 +8,7 @@ from pushpressslide.experiments.paper_one_arm import (
     IDENTIFIED_RHO,
     JOINT_TRACKING,
     PRESS_SLIDE,
-    REACH_LEFT,
-    REACH_REAR,
+    REAR_PUSH,
     TOOL_USE,
 )
 from pushpressslide.experiments.paper_two_arms import PIVOT_AND_MOVE, PRESS_FIT, TWO_ARMS
@@ -19,7 +18,7 @@ AWAITED = (PIVOT_AND_MOVE, PRESS_FIT)  # whose tasks are not shipped yet
 EXPERIMENTS: dict[str, Experiment] = {
     experiment.name: experiment
     for experiment in (
-        REACH_REAR, REACH_LEFT, JOINT_TRACKING, PRESS_SLIDE, IDENTIFIED_RHO, TOOL_USE, TWO_ARMS,
+        REAR_PUSH, JOINT_TRACKING, PRESS_SLIDE, IDENTIFIED_RHO, TOOL_USE, TWO_ARMS,
         # *AWAITED,
     )
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
@@ -86,8 +87,8 @@ def _claims(judged: Sequence[Claim]) -> str:
         rows.append(
             [
                 f'<th scope="row">{escape(claim.words)}</th>',
-                f'<td class="figure">{escape(claim.paper)}</td>',
-                f"<td>{escape(claim.measured)}</td>",
+                f"<td>{escape(_unbroken(claim.paper))}</td>",
+                f"<td>{escape(_unbroken(claim.measured))}</td>",
                 f'<td class="{css}">{STATUS[claim.reproduced]}</td>',
                 f'<td class="why">{escape(claim.why)}</td>',
             ]
@@ -97,9 +98,13 @@ def _claims(judged: Sequence[Claim]) -> str:
         "Every error and time that the paper gives, reproduced where it is met or beaten, and what it states "
         "of its experiments. What it derives is judged in the corrections."
     )
-    return (
-        f"<p>{text} {escape(LEGEND)}</p>{table(('Claim', 'Paper', 'Measured', 'Status', 'Why'), rows, marks)}"
-    )
+    told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
+    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{told}</div>'
+
+
+def _unbroken(text: str) -> str:
+    """Return ``text`` with every number kept on one line with its unit."""
+    return re.sub(r"(?<=[\d≤≈>]) (?=[^ \d]{1,2}\b|\d|%)", "\u00a0", text)
 
 
 def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
