@@ -10,6 +10,7 @@ from pushpressslide.experiments.evidence import Evidence, Outcome
 from pushpressslide.experiments.figures import FIGURES
 from pushpressslide.experiments.identified_rho import IdentifiedRho
 from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO, JOINT_TRACKING, REAR_PUSH, TOOL_USE
+from pushpressslide.experiments.paper_two_arms import PRESS_FIT
 from pushpressslide.experiments.virtual_axle import LIGHT, TASK, predict, result_of
 from pushpressslide.pipeline.task_file import load_task
 
@@ -47,6 +48,13 @@ def test_experiments_without_figures_are_judged_by_their_goals() -> None:
     assert heavy.reproduced is False
     assert heavy.why == "30 mm off"
     assert aside.reproduced is None
+
+
+def test_what_is_not_part_of_this_version_is_told() -> None:
+    (claim,) = claims([PRESS_FIT], Evidence({}))
+    assert claim.words == "Press and fit: reaches its goal"
+    assert claim.reproduced is None
+    assert claim.why == "Not part of this version."
 
 
 @pytest.mark.parametrize(("joined", "reproduced"), [(20.0, True), (80.0, False)])

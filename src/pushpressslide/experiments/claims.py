@@ -80,14 +80,17 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
     for variant in experiment.variants:
         if variant.paper:
             continue
-        result = evidence.result(experiment.name, variant.name)
+        title = variant.title if len(experiment.variants) > 1 else experiment.title
+        words, result = f"{title}: reaches its goal", evidence.result(experiment.name, variant.name)
         if result is None:
-            yield Claim(experiment.title, f"{variant.title}: reaches its goal", "", "", None)
+            outcome = evidence.outcomes.get((experiment.name, variant.name))
+            why = "Not part of this version." if outcome is None else outcome.failure
+            yield Claim(experiment.title, words, "", "", None, why)
             continue
         measured = f"{figure_of(result, 'final_position_error')}, {figure_of(result, 'final_yaw_error')}"
         good = bool(result["success"])
         why = "" if good else str(result["reason"]["text"])
-        yield Claim(experiment.title, f"{variant.title}: reaches its goal", "", measured, good, why)
+        yield Claim(experiment.title, words, "", measured, good, why)
 
 
 def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:

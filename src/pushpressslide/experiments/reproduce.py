@@ -16,7 +16,7 @@ from pushpressslide.experiments.corrections import corrections
 from pushpressslide.experiments.evidence import Evidence, Outcome
 from pushpressslide.experiments.experiment import Experiment, Variant
 from pushpressslide.experiments.identified_rho import identified_rho
-from pushpressslide.experiments.paper import AXLE, chosen
+from pushpressslide.experiments.paper import AWAITED, AXLE, EXPERIMENTS, chosen
 from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO
 from pushpressslide.experiments.parallel import Progress, in_parallel
 from pushpressslide.experiments.pictures import write_pictures
@@ -64,8 +64,11 @@ def reproduce(
     done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
     axle = result_of(task, [done[case] for case in cases]) if cases else None
     evidence = Evidence({key: done[key] for key in variants}, axle)
-    judged, corrected = claims(experiments, evidence), corrections()
-    page = write_page(experiments, evidence, judged, corrected, out)
+    missing = () if only else [e for e in AWAITED if e.name not in EXPERIMENTS]
+    judged, corrected = claims([*experiments, *missing], evidence), corrections()
+    made_by = versions()
+    told = ", ".join(f"{name} {version}" for name, version in made_by.items())
+    page = write_page(experiments, evidence, judged, corrected, out, f"Engine {engine}, seed {seed}; {told}.")
     write_table(experiments, evidence, judged, out / "table.md")
     summary = {
         "schema": SCHEMA,
@@ -75,7 +78,7 @@ def reproduce(
         "claims": [asdict(claim) for claim in judged],
         "corrections": [asdict(row) for row in corrected],
         AXLE: None if axle is None else axle["summary"],
-        "versions": versions(),
+        "versions": made_by,
     }
     write_whole(out / "result.json", json.dumps(summary, indent=2) + "\n")
     return page

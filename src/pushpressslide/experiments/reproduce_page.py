@@ -50,6 +50,7 @@ def write_page(
     judged: Sequence[Claim],
     corrected: Sequence[Correction],
     out: Path,
+    made_by: str,
 ) -> Path:
     """Write ``out``/report.html, and the axle's own page where it was analysed; return the former's path."""
     page = out / "report.html"
@@ -72,6 +73,7 @@ def write_page(
     parts += [
         f'<section id="{name}"><h2>{escape(title)}</h2>{body}</section>' for name, title, body in sections
     ]
+    parts.append(f"<footer><p>{escape(made_by)}</p></footer>")
     return write_whole(page, document(TITLE, "".join(parts)))
 
 
