@@ -11,6 +11,7 @@ from pushpressslide.experiments.figures import FIGURES
 from pushpressslide.experiments.identified_rho import IdentifiedRho
 from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO, JOINT_TRACKING, REAR_PUSH, TOOL_USE
 from pushpressslide.experiments.paper_two_arms import PRESS_FIT
+from pushpressslide.experiments.reproduce_table import summary
 from pushpressslide.experiments.virtual_axle import LIGHT, TASK, predict, result_of
 from pushpressslide.pipeline.task_file import load_task
 
@@ -34,6 +35,7 @@ def test_a_figure_is_reproduced_where_it_is_met_or_beaten(error: float, met: boo
     assert claim.paper == "≤ 15.0 mm, ≤ 2.00°"
     assert claim.measured == f"{1e3 * error:.1f} mm, 0.06°"
     assert claim.reproduced is met
+    assert claim.status == ("met or beaten" if met else "missed")
     assert other.reproduced is None
 
 
@@ -46,6 +48,7 @@ def test_experiments_without_figures_are_judged_by_their_goals() -> None:
     cube, heavy, aside = judged(TOOL_USE, results)
     assert cube.reproduced is True
     assert heavy.reproduced is False
+    assert heavy.status == "not reproduced"
     assert heavy.why == "30 mm off"
     assert aside.reproduced is None
 
@@ -96,6 +99,16 @@ def test_the_axle_is_judged_by_its_probes() -> None:
     off = axle_claims(0.02)
     assert off["Axle from the CoM as seen in simulation"].reproduced is False
     assert off["The abstraction is valid: the object turns about a predictable axle"].reproduced is False
+
+
+def test_the_summary_counts_figures_and_statements_apart() -> None:
+    outcomes = {
+        (REAR_PUSH.name, "rear"): Outcome(Path(), made_up(0.001)),
+        (REAR_PUSH.name, "left"): Outcome(Path(), made_up(0.05)),
+        (TOOL_USE.name, "cube"): Outcome(Path(), made_up(0.001)),
+    }
+    told = summary(claims([REAR_PUSH, TOOL_USE], Evidence(outcomes)))
+    assert told == "1 of 2 figures met or beaten, 1 of 1 statements reproduced; 2 not run."
 
 
 def test_real_time_is_judged_by_the_slowest_median() -> None:

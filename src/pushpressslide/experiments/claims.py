@@ -41,6 +41,15 @@ class Claim:
     measured: str  # "" where it could not be measured
     reproduced: bool | None  # None: nothing measured
     why: str = ""
+    figure: bool = False  # whether it is a figure of the paper, to be met or beaten, or a statement
+
+    @property
+    def status(self) -> str:
+        """What came of it, in words."""
+        if self.reproduced is None:
+            return "not run"
+        good, bad = ("met or beaten", "missed") if self.figure else ("reproduced", "not reproduced")
+        return good if self.reproduced else bad
 
 
 def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]:
@@ -58,7 +67,7 @@ def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]
 
 
 def _figures(experiment: Experiment, variant: Variant, result: Result | None) -> Iterator[Claim]:
-    """Judge the figures that the paper gives for a variant: reproduced where all are met or beaten."""
+    """Judge the figures that the paper gives for a variant, those that belong together as one."""
     title = variant.title if len(experiment.variants) > 1 else experiment.title
     for what, keys in KINDS:
         given = [key for key in keys if key in variant.paper]
@@ -72,6 +81,7 @@ def _figures(experiment: Experiment, variant: Variant, result: Result | None) ->
             "" if result is None else ", ".join(figure_of(result, key) for key in given),
             met,
             "" if met else WHY_NOT.get(variant.name, ""),
+            figure=True,
         )
 
 

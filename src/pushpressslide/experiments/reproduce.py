@@ -75,7 +75,7 @@ def reproduce(
         "engine": engine,
         "seed": seed,
         "experiments": {experiment.name: _summary(experiment, evidence) for experiment in experiments},
-        "claims": [asdict(claim) for claim in judged],
+        "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
         "corrections": [asdict(row) for row in corrected],
         AXLE: None if axle is None else axle["summary"],
         "versions": made_by,

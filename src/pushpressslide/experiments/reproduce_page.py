@@ -17,7 +17,7 @@ from pushpressslide.experiments.experiment import Experiment, Variant
 from pushpressslide.experiments.figures import FIGURES, figure_of, paper_figure
 from pushpressslide.experiments.paper import AXLE
 from pushpressslide.experiments.pictures import CAPTION, NAME
-from pushpressslide.experiments.reproduce_table import LEGEND, STATUS, ending, findings, summary
+from pushpressslide.experiments.reproduce_table import LEGEND, ending, findings, summary
 from pushpressslide.report import style
 from pushpressslide.report.axle_figures import axle_over_time, directions_figure
 from pushpressslide.report.files import Run, load_run
@@ -91,14 +91,14 @@ def _claims(judged: Sequence[Claim]) -> str:
                 f'<th scope="row">{escape(claim.words)}</th>',
                 f"<td>{escape(_unbroken(claim.paper))}</td>",
                 f"<td>{escape(_unbroken(claim.measured))}</td>",
-                f'<td class="{css}">{STATUS[claim.reproduced]}</td>',
+                f'<td class="{css}">{escape(claim.status)}</td>',
                 f'<td class="why">{escape(claim.why)}</td>',
             ]
         )
         marks.append("")
     text = (
-        "Every error and time that the paper gives, reproduced where it is met or beaten, and what it states "
-        "of its experiments. What it derives is judged in the corrections."
+        "Every error and time that the paper gives, met or beaten or missed, and what it states of its "
+        "experiments. What it derives is judged in the corrections."
     )
     told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
     return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{told}</div>'

@@ -17,7 +17,6 @@ LEGEND = (
 )
 TOLD = ("motion_duration", "rms_position_error", "rms_yaw_error", "final_position_error")  # in sentences
 ALIKE = 0.03  # share by which two figures may differ and still be called alike
-STATUS = {True: "reproduced", False: "not reproduced", None: "not run"}
 
 
 def write_table(
@@ -39,7 +38,7 @@ def write_table(
         said = " ".join([*findings(experiment, evidence), experiment.why])
         parts.append(f"## {experiment.title}\n\n{_rows(lines)}\n\n{said}\n")
     lines = [["claim", "paper", "measured", "status", "why"], ["---"] * 5]
-    lines += [[c.words, c.paper, c.measured, STATUS[c.reproduced], c.why] for c in judged]
+    lines += [[c.words, c.paper, c.measured, c.status, c.why] for c in judged]
     parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rows(lines)}\n")
     return write_whole(path, "\n".join(parts))
 
@@ -49,10 +48,15 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(judged: Sequence[Claim]) -> str:
-    """Say how many claims were reproduced, and how many were not run."""
-    good, run = sum(c.reproduced is True for c in judged), sum(c.reproduced is not None for c in judged)
-    rest = len(judged) - run
-    return f"{good} of {run} claims reproduced{f'; {rest} not run' if rest else ''}."
+    """Say how many figures were met, how many statements reproduced, and how many were not run."""
+    told = []
+    for figure, what, good in ((True, "figures", "met or beaten"), (False, "statements", "reproduced")):
+        run = [
+            claim.reproduced for claim in judged if claim.figure is figure and claim.reproduced is not None
+        ]
+        told.append(f"{sum(run)} of {len(run)} {what} {good}")
+    rest = sum(claim.reproduced is None for claim in judged)
+    return f"{', '.join(told)}{f'; {rest} not run' if rest else ''}."
 
 
 def ending(outcome: Outcome) -> str:
