@@ -9,9 +9,15 @@ from pushpressslide.experiments.claims import claims
 from pushpressslide.experiments.evidence import Evidence, Outcome
 from pushpressslide.experiments.figures import FIGURES
 from pushpressslide.experiments.identified_rho import IdentifiedRho
-from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO, JOINT_TRACKING, REAR_PUSH, TOOL_USE
+from pushpressslide.experiments.paper_one_arm import (
+    IDENTIFIED_RHO,
+    JOINT_TRACKING,
+    PRESS_SLIDE,
+    REAR_PUSH,
+    TOOL_USE,
+)
 from pushpressslide.experiments.paper_two_arms import PRESS_FIT
-from pushpressslide.experiments.reproduce_table import summary
+from pushpressslide.experiments.reproduce_table import findings, summary
 from pushpressslide.experiments.virtual_axle import LIGHT, TASK, predict, result_of
 from pushpressslide.pipeline.task_file import load_task
 
@@ -55,7 +61,7 @@ def test_experiments_without_figures_are_judged_by_their_goals() -> None:
 
 def test_what_is_not_part_of_this_version_is_told() -> None:
     (claim,) = claims([PRESS_FIT], Evidence({}))
-    assert claim.words == "Press and fit: reaches its goal"
+    assert claim.words == "Press and fit: the goal is reached"
     assert claim.reproduced is None
     assert claim.why == "Not part of this version."
 
@@ -69,10 +75,28 @@ def test_the_joint_term_is_judged_by_the_force_that_gains_most(joined: float, re
     assert faster.measured.startswith(f"97 %: 112.0 s to {joined:.1f} s; 100 %: 10.0 s to 10.0 s")
 
 
+@pytest.mark.parametrize(("error", "good"), [(0.0049, True), (0.0051, False)])
+def test_the_fixed_target_is_held_against_what_is_asked_of_the_others(error: float, good: bool) -> None:
+    told = judged(PRESS_SLIDE, {"fixed-target": made_up(0.001, final_position_error=error)})
+    (claim,) = (c for c in told if "fixed beyond" in c.words)
+    assert claim.paper == "≤ 5.0 mm, ≤ 1.00°"
+    assert claim.reproduced is good
+    assert not claim.figure
+
+
 @pytest.mark.parametrize(("identified", "good"), [(0.092, True), (0.090, False), (0.112, False)])
 def test_rho_is_judged_within_ten_per_cent(identified: float, good: bool) -> None:
     (claim,) = judged(IDENTIFIED_RHO, {"turn": made_up(0.1)}, replace(RHO, identified=identified))
     assert claim.reproduced is good
+    assert (
+        f"identified rho {1e3 * identified:.1f} mm, exact 101.0 mm"
+        in findings(
+            IDENTIFIED_RHO,
+            Evidence(
+                {("identified-rho", "turn"): Outcome(Path(), None, rho=replace(RHO, identified=identified))}
+            ),
+        )[0]
+    )
 
 
 def test_a_turn_without_a_rho_is_not_judged() -> None:
@@ -93,8 +117,8 @@ def test_the_axle_is_judged_by_its_probes() -> None:
     told = axle_claims(0.001)
     assert told["Axle from the CoM by the paper's formula"].reproduced is False
     assert told["Axle from the CoM as seen in simulation"].reproduced is True
-    assert told["It is invariant to the force's direction"].reproduced is False
-    assert told["It remains stable"].measured == "within 2.0 mm over time"
+    assert told["The axle is invariant to the force's direction"].reproduced is False
+    assert told["The axle remains stable"].measured == "within 2.0 mm over time"
     assert told["The abstraction is valid: the object turns about a predictable axle"].reproduced is True
     off = axle_claims(0.02)
     assert off["Axle from the CoM as seen in simulation"].reproduced is False

@@ -46,5 +46,5 @@ class Experiment:
     why: str  # what decides the outcome, whatever the figures
     comparisons: tuple[Comparison, ...] = ()
     pictured: tuple[str, ...] = ()  # variants that are shown by pictures on the way
-    plotted: tuple[str, ...] = ()  # variants whose errors are plotted over time; () for all
+    plotted: tuple[str, ...] | None = None  # variants whose errors are plotted over time; None for all
     axle: str = ""  # variant whose virtual axle is plotted over time

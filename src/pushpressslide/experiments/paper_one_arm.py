@@ -151,7 +151,6 @@ PRESS_SLIDE = Experiment(
             "Target fixed beyond the goal",
             "press-slide",
             ("motion.fixed_target=true",),
-            PRESS_WITHIN,
         ),
     ),
     why="The virtual axle is taken from the exact surface under the load that the drag at the contact's "
@@ -184,6 +183,7 @@ IDENTIFIED_RHO = Experiment(
     "the object moves. The run is for its turn, three seconds at the steepest steering, not for its goal, "
     "which a plan with half the true rho and a target fixed beyond it miss.",
     pictured=("turn",),
+    plotted=(),
     axle="turn",
 )  # fmt: skip
 

@@ -63,6 +63,8 @@ def reproduce(
     task, cases = load_task(TASK), LIGHT if with_axle and engine == "drake" else ()
     done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
     axle = result_of(task, [done[case] for case in cases]) if cases else None
+    if axle is not None:
+        write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
     evidence = Evidence({key: done[key] for key in variants}, axle)
     missing = () if only else [e for e in AWAITED if e.name not in EXPERIMENTS]
     judged, corrected = claims([*experiments, *missing], evidence), corrections()

@@ -123,7 +123,8 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
         _figures(experiment, evidence, page),
         "<h3>What comes out</h3>" + (f"<ul>{said}</ul>" if said else "") + f"<p>{escape(experiment.why)}</p>",
     ]
-    plotted = [name for name in experiment.plotted or runs if name in runs]
+    wanted = tuple(runs) if experiment.plotted is None else experiment.plotted
+    plotted = [name for name in wanted if name in runs]
     if plotted:
         curves = [(titles[name], runs[name].record, runs[name].task, runs[name].plan) for name in plotted]
         parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
@@ -159,7 +160,8 @@ def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
             rows.append(['<th scope="row">Paper</th>', *cells, "<td></td>"])
         cells = _cells(figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES)
         good = outcome.result is not None and bool(outcome.result["success"])
-        verdict = f'<td class="{"ok" if good else "no"}">{escape(ending(outcome))}</td>'
+        css = "n ok" if good else "no" if outcome.result is None else "n no"
+        verdict = f'<td class="{css}">{escape(ending(outcome))}</td>'
         rows.append(['<th scope="row">Measured</th>', *cells, verdict])
         marks += [' class="group"', *[""] * (2 if variant.paper else 1)]
     head = ("", *(label for label, *_ in FIGURES), "Outcome")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from pushpressslide.experiments.claims import Claim
 from pushpressslide.experiments.evidence import Evidence, Outcome, Result
 from pushpressslide.experiments.experiment import Comparison, Experiment
 from pushpressslide.experiments.figures import FIGURES, figure_of, paper_figure
+from pushpressslide.experiments.identified_rho import IdentifiedRho
 
 LEGEND = (
     "Time: contact phase, from the first push to the release, in simulated seconds. RMS: over the contact "
@@ -67,13 +69,27 @@ def ending(outcome: Outcome) -> str:
 
 
 def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
-    """Return sentences that compare the measured figures of the experiment; none where a run is missing."""
+    """Return sentences on the measured figures of the experiment; none where a run is missing."""
     said = []
     for comparison in experiment.comparisons:
         base, changed = (evidence.result(experiment.name, n) for n in (comparison.base, comparison.changed))
         if base is not None and changed is not None:
             said.append(_compared(comparison, base, changed))
+    for variant in experiment.variants:
+        outcome = evidence.outcomes.get((experiment.name, variant.name))
+        if outcome is not None and outcome.rho is not None:
+            said.append(identified(outcome.rho))
     return said
+
+
+def identified(rho: IdentifiedRho) -> str:
+    """Say what was identified on the way, beside the exact model."""
+    return (
+        f"Force at {math.degrees(rho.force_angle):.0f}° to the axis for {rho.time:.1f} s, planned with rho "
+        f"{1e3 * rho.predicted:.0f} mm: identified rho {1e3 * rho.identified:.1f} mm, exact "
+        f"{1e3 * rho.exact:.1f} mm ({100.0 * (rho.identified / rho.exact - 1.0):+.1f} %); virtual axle "
+        f"{1e3 * rho.axle:+.0f} mm from the CoM, exact {1e3 * rho.exact_axle:+.0f} mm."
+    )
 
 
 def _compared(comparison: Comparison, base: Result, changed: Result) -> str:
