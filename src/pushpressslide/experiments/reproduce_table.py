@@ -37,8 +37,9 @@ def write_table(
             title = "" if variant.paper else variant.title
             cells = [figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES]
             lines.append([title, "measured", *cells, ending(outcome)])
-        said = " ".join([*findings(experiment, evidence), experiment.why])
-        parts.append(f"## {experiment.title}\n\n{_rows(lines)}\n\n{said}\n")
+        said = "\n".join(f"- {sentence}" for sentence in findings(experiment, evidence))
+        text = f"{said}\n\n{experiment.why}" if said else experiment.why
+        parts.append(f"## {experiment.title}\n\n{_rows(lines)}\n\n{text}\n")
     lines = [["claim", "paper", "measured", "status", "why"], ["---"] * 5]
     lines += [[c.words, c.paper, c.measured, c.status, c.why] for c in judged]
     parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rows(lines)}\n")
