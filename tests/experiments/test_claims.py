@@ -36,12 +36,13 @@ def judged(experiment, results, rho=None):
 
 @pytest.mark.parametrize(("error", "met"), [(0.0149, True), (0.0151, False)])
 def test_a_figure_is_reproduced_where_it_is_met_or_beaten(error: float, met: bool) -> None:
-    claim, other = judged(REAR_PUSH, {"rear": made_up(0.001, final_position_error=error)})
+    claim, other = judged(REAR_PUSH, {"rear": made_up(0.001, met, final_position_error=error)})
     assert claim.words == "By the rear face: distance from the goal"
     assert claim.paper == "≤ 15.0 mm, ≤ 2.00°"
     assert claim.measured == f"{1e3 * error:.1f} mm, 0.06°"
     assert claim.reproduced is met
     assert claim.status == ("met or beaten" if met else "missed")
+    assert claim.why == (REAR_PUSH.variants[0].why if met else "30 mm off")
     assert other.reproduced is None
 
 

@@ -77,6 +77,7 @@ def _figures(experiment: Experiment, variant: Variant, result: Result | None) ->
             ", ".join(paper_figure(variant.paper, key) for key in given),
             "" if result is None else ", ".join(figure_of(result, key) for key in given),
             met,
+            variant.why if met or result is None else str(result["reason"]["text"]),
             figure=True,
         )
 
@@ -95,7 +96,7 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
             continue
         measured = f"{figure_of(result, 'final_position_error')}, {figure_of(result, 'final_yaw_error')}"
         good = bool(result["success"])
-        why = "" if good else str(result["reason"]["text"])
+        why = variant.why if good else str(result["reason"]["text"])
         yield Claim(experiment.title, words, "", measured, good, why)
 
 

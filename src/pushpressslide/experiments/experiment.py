@@ -23,6 +23,7 @@ class Variant:
     task: str  # of a shipped task
     overrides: tuple[str, ...] = ()  # a.b=c each, as of `pps run --set`
     paper: Mapping[str, PaperFigure] = field(default_factory=dict)  # by key of result.json
+    why: str = ""  # what makes it come out so, in a line
 
 
 @dataclass(frozen=True, slots=True)

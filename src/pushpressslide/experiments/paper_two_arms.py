@@ -11,9 +11,24 @@ TWO_ARMS = Experiment(
     claim="Two rear pushes are a car, pushes at right angles and two presses are quasi-holonomic: a wrench "
     "at the CoM is allocated to both arms in closed form. No figure is given.",
     variants=(
-        Variant("parallel", "Two rear pushes", "parallel-push"),
-        Variant("orthogonal", "Pushes at right angles", "orthogonal-push"),
-        Variant("on-top", "Two presses on top", "bimanual-slide"),
+        Variant(
+            "parallel",
+            "Two rear pushes",
+            "parallel-push",
+            why="Both forces from one wrench on the surface, neither a pull.",
+        ),
+        Variant(
+            "orthogonal",
+            "Pushes at right angles",
+            "orthogonal-push",
+            why="The path stays inside the cone of what they can give.",
+        ),
+        Variant(
+            "on-top",
+            "Two presses on top",
+            "bimanual-slide",
+            why="Moments about the centre of pressure, shear by the room in each cone.",
+        ),
     ),
     why="Each wrench is the exact surface's for the wanted twist, about the centre of pressure, and is "
     "divided among the arms inside both friction cones, or else brought to the nearest one that can be. "
