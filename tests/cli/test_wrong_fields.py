@@ -38,6 +38,14 @@ def drop(key: str) -> Callable[[dict[str, Any]], None]:
     return lambda data: data.pop(key)
 
 
+def put_legs(*legs: dict[str, Any]) -> Callable[[dict[str, Any]], None]:
+    def change(data: dict[str, Any]) -> None:
+        del data["modes"]
+        data["legs"] = list(legs)
+
+    return change
+
+
 def prism(polygon: list[Any]) -> Callable[[dict[str, Any]], None]:
     return put("object.shape", {"prism": {"polygon": polygon, "height": 0.1}})
 
@@ -89,7 +97,19 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "support of another kind": (put("support.kind", "floor"), "support.kind:", "table, wall"),
     "wall": (put("support.kind", "wall"), "support.kind:", "not supported yet"),
     "pose of a table": (put("support.pose", {"x": 1}), "support.pose:", "only a wall"),
-    "legs": (put("legs", [{"mode": "rear_push", "pose": {"x": 0, "y": 0}}]), "legs:", "not supported yet"),
+    "legs beside modes": (put("legs", [{"mode": "rear_push"}]), "modes:", "one of the two"),
+    "a leg to nowhere": (put_legs({"mode": "rear_push"}, {"mode": "rear_push"}), "legs[0].pose:", "missing"),
+    "a last leg past the goal": (
+        put_legs({"mode": "rear_push", "pose": {"x": 0.5, "y": 0.0}}), "legs[0].pose:", "ends at the goal",
+    ),
+    "a leg in an unknown mode": (put_legs({"mode": "rear_shove"}), "modes[0]:", "rear_push"),
+    "a leg at another pace": (
+        put_legs({"mode": "rear_push", "motion": {"time_step": 0.001}}), "legs[0].motion.time_step:", "0.004",
+    ),
+    "a leg out of reach": (
+        put_legs({"mode": "rear_push", "pose": {"x": 5.0, "y": 0.0}}, {"mode": "rear_push"}), "legs[0]:",
+        "reach",
+    ),
     "goal of another body": (put("goal.body", "post"), "goal.body:", "allowed: a movable body"),
     "concave polygon": (prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]), "polygon:", "convex"),
     "polygon that crosses itself": (

@@ -209,7 +209,7 @@ def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(fa
 
     made = pps.plan(replace(big_box(5.0, 60.0, 0.3, 0.7), modes=("press_and_push",)))
     paths = tuple(joint_path(made, arm, force=True) for arm in (0, 1))
-    record = run_drake(made, paths=paths)
+    record = run_drake(made, paths=[paths])
     measured = result(made.task, made, record, {})
     assert measured["success"], measured["reason"]
     assert measured["final_yaw_error"] < math.radians(0.5)

@@ -61,11 +61,17 @@ def test_a_plan_of_two_stretches_survives_its_file(pressed):
 
 @pytest.mark.parametrize(
     ("change", "what"),
-    [({"schema": 1}, "schema 1, this version reads 2"), ({"stretches": []}, "shorter|longer")],
+    [
+        (lambda data: data.update(schema=1), "schema 1, this version reads 3"),
+        (lambda data: data["grasps"][0].update(stretches=[]), "shorter|longer"),
+        (lambda data: data.update(grasps=[]), "a plan without grasps"),
+    ],
 )
 def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(pressed, change, what):
+    data = plan_to_dict(pressed.plan)
+    change(data)
     with pytest.raises(ValueError, match=what):
-        plan_from_dict(plan_to_dict(pressed.plan) | change, pressed.task)
+        plan_from_dict(data, pressed.task)
 
 
 def test_a_saved_run_of_two_stretches_gives_the_same_figures_again(pressed, tmp_path):

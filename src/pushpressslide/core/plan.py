@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from pushpressslide.core.control import Vector3
@@ -29,6 +29,10 @@ class Contact:
     normal: Point  # unit, in B: inward face normal of a side contact; (0, 0) for a top contact
     height: float  # [m] of the contact above the support
     load: float = 0.0  # [N] that a top contact is pressed with, as planned
+
+    def same_place(self, other: Contact) -> bool:
+        """Return whether the same arm touches the same place, however hard."""
+        return replace(self, load=0.0) == replace(other, load=0.0)
 
     def direction(self, X_WB: Pose2) -> Vector3:
         """Return the unit vector from the tip into the object: in the plane, and up from the support."""
@@ -63,11 +67,17 @@ class Choice:
     path: MotionPath | None = None  # of the vehicle frame V
     goal: Pose2 | None = None  # X_WG at the path's end; None: the task's goal
     following: Choice | None = None  # the next stretch of motion, with the same contacts
+    leg: int = 0  # of the task, that it is for
 
     @property
     def stretches(self) -> tuple[Choice, ...]:
         """This choice and those that follow it."""
         return (self,) if self.following is None else (self, *self.following.stretches)
+
+    def goes_on(self, before: Choice) -> bool:
+        """Return whether its contacts are those of the choice ``before`` it, pressed as they may be."""
+        pairs = zip(self.contacts, before.contacts, strict=False)
+        return len(self.contacts) == len(before.contacts) and all(a.same_place(b) for a, b in pairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +90,7 @@ class Plan:
     profile: SpeedProfile
     X_BV: Pose2  # the vehicle frame in the body frame
     following: Plan | None = None  # the next stretch of motion, with the same contacts
+    next_grasp: Plan | None = None  # the next grasp, from where the last stretch ends
 
     @property
     def goal(self) -> Pose2:
@@ -90,6 +101,26 @@ class Plan:
     def stretches(self) -> tuple[Plan, ...]:
         """This plan and those that follow it."""
         return (self,) if self.following is None else (self, *self.following.stretches)
+
+    @property
+    def grasps(self) -> tuple[Plan, ...]:
+        """The plan of each grasp, in order: this one, and those for which arms let go in between."""
+        return (self,) if self.next_grasp is None else (self, *self.next_grasp.grasps)
+
+    def kept(self, after: Plan) -> frozenset[int]:
+        """Return the arms that need not let go for the grasp ``after`` it."""
+        pairs = [(c, d) for c in self.choice.contacts for d in after.choice.contacts]
+        return frozenset(c.arm for c, d in pairs if c.same_place(d))
+
+    @property
+    def way(self) -> tuple[Plan, ...]:
+        """The stretches of all grasps."""
+        return tuple(stretch for grasp in self.grasps for stretch in grasp.stretches)
+
+    @property
+    def contacts_by_leg(self) -> dict[int, tuple[Contact, ...]]:
+        """The contacts that the arms have in each leg."""
+        return {part.choice.leg: grasp.choice.contacts for grasp in self.grasps for part in grasp.stretches}
 
     def object_pose(self, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m]."""
@@ -111,3 +142,4 @@ class JointPath:
     joint_margin: float  # [rad] least distance to a joint limit
     condition: float  # largest condition number of the tip's 6 x n Jacobian
     clearance: float  # [m] least distance of the arm to table, object and obstacles
+    gap: float  # [m] free way before the touch that the approach leaves

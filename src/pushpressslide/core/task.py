@@ -6,7 +6,7 @@ SI units and radians throughout (the file has degrees where its key ends in ``_d
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pushpressslide.core.pose import Point, Pose2
@@ -176,6 +176,15 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
+class Leg:
+    """One part of a task that is done in several: a mode, and where it takes the object."""
+
+    mode: str
+    goal: Pose2  # X_WG at its end
+    motion: Motion  # how it is done
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
     """One manipulation task, complete and checked."""
 
@@ -190,6 +199,7 @@ class Task:
     obstacles: tuple[Obstacle, ...] = ()
     tool: ToolUse | None = None  # then ``goal`` is where the tool has the other body at its goal
     modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
+    legs: tuple[Leg, ...] = ()  # in order, the last one to ``goal``; empty: one mode does it all
     limits: Limits = field(default_factory=Limits)
     belief: Belief | None = None  # never None once loaded
     start_error: Pose2 = field(default_factory=Pose2)  # the true start is start + this, in world axes
@@ -204,6 +214,16 @@ class Task:
         if self.belief is not None:
             return self.belief
         return Belief(self.support.friction, self.contact_friction, self.object.mass)
+
+    @property
+    def parts(self) -> tuple[Task, ...]:
+        """The task of each leg, from where the one before it ends; of a task without legs itself."""
+        out, begin = [], replace(self, legs=())
+        for i, leg in enumerate(self.legs):
+            part = replace(begin, goal=leg.goal, modes=(leg.mode,), motion=leg.motion)
+            out.append(replace(part, source=f"{self.source}: legs[{i}]"))
+            begin = replace(begin, start=leg.goal, start_error=Pose2())
+        return tuple(out) or (self,)
 
     @property
     def true_start(self) -> Pose2:

@@ -9,6 +9,7 @@ import platform
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,8 +18,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.experiments.interrupt import Interrupt, Interrupted
-from pushpressslide.pipeline.planner import plan as make_plan
-from pushpressslide.pipeline.planner import refusal
+from pushpressslide.pipeline.planner import chained, grasp, refusal, usable
 from pushpressslide.pipeline.selection import select
 
 Engine = Literal["drake", "planar"]
@@ -58,38 +58,40 @@ def simulate(
     task.
     """
     held, stop = (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
-    choices = select(task) if choices is None else choices
-    usable = [c for c in choices if c.path is not None and (c.feasible or force)]
-    if not usable:
-        raise InfeasibleTaskError(refusal(task, choices))
+    judged = list(select(task) if choices is None else choices)
+    candidates = [
+        usable(task, list(of), force=force) for _, of in groupby(judged, key=lambda choice: choice.leg)
+    ]
     if engine == "planar":
         from pushpressslide.planar.engine import run as run_planar
 
-        made = make_plan(task, usable[0], force=force)
+        made = chained([grasp(task, of[0], force=force) for of in candidates])
         with held():
-            return made, run_planar(made, seed=seed, progress=progress, stop=stop), choices
-    from pushpressslide.sim.arms import joint_paths
+            return made, run_planar(made, seed=seed, progress=progress, stop=stop), judged
     from pushpressslide.sim.engine import run as run_drake
+    from pushpressslide.sim.grasps import GraspPaths
 
-    judged = list(choices)
-    problem: InfeasibleTaskError | None = None
-    for choice in usable:
-        made = make_plan(task, choice, force=force)
-        try:
-            paths = joint_paths(made, force=force)
-        except InfeasibleTaskError as error:
-            problem = error
-            reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"
-            judged[judged.index(choice)] = replace(choice, feasible=False, reason=reason)
-            continue
-        with held():
-            record = run_drake(
-                made, seed=seed, progress=progress, models=models, paths=paths, stop=stop, live=live
-            )
-        return made, record, judged
-    if len(usable) == 1 and problem is not None:
-        raise problem
-    raise InfeasibleTaskError(refusal(task, judged))
+    paths = GraspPaths(force)
+    for of in candidates:
+        problem: InfeasibleTaskError | None = None
+        for choice in of:
+            try:
+                paths.add(grasp(task, choice, force=force))
+                break
+            except InfeasibleTaskError as error:
+                problem = error
+                reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"
+                judged[judged.index(choice)] = replace(choice, feasible=False, reason=reason)
+        else:
+            if len(of) == 1 and problem is not None:
+                raise problem
+            raise InfeasibleTaskError(refusal(task, judged))
+    made = chained(paths.plans)
+    with held():
+        record = run_drake(
+            made, seed=seed, progress=progress, models=models, paths=paths.paths, stop=stop, live=live
+        )
+    return made, record, judged
 
 
 def run(

@@ -8,6 +8,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
@@ -15,9 +18,14 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
-from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, UPRIGHT, ToolAttitude
 
 GRAVITY, TURN = 9.81, 2.0 * math.pi
+# [rad] that a tool tilted away from its arm leans along the face: less is not tried, nor is more
+ASIDE = (math.radians(20.0), math.radians(60.0))
+# from behind the contact, of a tool that turns with the object
+LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
+TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
@@ -137,17 +145,30 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
     point, height = contact.tip_place(robot.tip_radius)
     points = [(*X_WB.apply(point), height) for X_WB in bodies]
     azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-    attitudes = [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    return held_somehow_problem(robot, points, [UPRIGHT, *attitudes])
+    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = [(UPRIGHT, None)]
+    holds += [(ToolAttitude(tilt, azimuth), None) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
+    if contact.kind == "side" and np.ptp(yaws) > TURNING:
+        behind = math.atan2(contact.normal[1], contact.normal[0])
+        holds += [
+            (ToolAttitude(TOOL_TILTS[-1], side, turns=True), yaws + behind + lean - side)
+            for lean in LEANS
+            for side in SIDES
+        ]
+    return held_somehow_problem(robot, points, holds)
 
 
 def tool_azimuths(contact: Contact, X_WB: Pose2, base: tuple[float, float, float]) -> tuple[float, ...]:
-    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing contact; under the arm, or
-    away from it, on top.
+    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing contact, straight and, as
+    far as the face allows it, away from the arm; under the arm, or away from it, on top.
     """
-    if contact.kind == "side":
-        x, y = X_WB.rotate(contact.normal)
-        return (math.atan2(y, x),)
     x, y = X_WB.apply(contact.point)
     outward = math.atan2(y - base[1], x - base[0])
-    return (outward, outward + math.pi)
+    if contact.kind == "top":
+        return (outward, outward + math.pi)
+    nx, ny = X_WB.rotate(contact.normal)
+    behind = math.atan2(ny, nx)
+    aside = math.remainder(outward - behind, TURN)
+    if not ASIDE[0] < abs(aside) < 0.5 * math.pi:
+        return (behind,)
+    return (behind, behind + math.copysign(min(abs(aside), ASIDE[1]), aside))

@@ -56,6 +56,7 @@ class TipMemory:
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
+    held: TipCommand | None = None  # of a tip that comes into this grasp with the contact it has
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from pushpressslide.core.control import ControlLog, Measurement, Phase, TipComma
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
-from pushpressslide.execution.normal_force import NormalForceRegulator
+from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.pipeline.control_state import (
@@ -39,7 +39,7 @@ from pushpressslide.pipeline.control_state import (
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
-from pushpressslide.pipeline.touch import align_time, touch
+from pushpressslide.pipeline.touch import align_time, held_at, touch
 
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
 # [s] without contact force before a tip goes back to touch: a side push rides over a gap, a press must not
@@ -81,11 +81,19 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
+        self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
-    def init(self, measurement: Measurement) -> ControllerState:
-        """Return the state at the start of the touch."""
-        tips = tuple(TipMemory(measurement.tips[c.arm].position) for c in self.plan.choice.contacts)
+    def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
+        """Return the state at the start of the touch; ``held``: the commands of arms that have not let go."""
+        tips = tuple(
+            TipMemory(
+                measurement.tips[c.arm].position,
+                regulator=NormalForceState(ramped=c.load),
+                held=held[c.arm] if held else None,
+            )
+            for c in self.plan.choice.contacts
+        )
         first, *ahead = self.plan.stretches
         return ControllerState(
             "touch", measurement.time, tips, self.binding, measurement.time, first, tuple(ahead),
@@ -228,7 +236,7 @@ class Controller:
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""
-        task, at = self.plan.task, measurement.object_pose
+        task, at = state.stretch.task, measurement.object_pose
         off = math.dist(at.position, task.goal.position) / task.tolerance.position
         turned = abs(wrap_angle(at.yaw - task.goal.yaw)) / task.tolerance.yaw
         if max(off, turned) < GOOD_ENOUGH or state.retries == RETRIES:
@@ -257,9 +265,12 @@ class Controller:
         elapsed = measurement.time - state.since
         back, progress = RETREAT * smooth(elapsed / duration), joint_progress(state)
         contacts = state.binding.plan.choice.contacts
+        yaw, still = measurement.object_pose.yaw, (0.0, 0.0, 0.0)
         commands = tuple(
-            drawn_back(memory.start, contact, X_WB, back, measurement.object_pose.yaw, progress)
-            for memory, contact in zip(state.tips, contacts, strict=True)
+            held_at(contact, X_WB, memory.start, still, force, yaw, progress)
+            if contact.arm in self.kept and state.failure is None
+            else drawn_back(memory.start, contact, X_WB, back, yaw, progress)
+            for memory, contact, force in zip(state.tips, contacts, self.touch_forces, strict=True)
         )
         log = control_log(state, measurement)
         phase: Phase = "done" if elapsed > duration + 0.3 else "release"

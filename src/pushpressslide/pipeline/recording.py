@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from typing import Any, Literal
 
 import numpy as np
@@ -23,10 +24,15 @@ class Recorder:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
+        self._grasp, self._before = plan, 0  # what is done now, and how many stretches came before it
         self._followed: list[Plan] = []  # of each stretch that was begun
 
     def __len__(self) -> int:
         return len(self._rows.get("time", ()))
+
+    def begin(self, grasp: Plan) -> None:
+        """Note that another grasp begins."""
+        self._grasp, self._before = grasp, len(self._followed)
 
     def add(
         self,
@@ -48,12 +54,12 @@ class Recorder:
         nothing = (np.nan, np.nan, np.nan)
         if followed is not None and (not self._followed or followed is not self._followed[-1]):
             self._followed.append(followed)
-        X_BV = (followed or self._plan).X_BV
+        X_BV = (followed or self._grasp).X_BV
         row: dict[str, Any] = {
             "time": time,
             "phase": PHASES.index(log.phase),
-            "leg": 0,
-            "stretch": max(0, len(self._followed) - 1),
+            "leg": (followed or self._grasp).choice.leg,
+            "stretch": max(self._before, len(self._followed) - 1),
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
             "object_pose": (true_pose.x, true_pose.y, true_pose.yaw),
             "object_twist": tuple(twist),
@@ -82,7 +88,6 @@ class Recorder:
         engine: Literal["drake", "planar"],
         seed: int,
         wall_time: float,
-        modes: tuple[str, ...],
         meta: Mapping[str, Any],
     ) -> Record:
         """Return everything so far."""
@@ -90,8 +95,10 @@ class Recorder:
             name: np.asarray(rows, dtype=np.float64) for name, rows in self._rows.items()
         }
         paths = [stretch.path for stretch in self._followed]
-        paths += [stretch.path for stretch in self._plan.stretches[len(paths) :]]
+        done = min(len(paths) - self._before, len(self._grasp.stretches))
+        paths += [stretch.path for stretch in self._grasp.way[done:]]
         samples = [p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)]
         arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
         arrays["plan_stretch"] = np.repeat(np.arange(len(paths), dtype=np.float64), PATH_SAMPLES)
+        modes = tuple(mode for mode, _ in groupby(stretch.choice.mode for stretch in self._plan.way))
         return Record(arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta)

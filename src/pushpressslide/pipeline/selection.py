@@ -20,8 +20,57 @@ SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked
 def select(task: Task) -> list[Choice]:
     """Return all choices for ``task``, feasible ones first and the quickest first; never empty.
 
-    A choice that cannot do the task says in ``reason`` why not, with the number that decides.
+    A choice that cannot do the task says in ``reason`` why not, with the number that decides. Of a task with
+    legs, the choices of one grasp after the other; ``leg`` says which leg they begin with.
     """
+    return [choice for grasp in grasps(task) for choice in grasp]
+
+
+def grasps(task: Task) -> list[list[Choice]]:
+    """Return the choices for each grasp of ``task``, best first: a leg for which the arms can keep the
+    contacts that they have is one more stretch of the leg before it.
+    """
+    out: list[list[Choice]] = []
+    for leg, part in enumerate(task.parts):
+        found = [_of_leg(choice, leg) for choice in _select(part)]
+        lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
+        if any(choice.feasible for choice in lengthened):
+            out[-1] = _ranked(lengthened)
+        else:
+            out.append(found)
+    return out
+
+
+def _of_leg(choice: Choice, leg: int) -> Choice:
+    following = None if choice.following is None else _of_leg(choice.following, leg)
+    return replace(choice, leg=leg, following=following)
+
+
+def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
+    """Return ``choice`` with the best of ``ahead`` that goes on with its contacts as its last stretches;
+    infeasible where none does.
+    """
+    after = next((c for c in ahead if c.mode == choice.mode and c.feasible and c.goes_on(choice)), None)
+    if after is None or not choice.feasible:
+        return replace(choice, feasible=False, reason=f"{choice.reason}; but no way on with its contacts")
+    path_length, time = _sum(choice.path_length, after.path_length), _sum(choice.time, after.time)
+    return replace(_joined(choice, after), path_length=path_length, time=time)
+
+
+def _joined(choice: Choice, after: Choice) -> Choice:
+    return replace(choice, following=after if choice.following is None else _joined(choice.following, after))
+
+
+def _sum(a: float | None, b: float | None) -> float | None:
+    return None if a is None or b is None else a + b
+
+
+def _ranked(choices: list[Choice]) -> list[Choice]:
+    return sorted(choices, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+
+
+def _select(task: Task) -> list[Choice]:
+    """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
     names = task.modes if task.modes is not None else tuple(MODES)
     for name in names:
@@ -30,7 +79,7 @@ def select(task: Task) -> list[Choice]:
             out.append(Choice(name, False, f"needs {mode.arms} arm(s), the task has {len(task.robots)}"))
         else:
             out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
-    return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+    return _ranked(out)
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, Shape, Task
+from pushpressslide.core.task import Box, Cylinder, Motion, Shape, Task
 
 
 def degrees(radians: float) -> float:
@@ -51,9 +51,12 @@ def _belief(task: Task) -> dict[str, Any]:
     return {**{name: (a if a != b else None) for name, (a, b) in pairs.items()}, "rho": told.rho}
 
 
+def _motion(motion: Motion) -> dict[str, Any]:
+    return {name: getattr(motion, name) for name in Motion.__dataclass_fields__}
+
+
 def task_data(task: Task) -> dict[str, Any]:
     """Return the task as plain data in the layout and units of the file."""
-    motion = {name: getattr(task.motion, name) for name in type(task.motion).__dataclass_fields__}
     return {
         "name": task.name,
         "description": task.description,
@@ -99,7 +102,16 @@ def task_data(task: Task) -> dict[str, Any]:
             "force_noise": task.sensing.force_noise,
             "delay": task.sensing.delay,
         },
-        "motion": motion,
+        "motion": _motion(task.motion),
+        "legs": [
+            {
+                "mode": leg.mode,
+                "pose": None if leg is task.legs[-1] else _pose(leg.goal),
+                "motion": _motion(leg.motion),
+            }
+            for leg in task.legs
+        ]
+        or None,
     }
 
 

@@ -27,6 +27,7 @@ from pushpressslide.core.task import (
 )
 from pushpressslide.pipeline.task_checks import MODELS, check
 from pushpressslide.pipeline.task_dump import dump_task
+from pushpressslide.pipeline.task_legs import inherited, legs
 from pushpressslide.pipeline.task_reader import nearest, read
 from pushpressslide.pipeline.task_schema import SCHEMA
 from pushpressslide.pipeline.task_shapes import centroid, convexity_fault, depth_inside, signed_area
@@ -72,7 +73,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     Raises:
         TaskError: as :func:`load_task`.
     """
-    d = read(SCHEMA, dict(data), "", source)
+    d = read(SCHEMA, inherited(data), "", source)
     _refuse_unsupported(d, source)
     belief, contact_friction = d["belief"], d["contact"]["friction"]
     model = ObjectModel(*_object(d["object"], source))
@@ -90,6 +91,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         obstacles=obstacles,
         tool=tool,
         modes=d["modes"],
+        legs=legs(d, goal, source),
         limits=_limits(d["limits"], source),
         belief=Belief(
             _told(belief["support_friction"], d["support"]["friction"]),
@@ -108,7 +110,8 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         description=" ".join(d["description"].split()),
         source=source,
     )
-    check(task)
+    for part in task.parts:
+        check(part)
     return task
 
 
@@ -120,8 +123,6 @@ def _refuse_unsupported(d: Mapping[str, Any], source: str) -> None:
         raise TaskError(
             source, "support.pose", d["support"]["pose"], "only a wall has a pose; leave it out for a table"
         )
-    if d["legs"]:
-        raise TaskError(source, "legs", d["legs"], f"{later}; leave it out")
 
 
 def _told(value: float | None, truth: float) -> float:

@@ -97,15 +97,6 @@ _OBSTACLE = {
     "friction": _friction("pair obstacle/support, if movable", 0.3),
 }
 
-_LEG = {
-    "mode": Field("name", "contact mode of the leg"),
-    "contacts": Field(
-        "points", "contact placement in the body frame B", "m", -5, 5, default=None, count=(1, 2)
-    ),
-    "cop": Field("text", "centre-of-pressure strategy", default=None),
-    "pose": _section("pose of G at the end of the leg", _pose()),
-}
-
 _DEFAULT = Motion()
 
 _MOTION = {
@@ -160,6 +151,12 @@ _MOTION = {
         "path", _DEFAULT.fixed_target,
     ),
 }  # fmt: skip
+
+_LEG = {
+    "mode": Field("name", "contact mode"),
+    "pose": _section("pose of G at its end; null for the last leg: the goal", _pose(), None),
+    "motion": _section("fields of `motion` that are otherwise in this leg", _MOTION, {}),
+}
 
 SCHEMA = _section(
     "a task",
@@ -254,7 +251,11 @@ SCHEMA = _section(
             {},
         ),
         "motion": _section("how the motion is to be done", _MOTION, {}),
-        "legs": Field("sections", "modes in order; null: one leg", fields=_LEG, default=None),
+        "legs": Field(
+            "sections", "parts of the task in order, in place of `modes`: arms that have other contacts in "
+            "the next one let go and take them, all others hold on; null: one mode does it all",
+            fields=_LEG, default=None, count=(1, 20),
+        ),
     },
 )  # fmt: skip
 """The whole file."""

@@ -57,29 +57,15 @@ def touch(
     the tip is; ``force`` [N] is what it presses with in the end, ``threshold`` [N] counts as contact, ``gap``
     [m] is the free way before the object.
     """
+    if memory.held is not None:
+        return memory.held, memory, True, None
     n = contact.direction(X_WB)
     before = tip_position(contact, X_WB, radius, gap)
 
     def command(
         position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), push: float | None = None
     ) -> TipCommand:
-        stiffness = FREE_STIFFNESS
-        if push is not None:
-            free = FREE_STIFFNESS
-            stiffness = (free[0], free[1], 0.0) if contact.kind == "top" else (0.0, free[1], free[2])
-        f = push or 0.0
-        return TipCommand(
-            force=(f * n[0], f * n[1], f * n[2]),
-            position=position,
-            velocity=velocity,
-            stiffness=stiffness,
-            damping=FREE_DAMPING,
-            normal_yaw=contact_yaw(contact, X_WB),
-            tool_yaw=tool_yaw,
-            tool_yaw_rate=0.0,
-            servo_cap=SERVO_CAP,
-            progress=joint_progress,
-        )
+        return held_at(contact, X_WB, position, velocity, push, tool_yaw, joint_progress)
 
     start = memory.start
     if elapsed < aligned:
@@ -109,6 +95,36 @@ def touch(
     velocity = (TOUCH_SPEED * n[0], TOUCH_SPEED * n[1], TOUCH_SPEED * n[2])
     memory = replace(memory, regulator=NormalForceState())
     return command(_ahead(origin, n, depth), velocity), memory, False, problem
+
+
+def held_at(
+    contact: Contact,
+    X_WB: Pose2,
+    position: Vector3,
+    velocity: Vector3,
+    push: float | None,
+    tool_yaw: float,
+    joint_progress: float,
+) -> TipCommand:
+    """Return the command of a tip that is held at ``position`` [m], moving at ``velocity`` [m/s]; or, along
+    its normal, that pushes with ``push`` [N].
+    """
+    n, free, f = contact.direction(X_WB), FREE_STIFFNESS, push or 0.0
+    stiffness = free
+    if push is not None:
+        stiffness = (free[0], free[1], 0.0) if contact.kind == "top" else (0.0, free[1], free[2])
+    return TipCommand(
+        force=(f * n[0], f * n[1], f * n[2]),
+        position=position,
+        velocity=velocity,
+        stiffness=stiffness,
+        damping=FREE_DAMPING,
+        normal_yaw=contact_yaw(contact, X_WB),
+        tool_yaw=tool_yaw,
+        tool_yaw_rate=0.0,
+        servo_cap=SERVO_CAP,
+        progress=joint_progress,
+    )
 
 
 def _along(a: Vector3, b: Vector3, u: float) -> Vector3:

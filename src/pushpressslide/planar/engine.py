@@ -36,10 +36,12 @@ def run(
     task = plan.task
     dt = task.motion.control_period
     X_BG = task.object.X_GB.inverse()
+    grasps = list(plan.grasps)
+    grasp = grasps.pop(0)
     world = World(task, plan.choice.contacts, dt)
     here = world.start(task.true_start, task.start, task.motion.approach_distance)
     controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
-    expected = OVERHEAD + sum(stretch.profile.duration for stretch in plan.stretches)
+    expected = OVERHEAD * len(plan.grasps) + sum(stretch.profile.duration for stretch in plan.way)
     time, tipping, started = 0.0, 0.0, perf_counter()
 
     def measured(world_state: WorldState) -> Measurement:
@@ -65,6 +67,16 @@ def run(
         measurement = measured(here)
         if progress is not None:
             progress(time, expected)
+        if state.phase == "done" and grasps and state.failure is None:
+            grasp, kept = grasps.pop(0), controller.kept
+            world = World(grasp.task, grasp.choice.contacts, dt)
+            here = world.regrasp(here, grasp.task.motion.approach_distance, kept)
+            measurement = measured(here)
+            controller = Controller(grasp)
+            recorder.begin(grasp)
+            state = controller.init(
+                measurement, tuple(c if i in kept else None for i, c in enumerate(commands))
+            )
         if state.phase == "done":
             reason = state.failure or ("goal_reached", "")
             break
@@ -74,6 +86,4 @@ def run(
         if stop():
             reason = ("interrupted", f"stopped by the user at {time:.1f} s")
             break
-    return recorder.record(
-        reason, "planar", seed, perf_counter() - started, (plan.choice.mode,), {"time_step": dt}
-    )
+    return recorder.record(reason, "planar", seed, perf_counter() - started, {"time_step": dt})

@@ -41,7 +41,8 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     axles = [task.object.X_GB.compose(Pose2(*map(float, row))) for row in arrays["vehicle_frame"][frames]]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
-    contacts, obstacles = plan.choice.contacts, []
+    contacts = [contact for grasp in plan.grasps for contact in grasp.choice.contacts]
+    obstacles = []
     for obstacle in task.obstacles:
         a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
         corners = [list(obstacle.pose.apply(c)) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]
@@ -68,7 +69,7 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "forceScale": FORCE_SCALE,
         "mirror": task.support.kind == "wall",  # on a wall x points to the left
         "reason": record.reason,
-        "mode": plan.choice.mode,
+        "mode": ", ".join(record.modes),
     }
 
 

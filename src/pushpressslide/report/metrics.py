@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -12,19 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.report import series
+from pushpressslide.report.contact_metrics import contact_figures
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 Array = NDArray[np.float64]
 
 SCHEMA = 1
-CONE_TOLERANCE = 0.02
-"""Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
-
 MOTION_FIELDS = (
     "start_pose", "final_pose", "duration", "motion_duration", "rms_position_error", "rms_yaw_error",
     "rms_end_effector_error", "max_position_error", "max_yaw_error", "path_rms_error", "path_max_error",
@@ -62,7 +60,8 @@ def result(
     }
     out |= dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS)
     if known:
-        out |= _motion_figures(task, plan, record) | _contact_figures(task, plan, record)
+        grasps = series.by_grasp(plan, record)
+        out |= _motion_figures(task, grasps, record) | contact_figures(task, grasps)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
         "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,
@@ -141,18 +140,14 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
 
 
-def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record) -> dict[str, Any]:
     arrays = record.arrays
     time, pose = arrays["time"], arrays["object_pose"]
-    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    move = series.in_phase(record, "move")
     offset = pose - arrays["reference_pose"]
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
-    tips = []
-    for c in plan.choice.contacts:
-        point, _ = c.tip_place(task.robots[c.arm].tip_radius)
-        wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
-        tips.append(np.linalg.norm(arrays["tip_position"][move, c.arm, :2] - wanted[move, :2], axis=1))
+    tips = [_tip_errors(task, c, part) for grasp, part in grasps for c in grasp.choice.contacts]
     cross_track = series.path_errors(task, record)[move]
     tracked, stretch = series.tracked_poses(task, record)[move, :2], arrays["stretch"][move]
     errors = arrays["tracking_error"][move]
@@ -160,10 +155,10 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "start_pose": pose[0],
         "final_pose": [*pose[-1, :2], wrap_angle(float(pose[-1, 2]))],
         "duration": float(time[-1] - time[0]),
-        "motion_duration": float(np.ptp(time[contact])) if contact.any() else 0.0,
+        "motion_duration": sum(_in_contact(part) for _, part in grasps),
         "rms_position_error": _rms(position_error),
         "rms_yaw_error": _rms(yaw_error),
-        "rms_end_effector_error": _rms(np.array(tips)),
+        "rms_end_effector_error": _rms(np.concatenate(tips)) if tips else math.nan,
         "max_position_error": float(position_error.max()) if position_error.size else None,
         "max_yaw_error": float(np.abs(yaw_error).max()) if yaw_error.size else None,
         "path_rms_error": _rms(cross_track),
@@ -179,45 +174,21 @@ def _motion_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     }
 
 
-def _contact_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
-    if not plan.choice.contacts:
-        return {}
-    time = record.arrays["time"]
-    normals, tangents = series.contact_forces(plan, record)
-    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
-    felt = normals[series.in_phase(record, "touch", "move", "release")]
-    step = np.diff(time, append=time[-1])
-    lost = contact[:, None] & (normals < series.CONTACT_FORCE)
-    touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
-    use = np.linalg.norm(tangents, axis=2) / allowed
-    outside = touching & (use > 1.0 + CONE_TOLERANCE)
-    slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
-    count = int(touching.sum())
-    return {
-        "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
-        "contact_loss_time": float(step[lost.any(axis=1)].sum()),
-        "cone_violation_fraction": float(outside.sum() / count) if count else None,
-        "slip_distance": sum(slips),
-        "contacts": [
-            {
-                "arm": c.arm,
-                "kind": c.kind,
-                "load": c.load if c.kind == "top" else None,
-                "max_normal_force": float(np.nanmax(felt[:, i])) if felt.size else None,
-                "mean_normal_force": _mean(normals[touching[:, i], i]),
-                "mean_friction_use": _mean(use[touching[:, i], i]),
-                "contact_loss_time": float(step[lost[:, i]].sum()),
-                "cone_violation_fraction": _mean(outside[touching[:, i], i]),
-                "slip_distance": slips[i],
-            }
-            for i, c in enumerate(plan.choice.contacts)
-        ],
-    }
+def _in_contact(record: Record) -> float:
+    """Time [s] from the first tick of the move to the last."""
+    time = record.arrays["time"][series.contact_phase(record)]
+    return float(np.ptp(time)) if len(time) else 0.0
 
 
-def _mean(values: Array) -> float | None:
-    return float(values.mean()) if values.size else None
+def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
+    """Distance [m] of a tip from its place on the object where the reference has it, at every tick of the
+    move.
+    """
+    arrays, move = record.arrays, series.in_phase(record, "move")
+    point, _ = contact.tip_place(task.robots[contact.arm].tip_radius)
+    wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
+    off: Array = np.linalg.norm(arrays["tip_position"][move, contact.arm, :2] - wanted[move, :2], axis=1)
+    return off
 
 
 def _torque_violations(task: Task, record: Record) -> float | None:
@@ -279,10 +250,10 @@ def _max_tilt(record: Record) -> float | None:
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
     """What was foreseen, of all stretches together, to set beside what happened."""
-    margins = [s.choice.friction_margin for s in plan.stretches if s.choice.friction_margin is not None]
+    margins = [s.choice.friction_margin for s in plan.way if s.choice.friction_margin is not None]
     return {
-        "path_length": sum(series.path_length(stretch.path) for stretch in plan.stretches),
-        "motion_duration": sum(stretch.profile.duration for stretch in plan.stretches),
+        "path_length": sum(series.path_length(stretch.path) for stretch in plan.way),
+        "motion_duration": sum(stretch.profile.duration for stretch in plan.way),
         "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),
         "condition": record.meta.get("condition_planned"),

@@ -137,9 +137,15 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         "<h3>Contacts</h3>",
         contacts_table(run.plan, result),
         "<h3>Plots</h3>",
-        *(image(data, key, CAPTIONS[key]) for key, data in plots.items()),
+        *(image(data, key, _caption(key)) for key, data in plots.items()),
     ]
     return f"<section>{''.join(parts)}</section>"
+
+
+def _caption(key: str) -> str:
+    """What a figure shows; one of several grasps has its number behind the name."""
+    name, _, grasp = key.partition("-")
+    return f"Grasp {grasp}. {CAPTIONS[name]}" if grasp else CAPTIONS[name]
 
 
 def _link(target: Path, page: Path) -> str:
@@ -197,7 +203,7 @@ def _choice_part(run: Run) -> str:
     choices: Sequence[Choice] = run.choices or (run.plan.choice,)
     rows = []
     for choice in choices:
-        chosen = choice == run.plan.choice
+        chosen = choice in [grasp.choice for grasp in run.plan.grasps]
         margin = "" if choice.friction_margin is None else f"{math.degrees(choice.friction_margin):.1f}°"
         cells = (
             ("chosen" if chosen else "possible" if choice.feasible else "refused", ""),

@@ -199,9 +199,16 @@ def _judged(result: Mapping[str, Any], key: str) -> str:
 
 def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     """Return where each arm touches the object, and what its contact went through: one column each."""
-    contacts = plan.choice.contacts
-    measured = result["contacts"] or [{}] * len(contacts)
-    names = [f"Arm {c.arm}: {Path(plan.task.robots[c.arm].model).name}" for c in contacts]
+    grasps = plan.grasps if result["contacts"] else (plan,)
+    contacts = [c for grasp in grasps for c in grasp.choice.contacts]
+    measured = [*(result["contacts"] or ())]
+    measured += [{}] * (len(contacts) - len(measured))
+    robots = plan.task.robots
+    names = [
+        f"{_which(grasp, plan)}arm {c.arm}: {Path(robots[c.arm].model).name}".capitalize()
+        for grasp in grasps
+        for c in grasp.choice.contacts
+    ]
     lines = [
         ("Contact", [KINDS[c.kind] for c in contacts]),
         ("Place, from the CoM", [f"({1e3 * c.point[0]:.0f}, {1e3 * c.point[1]:.0f}) mm" for c in contacts]),
@@ -218,12 +225,16 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     return table(("", *names), rows, numbers=len(names))
 
 
+def _which(grasp: Plan, plan: Plan) -> str:
+    return f"grasp {plan.grasps.index(grasp) + 1}, " if plan.next_grasp is not None else ""
+
+
 def stretches_table(plan: Plan) -> str:
     """Return the stretches of a plan one by one; empty for a plan of one."""
-    if len(plan.stretches) < 2:
+    if len(plan.way) < 2:
         return ""
     rows = []
-    for i, stretch in enumerate(plan.stretches):
+    for i, stretch in enumerate(plan.way):
         goal, axle = stretch.goal, stretch.X_BV
         cells = (
             f"{path_length(stretch.path):.3f} m", f"{stretch.profile.duration:.1f} s",

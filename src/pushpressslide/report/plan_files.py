@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 
-SCHEMA = 2
+SCHEMA = 3
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
@@ -20,18 +21,12 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     out: dict[str, Any] = {
         "schema": SCHEMA,
         "task": plan.task.name,
-        "choice": _choice_to_dict(plan.choice),
-        "stretches": [
+        "grasps": [
             {
-                "path": _path_to_dict(stretch.path),
-                "profile": {
-                    "length": stretch.profile.length,
-                    "speed": stretch.profile.speed,
-                    "acceleration": stretch.profile.acceleration,
-                },
-                "X_BV": _pose_to_list(stretch.X_BV),
+                "choice": _choice_to_dict(grasp.choice),
+                "stretches": [_stretch_to_dict(stretch) for stretch in grasp.stretches],
             }
-            for stretch in plan.stretches
+            for grasp in plan.grasps
         ],
     }
     if choices:
@@ -43,14 +38,36 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on other data."""
     if data["schema"] != SCHEMA:
         raise ValueError(f"schema {data['schema']}, this version reads {SCHEMA}")
+    grasp = None
+    for one in reversed(data["grasps"]):
+        grasp = _grasp_from_dict(one, task, grasp)
+    if grasp is None:
+        raise ValueError("a plan without grasps")
+    return grasp
+
+
+def _grasp_from_dict(data: Mapping[str, Any], task: Task, after: Plan | None) -> Plan:
     plan = None
     choices = _choice_from_dict(data["choice"]).stretches
     for choice, stretch in reversed(list(zip(choices, data["stretches"], strict=True))):
         path, profile = _path_from_dict(stretch["path"]), SpeedProfile(**stretch["profile"])
-        plan = Plan(task, choice, path, profile, Pose2(*stretch["X_BV"]), plan)
+        plan = Plan(task.parts[choice.leg], choice, path, profile, Pose2(*stretch["X_BV"]), plan)
     if plan is None:
         raise ValueError("a plan without stretches")
-    return plan
+    return replace(plan, next_grasp=after)
+
+
+def _stretch_to_dict(stretch: Plan) -> dict[str, Any]:
+    profile = stretch.profile
+    return {
+        "path": _path_to_dict(stretch.path),
+        "profile": {
+            "length": profile.length,
+            "speed": profile.speed,
+            "acceleration": profile.acceleration,
+        },
+        "X_BV": _pose_to_list(stretch.X_BV),
+    }
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
@@ -113,6 +130,7 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "parameters": dict(choice.parameters),
         "path": None if choice.path is None else _path_to_dict(choice.path),
         "goal": None if choice.goal is None else _pose_to_list(choice.goal),
+        "leg": choice.leg,
         "following": None if choice.following is None else _choice_to_dict(choice.following),
     }
 
@@ -126,5 +144,5 @@ def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
         data["mode"], data["feasible"], data["reason"], contacts, data["path_length"], data["time"],
         data["friction_margin"], data["parameters"], path,
         None if data["goal"] is None else Pose2(*data["goal"]),
-        None if data["following"] is None else _choice_from_dict(data["following"]),
+        None if data["following"] is None else _choice_from_dict(data["following"]), data["leg"],
     )  # fmt: skip

@@ -38,7 +38,7 @@ def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
 def plan_figure(plan: Plan) -> Figure:
     """Return the plan from above: the tracking point's paths, footprints, obstacles, bases and contacts."""
     made, axes = style.figure(height=5.6)
-    ax, task, stretches = axes[0], plan.task, plan.stretches
+    ax, task, stretches = axes[0], plan.task, plan.way
     each = max(2, STATIONS // len(stretches))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [stretch.object_pose(u * stretch.path.length) for stretch in stretches for u in shares]
@@ -53,12 +53,13 @@ def plan_figure(plan: Plan) -> Figure:
         ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
     X_WB = task.start.compose(task.object.X_GB)
     ax.plot(X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass")
-    _contacts(ax, plan, X_WB)
+    _contacts(ax, [(grasp, grasp.task.start.compose(task.object.X_GB)) for grasp in plan.grasps])
     corners = [c for pose in [*poses, task.start, task.goal] for c in outline(task, pose)]
     way = sum(series.path_length(stretch.path) for stretch in stretches)
     seconds = sum(stretch.profile.duration for stretch in stretches)
+    modes = ", ".join(grasp.choice.mode for grasp in plan.grasps)
     parts = f", {len(stretches)} stretches" if len(stretches) > 1 else ""
-    _frame(ax, task, corners, f"Plan: {plan.choice.mode}, {way:.3f} m in {seconds:.1f} s{parts}")
+    _frame(ax, task, corners, f"Plan: {modes}, {way:.3f} m in {seconds:.1f} s{parts}")
     return made
 
 
@@ -95,9 +96,14 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
             *reference[:, :2].T, "--", color=style.BLACK, lw=1.0, label="reference path" if first else None
         )
     largest = _forces(ax, task, plan, record, picks[1:-1])
-    _contacts(ax, plan, poses[0].compose(task.object.X_GB))
+    taken = [(grasp, _first_pose(part)) for grasp, part in series.by_grasp(plan, record)]
+    _contacts(ax, [(grasp, pose.compose(task.object.X_GB)) for grasp, pose in taken])
     if largest > 0.0:
-        flat = "in the plane, " if any(c.kind == "top" for c in plan.choice.contacts) else ""
+        flat = (
+            "in the plane, "
+            if any(c.kind == "top" for grasp in plan.grasps for c in grasp.choice.contacts)
+            else ""
+        )
         label = f"contact force, {flat}largest {largest:.1f} N"
         ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
     corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
@@ -114,14 +120,14 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
 def _forces(ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[int]) -> float:
     """Draw the measured forces at the picked ticks, each at its contact; return the largest [N]."""
     force, pose = record.arrays["measured_force"][:, :, :2], record.arrays["object_pose"]
-    arms = [contact.arm for contact in plan.choice.contacts]
-    sizes = np.linalg.norm(force[np.ix_(picks, arms)], axis=2)
+    contacts, leg = plan.contacts_by_leg, record.arrays["leg"]
+    sizes = np.linalg.norm(force[picks], axis=2)
     largest = float(np.nanmax(sizes)) if sizes.size else 0.0
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
         X_WB = Pose2(*(float(v) for v in pose[tick])).compose(task.object.X_GB)
-        for contact in plan.choice.contacts:
+        for contact in contacts[int(leg[tick])]:
             x, y = X_WB.apply(contact.point)
             fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])
             if contact.kind == "top":
@@ -134,10 +140,19 @@ def _forces(ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[in
     return largest
 
 
-def _contacts(ax: Axes, plan: Plan, X_WB: Pose2) -> None:
-    """Draw where the tips touch the object at ``X_WB``: a dot on top, a short arrow into a side."""
-    kinds = {contact.kind for contact in plan.choice.contacts}
-    for contact in plan.choice.contacts:
+def _first_pose(record: Record) -> Pose2:
+    """Where the object is when a grasp begins to move it."""
+    at = int(np.argmax(series.in_phase(record, "move")))
+    return Pose2(*(float(v) for v in record.arrays["object_pose"][at]))
+
+
+def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
+    """Draw where the tips of each grasp touch the object at its X_WB: a dot on top, a short arrow into a
+    side.
+    """
+    touched = [(contact, X_WB) for grasp, X_WB in grasps for contact in grasp.choice.contacts]
+    kinds = {contact.kind for contact, _ in touched}
+    for contact, X_WB in touched:
         x, y = X_WB.apply(contact.point)
         if contact.kind == "top":
             ax.plot(x, y, "o", color=style.ORANGE, ms=8, zorder=6)

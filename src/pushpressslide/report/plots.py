@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+Maker = Callable[[Task, Plan, Record], "Figure | None"]
 MOST_POINTS = 20000  # of a curve; more than a figure can show
 LEAST_REACH = (
     0.1  # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill the panel
@@ -36,16 +38,15 @@ def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
 
     if series.ticks(record) < 2:
         return {}
-    makers: dict[str, Callable[[Task, Plan, Record], Figure | None]] = {
-        "path": path_figure,
-        "errors": errors_figure,
-        "tracking": tracking_figure,
-        "axle": axle_over_time,
-        "forces": forces_figure,
-        "torques": torques_figure,
-        "speeds": speeds_figure,
-    }
-    made = {name: maker(task, plan, record) for name, maker in makers.items()}
+    of_all: dict[str, Maker] = {"path": path_figure, "errors": errors_figure, "tracking": tracking_figure}
+    of_grasp: dict[str, Maker] = {"axle": axle_over_time, "forces": forces_figure}
+    of_arms: dict[str, Maker] = {"torques": torques_figure, "speeds": speeds_figure}
+    grasps = series.by_grasp(plan, record)
+    made = {name: maker(task, plan, record) for name, maker in of_all.items()}
+    for i, (grasp, part) in enumerate(grasps):
+        number = f"-{i + 1}" if len(grasps) > 1 else ""
+        made |= {f"{name}{number}": maker(task, grasp, part) for name, maker in of_grasp.items()}
+    made |= {name: maker(task, plan, record) for name, maker in of_arms.items()}
     return {name: figure for name, figure in made.items() if figure is not None}
 
 
@@ -119,7 +120,7 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
         upper.plot(*_thin(time, asked_n[:, i]), label="commanded", **COMMANDED)
         edge = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
         if contact.kind == "top":
-            loads = _by_stretch(record, [part.choice.contacts[i].load for part in plan.stretches])
+            loads = _by_stretch(plan, record, partial(_load, i))
             upper.plot(*_thin(time, loads), color=style.BLACK, lw=1.3, ls=":", label="planned load")
             upper.set_ylabel(f"{which}press [N]")
             lower.set_ylabel(f"{which}shear [N]")
@@ -136,6 +137,10 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
                 lower.plot(*_thin(time, tangents[:, i, 1]), color=style.PURPLE, lw=0.9, label="measured, up")
     _time_axis(axes, record, "Contact force of the tip on the object")
     return made
+
+
+def _load(i: int, stretch: Plan) -> float:
+    return stretch.choice.contacts[i].load
 
 
 def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
@@ -173,8 +178,9 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     made, (top, bottom) = style.figure(2, 4.4)
     time, twist = record.arrays["time"], record.arrays["object_twist"]
     arm = series.tracked_poses(task, record)[:, :2] - record.arrays["object_pose"][:, :2]
-    cruise = [p.profile.cruise * series.path_length(p.path) / (p.path.length or 1.0) for p in plan.stretches]
-    planned = _by_stretch(record, cruise)
+    planned = _by_stretch(
+        plan, record, lambda p: p.profile.cruise * series.path_length(p.path) / (p.path.length or 1.0)
+    )
     speed = np.hypot(twist[:, 0] - twist[:, 2] * arm[:, 1], twist[:, 1] + twist[:, 2] * arm[:, 0])
     top.plot(*_thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
     top.plot(*_thin(time, 1e3 * planned), color=style.ORANGE, ls="--", lw=1.1, label="planned cruise")
@@ -233,11 +239,12 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
     ax.fill_between(sampled, bottom, _thin(time, high)[1], color=style.GREEN, alpha=0.14, lw=0, label=label)
 
 
-def _by_stretch(record: Record, values: Sequence[float]) -> Array:
+def _by_stretch(plan: Plan, record: Record, value: Callable[[Plan], float]) -> Array:
     """Return at every tick (N,) of the move its stretch's value; NaN in a second attempt, not in the plan."""
-    stretch, out = record.arrays["stretch"], np.full(series.ticks(record), np.nan)
-    for i, value in enumerate(values):
-        out[(stretch == i) & series.in_phase(record, "move")] = value
+    number, out = record.arrays["stretch"], np.full(series.ticks(record), np.nan)
+    for grasp, part in series.by_grasp(plan, record):
+        for i, stretch in enumerate(grasp.stretches, start=int(part.arrays["stretch"][0])):
+            out[(number == i) & series.in_phase(record, "move")] = value(stretch)
     return out
 
 

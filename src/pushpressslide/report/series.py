@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,12 +65,30 @@ def in_phase(record: Record, *names: str) -> Mask:
 
 
 def contact_phase(record: Record) -> Mask:
-    """Return which ticks (N,) lie from the first to the last of phase "move", regained contacts included."""
-    (at,) = np.nonzero(in_phase(record, "move"))
-    mask = np.zeros(ticks(record), dtype=bool)
-    if len(at):
-        mask[at[0] : at[-1] + 1] = True
+    """Return which ticks (N,) lie from the first to the last of phase "move" of a grasp, regained contacts
+    included.
+    """
+    mask, move = np.zeros(ticks(record), dtype=bool), in_phase(record, "move")
+    # a grasp ends where its tips are drawn back
+    number = np.cumsum(np.diff(in_phase(record, "release").astype(np.int8), prepend=0) < 0)
+    for i in np.unique(number):
+        (at,) = np.nonzero(move & (number == i))
+        if len(at):
+            mask[at[0] : at[-1] + 1] = True
     return mask
+
+
+def by_grasp(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
+    """Return the plan of each grasp that was begun, and what was recorded of it."""
+    of, leg = [], record.arrays["leg"]
+    for grasp in plan.grasps:
+        at = np.isin(leg, [stretch.choice.leg for stretch in grasp.stretches])
+        if at.any():
+            rows = {k: v[at] for k, v in record.arrays.items() if not k.startswith("plan_")}
+            stretch = np.isin(record.arrays["plan_stretch"], rows["stretch"])
+            rows |= {k: record.arrays[k][stretch] for k in ("plan_path", "plan_stretch")}
+            of.append((grasp, replace(record, arrays=rows)))
+    return of
 
 
 def tracked_poses(task: Task, record: Record) -> Array:
@@ -80,7 +99,7 @@ def tracked_poses(task: Task, record: Record) -> Array:
 def stretch_paths(record: Record) -> list[Array]:
     """Return the reference path of each stretch of the plan: (K, 3) poses of V in the world."""
     path, of = record.arrays["plan_path"], record.arrays["plan_stretch"]
-    return [path[of == i] for i in np.unique(of)]
+    return [path[of == i] for i in range(1 + int(of.max(initial=-1)))]
 
 
 def path_errors(task: Task, record: Record) -> Array:

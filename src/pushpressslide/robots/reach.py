@@ -22,7 +22,7 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 """Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
 
 QUICK_ITERATIONS = 30
-HOPELESS = -0.03  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
+HOPELESS = 0.08  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 
@@ -42,29 +42,31 @@ def reachable(
     attitude: ToolAttitude = UPRIGHT,
     tool_yaw: Array | float | None = None,
     joint_margin: float = 0.0,
+    *,
+    quick: bool = False,
 ) -> Reach:
     """Return which points (m, 3) [m] the tip's centre reaches, the tool so held, with ``joint_margin`` [rad].
 
     tool_yaw: [rad], scalar or (m,); None leaves it free. Searched from the home posture and its neighbours,
     so that the arm folded over backwards does not count. Of the points that a quick search misses the nearest
-    are searched at length.
+    are searched at length, unless ``quick``.
     """
     p = np.atleast_2d(np.asarray(points, dtype=np.float64))
     seeds = default_seeds(kin, p)[:, :STRUCTURED_SEEDS]
-    quick = solve_ik(kin, p, attitude, tool_yaw, seeds[:, QUICK_SEEDS], joint_margin, QUICK_ITERATIONS)
-    missed = np.flatnonzero(~quick.converged)
-    if len(missed) == 0:
-        return _reach(quick)
-    doubtful = missed[np.argsort(quick.position_residual[missed] + quick.angle_residual[missed])][
+    first = solve_ik(kin, p, attitude, tool_yaw, seeds[:, QUICK_SEEDS], joint_margin, QUICK_ITERATIONS)
+    missed = np.flatnonzero(~first.converged)
+    if quick or len(missed) == 0:
+        return _reach(first)
+    doubtful = missed[np.argsort(first.position_residual[missed] + first.angle_residual[missed])][
         :LONG_SEARCHES
     ]
     yaw = tool_yaw if tool_yaw is None or np.ndim(tool_yaw) == 0 else np.asarray(tool_yaw)[doubtful]
     full = solve_ik(kin, p[doubtful], attitude, yaw, seeds[doubtful], joint_margin)
-    fields = (quick.q, quick.position_residual, quick.angle_residual, quick.joint_margin, quick.converged)
+    fields = (first.q, first.position_residual, first.angle_residual, first.joint_margin, first.converged)
     better = (full.q, full.position_residual, full.angle_residual, full.joint_margin, full.converged)
     for old, new in zip(fields, better, strict=True):
         old[doubtful] = new
-    return _reach(quick)
+    return _reach(first)
 
 
 def _reach(solution: IkSolution) -> Reach:
@@ -87,10 +89,12 @@ def reach_problem(
 
 
 def held_somehow_problem(
-    robot: Robot, points: Sequence[tuple[float, float, float]], attitudes: Sequence[ToolAttitude]
+    robot: Robot,
+    points: Sequence[tuple[float, float, float]],
+    holds: Sequence[tuple[ToolAttitude, Array | None]],
 ) -> str | None:
-    """Return in one line why a robot cannot bring its tip's centre to all points [m] with the tool held in
-    any one of ``attitudes``; or None.
+    """Return in one line why a robot cannot bring its tip's centre to all m points [m] with the tool held in
+    any one of ``holds``, attitudes with tool yaws (m,) [rad] or None for any; or None.
 
     The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the
     farthest.
@@ -100,14 +104,15 @@ def held_somehow_problem(
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
     problem = None
-    for attitude in attitudes:
-        found = reachable(kin, p[hardest], attitude, None, REACH_MARGIN)
+    for attitude, yaws in holds:
+        there = None if yaws is None else yaws[hardest]
+        found = reachable(kin, p[hardest], attitude, there, REACH_MARGIN, quick=yaws is not None)
         if not found.ok.all():
             problem = problem or _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
-            if found.miss.max() > robot.tip_length + HOPELESS:
+            if attitude.tilt == 0.0 and found.miss.max() > robot.tip_length + HOPELESS:
                 break  # no tilt makes up for that
             continue
-        found = reachable(kin, p, attitude, None, REACH_MARGIN)
+        found = reachable(kin, p, attitude, yaws, REACH_MARGIN)
         if found.ok.all():
             return None
         problem = problem or _problem(kin, robot, points, found, REACH_MARGIN)

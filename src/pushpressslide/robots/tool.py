@@ -1,4 +1,4 @@
-"""How the tool is held: its axis constant in the support's frame, its yaw free to follow the object.
+"""How the tool is held: its axis constant in the support's frame, or turning with the object as its yaw does.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the
 flange. Frame S is the support's: z out of the surface towards the robots (on a table S has the world's axes).
@@ -9,7 +9,7 @@ projected on the plane of x_S and y_S.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,9 @@ from pushpressslide.core.errors import PushPressSlideError
 Array = NDArray[np.float64]
 Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
-
-# that are tried, the wrist behind the contact
 UPRIGHT_WS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+# that are tried: tilts, and the sides to which a tool that turns with the object leans
+SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad]
 TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 
 
@@ -30,12 +30,16 @@ class ToolAttitude:
     """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning towards ``azimuth``.
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
-    the direction opposite to ``azimuth``. Raises PushPressSlideError for a tilt outside [0, pi/2).
+    the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
+    about z_S with its yaw, as if fixed to the object.
+
+    Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
 
     tilt: float = 0.0  # [rad] in [0, pi/2)
     azimuth: float = 0.0  # [rad] about z_S from x_S
     R_WS: Rotation = UPRIGHT_WS  # rows; the default is a table
+    turns: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt < 0.5 * math.pi:
@@ -52,6 +56,12 @@ class ToolAttitude:
     def rotation(self, tool_yaw: NDArray[np.float64] | float) -> Array:
         """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)
+        if self.turns:
+            cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
+            turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
+            fixed = replace(self, R_WS=UPRIGHT_WS, turns=False).rotation(0.0)
+            turned: Array = np.array(self.R_WS) @ turn.reshape(*yaw.shape, 3, 3) @ fixed
+            return turned
         s, c = math.sin(self.tilt), math.cos(self.tilt)
         z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
         x = np.stack([np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c], axis=-1)
@@ -64,11 +74,14 @@ class ToolAttitude:
         """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats, for a control loop."""
         s, cz = math.sin(self.tilt), -math.cos(self.tilt)
         zx, zy = s * math.cos(self.azimuth), s * math.sin(self.azimuth)
-        x, y = math.cos(tool_yaw), math.sin(tool_yaw)
+        cos, sin = math.cos(tool_yaw), math.sin(tool_yaw)
+        x, y = (1.0, 0.0) if self.turns else (cos, sin)
         up = -(zx * x + zy * y) / cz
         size = math.sqrt(1.0 + up * up)
         x, y, up = x / size, y / size, up / size
         R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
+        if self.turns:
+            R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
         return R_ST if self.R_WS is UPRIGHT_WS else np.array(self.R_WS) @ R_ST
 
     def yaw(self, R_WT: Array) -> Array:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import pairwise
+from dataclasses import dataclass
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.task import Task
-from pushpressslide.robots.continuation import continuations
+from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.connect import connect
+from pushpressslide.sim.postures import held_at
 
 Array = NDArray[np.float64]
 
@@ -25,69 +28,110 @@ HOVER_ROOM = 0.06  # [m] above all tops before the tip goes down beside the obje
 DESCENT_MARGIN = 0.03  # [rad] kept from the joint limits on the way down
 FASTEST = 1.875  # times the mean speed: the middle of a minimum-jerk move
 FINEST = 0.04  # [rad] or [m] of any joint between two postures of a way
-VIAS = 24  # postures that are tried between start and descent where no plain way is free
-VIA_SPREAD = 1.2  # [rad] or [m] of any joint about the ready posture
-DRAWN = 20 * VIAS
+DRAWN, SPREAD = 480, 1.2  # postures to begin with where the ready one is not free; [rad] or [m] about it
+BACK = 11  # samples of the straight way from the contact to beside the object
+LEAST_GAP = 0.015  # [m] of that way, where the arm cannot do it all
 
 Way = tuple[Array, Array]
+
+
+@dataclass(frozen=True)
+class Descent:
+    """The end of a way in reverse: back from the contact, as far as asked for or the arm can, then up."""
+
+    points: Array  # (k, 3) [m] of the tip, drawn back
+    back: Continuation
+    needed: int  # samples of it, for the least gap
+    gap: float  # [m] between the contact and the place beside the object
+    up: Array  # (m, n) postures from beside the object upwards; none where the gap is too small
+    heights: Array  # (m,) [m] above the place beside the object
+
+    def down(self, count: int) -> tuple[Array, float]:
+        """Return the last ``count`` postures (count, n) down to beside the object, and the drop [m]."""
+        return self.up[:count][::-1], float(self.heights[count - 1])
 
 
 class Approach:
     """Ways to one place: over it and down, as high as the arm can; turned first, lifted first, or round."""
 
-    def __init__(self, task: Task, kin: ArmKinematics, free: Callable[[Array], bool]) -> None:
-        """Choose the postures to come from; ``free`` says whether one (n,) is clear of everything."""
+    def __init__(
+        self, task: Task, kin: ArmKinematics, free: Callable[[Array], bool], start: Array | None = None
+    ) -> None:
+        """Choose the postures to come from: ``start`` (n,) and above it, else the ready one, or lifted.
+
+        ``free`` says whether one (n,) is clear of everything.
+        """
         self.task, self.kin = task, kin
         tops = [task.object.shape.height, *(o.size[2] for o in task.obstacles)]
         self.hover = max(tops) + HOVER_ROOM + max(robot.tip_radius for robot in task.robots)
+        self._rise_speed = math.inf if start is None else DESCENT_SPEED  # [m/s] beside the object
+        if start is not None:
+            risen = self._risen(start)
+            self._rises = [risen[:count] for count in dict.fromkeys((len(risen), (len(risen) + 1) // 2, 1))]
+            return
         home = kin.facts.home
-        vias = self._vias()
         lifted = self._lifted(home)
-        starts = [q for q in (home, lifted, *vias) if q is not None and free(q)]
-        self.start = starts[0] if starts else home
-        plain = [self.start]
-        if lifted is not None and lifted is not self.start:
-            plain.append(lifted)
-        self._plain = [[self.start], plain] if len(plain) > 1 else [plain]
-        self._round = [[*plain, via] for via in vias if via is not self.start]
+        ready = (q for q in chain((home, lifted), self._high()) if q is not None and free(q))
+        first = next(ready, home)
+        self._rises = [first[None]]
+        if lifted is not None and lifted is not first:
+            self._rises.append(np.stack([first, lifted]))
 
-    def ways(
-        self, first: Array, yaw: float, normal: Vector3, q: Array, attitude: ToolAttitude
-    ) -> Iterator[Way]:
-        """Yield times (m,) and postures (m, n) of ways to beside ``first`` (3,), the most careful first.
+    def descent(
+        self,
+        first: Array,
+        yaw: float,
+        normal: Vector3,
+        q: Array,
+        attitude: ToolAttitude,
+        least_gap: float = LEAST_GAP,
+    ) -> Descent:
+        """Return the last part of every way to ``first`` (3,), seen from its end.
 
         ``first`` [m] is the tip at the touch, in posture ``q`` (n,) at tool yaw ``yaw``; ``normal`` points
-        from the tip into the object.
+        from the tip into the object; ``least_gap`` [m] is what the tip must be drawn back at least.
         """
-        beside = first - self.task.motion.approach_distance * np.array(normal)
+        wanted = self.task.motion.approach_distance
+        points = np.linspace(first, first - wanted * np.array(normal), BACK)
+        back = self._follow(points, yaw, q, attitude)
+        gap = wanted * (_reached(back) - 1) / (BACK - 1)
+        needed = 1 + math.ceil((BACK - 1) * min(1.0, least_gap / wanted))
+        if _reached(back) < needed:
+            return Descent(points, back, needed, gap, np.zeros((0, len(q))), np.zeros(0))
+        beside, at = points[_reached(back) - 1], back.q[_reached(back) - 1]
         height = float(beside[2])
         hover = max(self.hover, height + 0.08)
-        back = np.linspace(0.0, 1.0, 5)[:, None] * (beside - first) + first
-        levels = np.linspace(height, hover, max(4, math.ceil((hover - height) / 0.02)))[1:]
-        rise = np.column_stack([np.full((len(levels), 2), beside[:2]), levels])
-        points = np.concatenate([back, rise])
-        path = continuations(
-            self.kin, points, np.full((1, len(points)), yaw), q[None], attitude, DESCENT_MARGIN
-        )[0]
-        reached = len(points) if path.failed_at is None else path.failed_at
-        if reached < len(back):
-            return
-        for top in dict.fromkeys((reached, len(back) + (reached - len(back)) // 2, len(back))):
-            down = path.q[len(back) - 1 : top][::-1]
-            drop = float(levels[top - len(back) - 1] - height) if top > len(back) else 0.0
-            for corners in self._plain:
-                yield self._timed([*corners, down[0]], down, drop)
-                if self.kin.facts.moving[0].kind == "revolute":
-                    turned = corners[-1].copy()
-                    turned[0] = down[0][0]
-                    yield self._timed([*corners, turned, down[0]], down, drop)
-        down = path.q[len(back) - 1 : reached][::-1]
-        drop = float(levels[reached - len(back) - 1] - height) if reached > len(back) else 0.0
-        for corners in self._round:
-            yield self._timed([*corners, down[0]], down, drop)
+        levels = _levels(height, hover)
+        rise = self._follow(
+            np.column_stack([np.full((len(levels), 2), beside[:2]), levels]), yaw, at, attitude
+        )
+        count = _reached(rise)
+        return Descent(points, back, needed, gap, rise.q[:count], levels[:count] - height)
 
-    def _tip_height(self, q: Array) -> Array:
-        return np.asarray(self.kin.tip_pose(q)[1])[..., 2]
+    def _follow(self, points: Array, yaw: float, q: Array, attitude: ToolAttitude) -> Continuation:
+        yaws = np.full((1, len(points)), yaw)
+        return continuations(self.kin, points, yaws, q[None], attitude, DESCENT_MARGIN)[0]
+
+    def ways(self, descent: Descent) -> Iterator[Way]:
+        """Yield times (m,) and postures (m, n) of ways to beside the object, the most careful first."""
+        high = len(descent.up)
+        for count in dict.fromkeys((high, (high + 1) // 2, 1)) if high else ():
+            down = descent.up[count - 1]
+            for rise in self._rises:
+                yield self._timed(rise, [rise[-1], down], descent, count)
+                if self.kin.facts.moving[0].kind == "revolute":
+                    turned = rise[-1].copy()
+                    turned[0] = down[0]
+                    yield self._timed(rise, [rise[-1], turned, down], descent, count)
+
+    def ways_round(self, descent: Descent, free: Callable[[Array], bool]) -> Iterator[Way]:
+        """Yield ways that are searched for, where ``free`` says whether a posture is clear of everything."""
+        facts, high = self.kin.facts, len(descent.up)
+        for count in dict.fromkeys((high, 1)) if high else ():
+            for rise in self._rises:
+                found = connect(rise[-1], descent.up[count - 1], free, facts.lower, facts.upper)
+                if found is not None:
+                    yield self._timed(rise, list(found), descent, count)
 
     def _lifted(self, home: Array) -> Array | None:
         """The ready posture with its tip straight above, higher than everything; None where it cannot be."""
@@ -97,32 +141,59 @@ class Approach:
         found = solve_ik(self.kin, np.array([p[0], p[1], self.hover]), q_seed=home, best_margin=False)
         return np.asarray(found.q[0]) if found.converged[0] else None
 
-    def _vias(self) -> list[Array]:
-        """Postures about the ready one with the tip high up, spread over the joints; always the same."""
-        facts = self.kin.facts
-        spread = VIA_SPREAD * (2.0 * np.random.default_rng(0).random((DRAWN, facts.size)) - 1.0)
-        drawn = np.clip(facts.home + spread, facts.lower + 0.1, facts.upper - 0.1)
-        high = drawn[self._tip_height(drawn) > self.hover]
-        return list(high[:VIAS])
+    def _risen(self, start: Array) -> Array:
+        """Postures (k, n) straight up from ``start``, as high as need be or the arm can."""
+        p = np.asarray(self.kin.tip_pose(start)[1])
+        levels = _levels(p[2], max(self.hover, p[2] + 0.08))
+        points = np.column_stack([np.full((len(levels), 2), p[:2]), levels])
+        attitude, yaw = held_at(self.kin, start)
+        rise = self._follow(points, yaw, start, attitude)
+        return np.concatenate([start[None], rise.q[1 : _reached(rise)]])
 
-    def _timed(self, corners: list[Array], down: Array, drop: float) -> Way:
-        """Return times and postures: rest to rest from corner to corner, then down by ``drop`` [m]."""
+    def _high(self) -> Iterator[Array]:
+        """Postures about the ready one with the tip high up, spread over the joints; always the same."""
+        facts, rng = self.kin.facts, np.random.default_rng(0)
+        spread = SPREAD * (2.0 * rng.random((DRAWN, facts.size)) - 1.0)
+        drawn = np.clip(facts.home + spread, facts.lower + 0.1, facts.upper - 0.1)
+        yield from drawn[np.asarray(self.kin.tip_pose(drawn)[1])[:, 2] > self.hover]
+
+    def _timed(self, rise: Array, corners: list[Array], descent: Descent, count: int) -> Way:
+        """Return times and postures: up, from rest to rest from corner to corner, and down."""
+        bottom, top = (float(np.asarray(self.kin.tip_pose(q)[1])[2]) for q in (rise[0], rise[-1]))
+        down, drop = descent.down(count)
+        legs = [(rise, (top - bottom) / self._rise_speed)]
+        legs += [(np.stack(pair), 0.0) for pair in pairwise(corners)]
+        legs.append((down, drop / DESCENT_SPEED))
+        times, postures = [np.zeros(1)], [rise[:1]]
+        for leg, least in legs:
+            if len(leg) < 2:
+                continue
+            span, way = self._leg(leg, least)
+            times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(way) + 1)[1:])
+            postures.append(way)
+        return np.concatenate(times), np.concatenate(postures)
+
+    def _leg(self, corners: Array, least: float) -> tuple[float, Array]:
+        """Return the time [s] and the postures of one leg (k, n): as the joints may, at a mean speed for
+        ``least`` [s] or slower.
+        """
         slides = np.array([joint.kind == "prismatic" for joint in self.kin.facts.moving])
         speeds = np.where(slides, SLIDE_SPEED, APPROACH_SPEED)
-        times, postures = [np.zeros(1)], [corners[0][None]]
-        for a, b in pairwise(corners):
-            way = np.abs(b - a)
-            blend = _blend(max(50, math.ceil(FASTEST * float(way.max()) / FINEST)))
-            span = max(0.5, FASTEST * float(np.max(way / speeds)))
-            times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(blend))[1:])
-            postures.append(a + blend[1:, None] * (b - a))
-        if len(down) > 1:
-            blend = _blend(50)
-            span = max(0.5, FASTEST * drop / DESCENT_SPEED)
-            grid = np.linspace(0.0, 1.0, len(down))
-            times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(blend))[1:])
-            postures.append(np.column_stack([np.interp(blend[1:], grid, column) for column in down.T]))
-        return np.concatenate(times), np.concatenate(postures)
+        rates = (len(corners) - 1) * np.abs(np.diff(corners, axis=0)).max(axis=0)
+        blend = _blend(max(50, math.ceil(FASTEST * float(rates.max()) / FINEST)))
+        span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * least)
+        grid = np.linspace(0.0, 1.0, len(corners))
+        return span, np.column_stack([np.interp(blend[1:], grid, column) for column in corners.T])
+
+
+def _levels(low: float, high: float) -> Array:
+    """Heights [m] from ``low`` to ``high`` in steps of 2 cm."""
+    return np.linspace(low, high, max(4, math.ceil((high - low) / 0.02)) + 1)
+
+
+def _reached(path: Continuation) -> int:
+    """Samples that the arm can follow, the first taken for granted."""
+    return len(path.q) if path.failed_at is None else max(1, path.failed_at)
 
 
 def _blend(count: int) -> Array:

@@ -5,7 +5,8 @@ everything.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -22,14 +23,16 @@ from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
-from pushpressslide.sim.arms import joint_paths
 from pushpressslide.sim.convert import planar_pose_from_positions
+from pushpressslide.sim.grasps import all_joint_paths
+from pushpressslide.sim.joint_path import ArmPath
 from pushpressslide.sim.station import Station
 
 Array = NDArray[np.float64]
 
 FORCE_OVERRUN = 1.5  # times limits.normal_force, for FORCE_TIME, ends the run
 FORCE_TIME = 0.05  # [s]
+SETTLE = 0.2  # [s] that an arm rests at the end of its way to the object
 FAR = 2.0  # [m] from start or goal: the simulation has diverged
 NO_LOG_ERROR = (0.0, 0.0, 0.0)
 
@@ -39,34 +42,31 @@ class _Arm:
     state.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        index: int,
-        station: Station,
-        path: JointPath,
-        attitude: ToolAttitude,
-        dt: float,
-        models: str,
-    ) -> None:
+    def __init__(self, plan: Plan, index: int, station: Station, models: str) -> None:
         self.model = ArmModel(plan.task.robots[index], models=models)
         facts = self.model.instance.facts
-        instance, plant = station.scene.robots[index].model_instance, station.plant
-        joints = [plant.get_joint(j) for j in plant.GetJointIndices(instance)]
+        self.instance, plant = station.scene.robots[index].model_instance, station.plant
+        joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
         moving = [joint for joint in joints if joint.num_positions() == 1]
         self.q_at = np.array([joint.position_start() for joint in moving])
         self.v_at = plant.num_positions() + np.array([joint.velocity_start() for joint in moving])
-        self.executor = ArmExecutor(
-            facts.effort_limit, facts.torque_rate_limit, attitude.rotation_at, path.tool_yaw_offset,
-            plan.task.motion.joint_stiffness if plan.task.motion.joint_tracking else 0.0, dt,
-        )  # fmt: skip
-        self.path = path
-        self.lower, self.upper = facts.lower, facts.upper
+        self.limits = (facts.effort_limit, facts.torque_rate_limit)
         self.radius = plan.task.robots[index].tip_radius
         self.torque: Array | None = None
         self.share = 0.0
         self.state: ArmState | None = None
-        station.plant.SetPositions(station.plant_context, instance, path.approach[0])
+
+    def take(self, plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
+        """Follow ``path`` with the tool held as in ``attitude`` from now on, from where the arm is."""
+        motion = plan.task.motion
+        self.executor = ArmExecutor(
+            *self.limits, attitude.rotation_at, path.tool_yaw_offset,
+            motion.joint_stiffness if motion.joint_tracking else 0.0, motion.control_period,
+        )  # fmt: skip
+        if self.state is not None:
+            times, q = path.approach_time + SETTLE, path.approach
+            path = replace(path, approach_time=np.append(0.0, times), approach=np.vstack([self.state.q, q]))
+        self.path = path
 
     def approach(self, t: float) -> tuple[Array, Array]:
         """Joint reference and its velocity at time ``t`` of the approach."""
@@ -94,7 +94,7 @@ def run(
     progress: Callable[[float, float], None] | None = None,
     models: str = "generated",
     time_step: float | None = None,
-    paths: tuple[tuple[JointPath, ToolAttitude], ...] | None = None,
+    paths: Sequence[tuple[ArmPath, ...]] | None = None,
     stop: Callable[[], bool] = bool,
     live: Callable[[str], None] | None = None,
     disturb: Callable[[float, Commands], Commands] | None = None,
@@ -102,27 +102,35 @@ def run(
     """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind
     of machine.
 
-    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives joint
-    paths made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted"). ``live``
-    is told the address of a page that shows the run, in real time, while it goes on. ``disturb`` changes the
-    controller's commands at a time [s] on their way to the arms, to try what happens when they fail.
+    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives those of
+    each grasp, made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
+    ``live`` is told the address of a page that shows the run, in real time, while it goes on. ``disturb``
+    changes the controller's commands at a time [s] on their way to the arms, to try what happens when they
+    fail.
     """
     task = plan.task
     dt = task.motion.control_period
     physics_step = time_step or task.motion.time_step
     if paths is None:
-        paths = joint_paths(plan)
+        paths = all_joint_paths(plan)
     view = None
     if live is not None:
         from pushpressslide.sim.live import LiveView
 
         view = LiveView(plan, live)
     station = Station(plan, models=models, time_step=physics_step, view=view)
-    arms = [_Arm(plan, i, station, *paths[i], dt, models) for i in range(len(task.robots))]
+    arms = [_Arm(plan, i, station, models) for i in range(len(task.robots))]
+    for i, arm in enumerate(arms):
+        arm.take(plan, *paths[0][i])
+        station.plant.SetPositions(station.plant_context, arm.instance, arm.path.approach[0])
     start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
-    controller, sensor, recorder = Controller(plan), Sensor(task.sensing, seed, dt), Recorder(plan)
-    approach_time = max(float(arm.path.approach_time[-1]) for arm in arms) + 0.2
-    expected = approach_time + sum(stretch.profile.duration for stretch in plan.stretches) + 4.0
+    controller, sensor, recorder = _controller(plan, paths[0]), Sensor(task.sensing, seed, dt), Recorder(plan)
+    (grasp, _), *ahead = zip(plan.grasps, paths, strict=True)
+    kept: Commands = (None,) * len(arms)
+    began, reached = 0.0, _arrival(arms)
+    approach_time = reached
+    expected = sum(stretch.profile.duration for stretch in plan.way) + 4.0 * len(plan.grasps)
+    expected += sum(max(float(path.approach_time[-1]) for path, _ in of) for of in paths)
     plant = station.plant
     object_q = station.scene.object.floating_positions_start()
     object_v = station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
@@ -150,18 +158,21 @@ def run(
         commands: Commands
         followed = state.reference if state is not None else None
         references = []
-        if time < approach_time:
-            commands, log = (None,) * len(arms), _waiting(plan)
+        if time < reached:
+            commands, log = kept, _waiting(grasp)
             executing = perf_counter()
-            for arm in arms:
+            for arm, command in zip(arms, kept, strict=True):
                 assert arm.state is not None
-                q_ref, v_ref = arm.approach(time)
-                arm.torque, arm.share = arm.executor.free(arm.state, q_ref, v_ref, arm.torque)
+                q_ref, v_ref = arm.approach(time - began)
+                if command is None:
+                    arm.torque, arm.share = arm.executor.free(arm.state, q_ref, v_ref, arm.torque)
+                else:
+                    arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
                 references.append(q_ref)
         else:
             measurement = sensor.measure(Measurement(time, pose, tuple(tips)))
             if state is None:
-                state = controller.init(measurement)
+                state = controller.init(measurement, kept)
             given, log, state = controller.step(state, measurement)
             commands = given
             executing = perf_counter()
@@ -190,6 +201,14 @@ def run(
             ticks=(*controller.ticks, executed, total),
             more=_rows(x, object_q, arms, references, forces, bodies), followed=followed,
         )  # fmt: skip
+        if state is not None and state.phase == "done" and ahead and state.failure is None:
+            kept = tuple(c if i in controller.kept else None for i, c in enumerate(commands))
+            (grasp, taken), *ahead = ahead
+            for arm, path in zip(arms, taken, strict=True):
+                arm.take(grasp, *path)
+            controller, state, began = _controller(grasp, taken), None, time
+            reached = time + _arrival(arms)
+            recorder.begin(grasp)
         if state is not None and state.phase == "done":
             reason = state.failure or ("goal_reached", "")
             break
@@ -216,17 +235,30 @@ def run(
             break
         if progress is not None and ticks % 25 == 0:
             progress(time, expected)
+    every = [path for of in paths for path, _ in of]
     meta: dict[str, Any] = {
         "time_step": physics_step,
         "control_period": dt,
-        "joint_margin_planned": min(arm.path.joint_margin for arm in arms),
-        "condition_planned": max(arm.path.condition for arm in arms),
-        "clearance_planned": min(arm.path.clearance for arm in arms),
+        "joint_margin_planned": min(path.joint_margin for path in every),
+        "condition_planned": max(path.condition for path in every),
+        "clearance_planned": min(path.clearance for path in every),
         "approach_time": approach_time,
         "models": models,
         "start_tips": start_tips,
     }
-    return recorder.record(reason, "drake", seed, perf_counter() - started, (plan.choice.mode,), meta)
+    return recorder.record(reason, "drake", seed, perf_counter() - started, meta)
+
+
+def _controller(grasp: Plan, paths: Sequence[ArmPath]) -> Controller:
+    """The controller of a grasp, told how far off the object the arms' ways really end."""
+    motion = grasp.task.motion
+    gap = min(motion.approach_distance, *(path.gap for path, _ in paths))
+    return Controller(replace(grasp, task=replace(grasp.task, motion=replace(motion, approach_distance=gap))))
+
+
+def _arrival(arms: list[_Arm]) -> float:
+    """How long it takes [s] until all arms are where the touch begins."""
+    return max(float(arm.path.approach_time[-1]) for arm in arms) + SETTLE
 
 
 def _waiting(plan: Plan) -> ControlLog:

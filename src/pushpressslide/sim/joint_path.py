@@ -4,13 +4,17 @@ joints.
 The tip must follow its contact point, the tool's yaw must follow the object (a tip that does not turn with
 the face rolls along it), and the tool's axis keeps a constant direction. What is free is the tool's yaw
 relative to the object, the tilt, and the elbow. All combinations of a grid are followed by continuation, with
-the elbow kept away from the joint limits; the best that is clear of table, object and obstacles is taken.
+the elbow kept away from the joint limits (postures.py); the best that is clear of table, object and obstacles
+is taken. Where there is none, the nearest misses are refined (refine.py) and judged again. An arm without a
+contact stays where it is.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,107 +23,232 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.modes.base import tool_azimuths
-from pushpressslide.robots.continuation import Continuation, continuations
-from pushpressslide.robots.inverse import solve_ik
-from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
-from pushpressslide.robots.reach import REACH_MARGIN
-from pushpressslide.robots.tool import TOOL_TILTS, UPRIGHT, ToolAttitude
-from pushpressslide.sim.approach import Approach
+from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
+from pushpressslide.sim.approach import LEAST_GAP, Approach
 from pushpressslide.sim.clearance import ClearanceModel
+from pushpressslide.sim.postures import (
+    JOINT_MARGIN,
+    POSE,
+    Miss,
+    Move,
+    Posture,
+    TipPath,
+    attitudes,
+    held_on,
+    moves,
+    problem,
+    shortfall,
+)
+from pushpressslide.sim.refine import refined_move
 
 Array = NDArray[np.float64]
 
 STEP = 0.015  # [m] of the way between samples
 TURN_ARM = 0.2  # [m] of way that a turn by one radian counts for
-JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
-CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
-YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
-POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
+GLANCE = 8  # of so many postures of a way one is looked at first
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
+REFINED = 4  # misses that are tried to be made good
+NEAR = 0.1  # shortfall of a near miss
+
+ArmPath = tuple[JointPath, ToolAttitude]
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    attitude: ToolAttitude
-    offset: float
-    move: Continuation
-    way: float  # [rad] of the joint that has to turn most on the way from home
-
-    @property
-    def score(self) -> float:
-        """Joint margin and distance from singularity, saturated where more is of no use; upright and near
-        home preferred.
-        """
-        safe = min(self.move.joint_margin, 0.4) - 0.01 * min(self.move.condition, 40.0)
-        return safe - 0.15 * self.attitude.tilt - 0.05 * self.way
-
-
-def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> tuple[JointPath, ToolAttitude]:
-    """Return the joint path of one arm and how its tool is held; ``force`` takes the best there is, however
-    bad.
+def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> ArmPath:
+    """Return the joint path of one arm and how its tool is held, as if it were alone; ``force`` takes the
+    best there is, however bad.
 
     Raises InfeasibleTaskError, with the figure that decides, where no tried posture does it.
     """
-    robot = plan.task.robots[arm]
-    kin = arm_kinematics(robot)
-    contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
-    if contact is None:
-        return _at_rest(kin)
-    s, bodies = _body_path(plan)
-    inside, height = contact.tip_place(robot.tip_radius)
-    positions = np.array([(*X.apply(inside), height) for X in bodies])
-    yaws = np.unwrap(np.array([X.yaw for X in bodies]))
-    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-    model = ClearanceModel(plan, arm)
-    X_BG = plan.task.object.X_GB.inverse()
-    poses = [X.compose(X_BG) for X in bodies]
-    normal = contact.direction(bodies[0])
-    approach = Approach(
-        plan.task, kin, lambda q: model.least(q[None], [poses[0]], touching=False)[0] >= CLEARANCE
-    )
-    x, y, z = positions[0]
-    problem = (
-        f"no posture brings the tip to the first contact at ({x:.3f}, {y:.3f}, {z:.3f}), "
-        f"with joints {JOINT_MARGIN:g} rad inside their limits"
-    )
-    least = -math.inf
-    attitudes = [ToolAttitude(0.0, azimuths[0])]
-    if kin.facts.size >= POSE:
-        attitudes += [ToolAttitude(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    for attitude in attitudes:
-        candidates, why = _candidates(kin, positions, yaws, attitude, force)
-        if not candidates and least == -math.inf:
-            problem = why or problem
-        for candidate in candidates[:ENOUGH]:
-            clear, pair = model.least(candidate.move.q, poses, touching=True)
-            if clear >= CLEARANCE or force:
-                move, yaw = candidate.move, float(yaws[0]) + candidate.offset
-                for times, way in approach.ways(positions[0], yaw, normal, move.q[0], candidate.attitude):
-                    way_clear, way_pair = model.least(way, [poses[0]] * len(way), touching=False)
-                    if way_clear >= CLEARANCE or force:
-                        path = JointPath(
-                            times, way, s, move.q, candidate.offset, move.joint_margin, move.condition,
-                            min(clear, way_clear),
-                        )  # fmt: skip
-                        return path, candidate.attitude
-                    if way_clear > least:
-                        least, problem = way_clear, f"on the way to the object {way_pair}"
-            elif clear > least:
-                least, problem = clear, pair
-    if least > -math.inf:
-        problem = f"{problem} come as near as {least * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
-    raise InfeasibleTaskError(
-        f"{plan.task.source or plan.task.name}: robots: the {kin.facts.name} has no joint path "
-        f"along the contact: {problem}"
-    )
+    search = ArmSearch(plan, arm)
+    for move, path in search.paths(force=force):
+        return path, move.posture.attitude
+    raise search.refusal()
 
 
-def _at_rest(kin: ArmKinematics) -> tuple[JointPath, ToolAttitude]:
-    """Return the joint path of an arm that has nothing to do."""
-    q, none = kin.facts.home[None], np.zeros(1)
-    margin = float(kin.joint_margin(q)[0])
-    return JointPath(np.array([0.0, 0.5]), np.repeat(q, 2, 0), none, q, 0.0, margin, 1.0, math.inf), UPRIGHT
+class ArmSearch:
+    """What one arm can do in a plan: its moves along the contact, and its ways to where they begin."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        arm: int,
+        start: Array | None = None,
+        *,
+        holds: bool = False,
+        others: Mapping[int, Array] | None = None,
+    ) -> None:
+        """Look at a plan from where the arm is: ``start`` (n,), else its ready posture.
+
+        ``holds``: at the start it has its contact already. ``others`` are the postures of arms that stand
+        still.
+        """
+        self.plan, self.arm, self.others = plan, arm, dict(others or {})
+        robot = plan.task.robots[arm]
+        self.kin = arm_kinematics(robot)
+        self.contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
+        self.stays = holds or self.contact is None
+        self.arc_length, bodies = _body_path(plan)
+        X_BG = plan.task.object.X_GB.inverse()
+        self.objects = [X.compose(X_BG) for X in bodies]
+        self.model = ClearanceModel(plan, arm, self.others)
+        self.misses: list[Miss] = []
+        self.start = self.kin.facts.home if start is None else start
+        if self.contact is None:
+            return
+        inside, height = self.contact.tip_place(robot.tip_radius)
+        positions = np.array([(*X.apply(inside), height) for X in bodies])
+        yaws = np.unwrap(np.array([X.yaw for X in bodies]))
+        self.tip = TipPath(positions, yaws, self.objects)
+        self.normal = self.contact.direction(bodies[0])
+        middle = len(bodies) // 2
+        azimuths = tool_azimuths(self.contact, bodies[middle], robot.base)
+        self.attitudes = [(ToolAttitude(0.0, azimuths[0]), np.zeros(1))]
+        if self.kin.facts.size >= POSE:
+            self.attitudes = attitudes(azimuths, float(yaws[middle]))
+        if not holds:
+            self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
+
+    def paths(self, *, force: bool = False) -> Iterator[tuple[Move, JointPath]]:
+        """Yield the moves with the whole joint path, the preferred first; refined ones where there is no
+        other.
+        """
+        found = False
+        for move in self._moves(force):
+            done = self.path(move, force=force)
+            if isinstance(done, JointPath):
+                found = True
+                yield move, done
+            else:
+                self.misses.append(done)
+        self.misses.sort(key=lambda miss: miss.short)
+        if found or self.kin.facts.size < POSE or self.stays:
+            return
+        near_misses = [self._with_clearance(miss) for miss in self.misses if miss.short < NEAR]
+        near_misses.sort(key=lambda miss: miss.short)
+        for miss in _diverse([miss for miss in near_misses if miss.short < NEAR]):
+            near = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
+            refined = None if near is None else self.path(near, thorough=True)
+            if near is not None and isinstance(refined, JointPath):
+                yield near, refined
+
+    def path(
+        self,
+        move: Move,
+        *,
+        others: Mapping[int, Array] | None = None,
+        force: bool = False,
+        thorough: bool = False,
+    ) -> JointPath | Miss:
+        """Return the whole joint path of a move, the way to the object included.
+
+        ``others`` are the postures of further arms that stand still on the way; ``thorough`` also looks for
+        ways round what is in the way.
+        """
+        posture, objects = move.posture, self.objects
+        clear, pair = self.model.least(posture.q, objects, touching=True)
+        if clear < CLEARANCE and not force:
+            return Miss(10.0 * (CLEARANCE - clear), _near(pair, clear), posture)
+        if self.stays:
+            times, way = np.array([0.0, 0.5]), np.repeat(self.start[None], 2, axis=0)
+            return self._joint_path(move, times, way, clear, math.inf)
+        model = (
+            self.model if others is None else ClearanceModel(self.plan, self.arm, {**self.others, **others})
+        )
+        tip = self.tip
+        yaw = float(tip.yaws[0]) + posture.offset
+        descent = self.approach.descent(
+            tip.positions[0], yaw, self.normal, posture.q[0], posture.attitude, 0.0 if force else LEAST_GAP
+        )
+        ways = self.approach.ways(descent)
+        if thorough:
+            ways = chain(ways, self.approach.ways_round(descent, lambda q: self._free(model, q)))
+        best, why = -math.inf, ""
+        for times, way in ways:
+            way_clear, way_pair = self._clear(model, way[::GLANCE])
+            if way_clear >= CLEARANCE:
+                way_clear, way_pair = self._clear(model, way)
+            if way_clear >= CLEARANCE or force:
+                return self._joint_path(move, times, way, min(clear, way_clear), descent.gap)
+            if way_clear > best:
+                best, why = way_clear, _near(way_pair, way_clear)
+        if best == -math.inf:
+            why = problem(descent.back, descent.points)
+            return Miss(shortfall(descent.back, descent.needed), f"before the contact, {why}", posture)
+        return Miss(10.0 * (CLEARANCE - best), f"on the way to the object {why}", posture, on_the_way=True)
+
+    def refusal(self) -> InfeasibleTaskError:
+        """Return the error that says what the nearest miss lacked."""
+        task = self.plan.task
+        return InfeasibleTaskError(
+            f"{task.source or task.name}: robots: the {self.kin.facts.name} has no joint path "
+            f"along the contact: {self.misses[0].why}"
+        )
+
+    def _moves(self, force: bool) -> Iterator[Move]:
+        """Yield the moves that keep off limits, upright ones first, each time the best first."""
+        if self.contact is None:
+            yield Move.of(self.kin, Posture(UPRIGHT, 0.0, np.repeat(self.start[None], len(self.objects), 0)))
+            return
+        if self.stays:
+            found, failed = held_on(self.kin, self.tip, self.start, force=force)
+            self.misses += failed
+            yield from found
+            return
+        for attitude, offsets in self.attitudes:
+            found, failed = moves(self.kin, self.tip, attitude, offsets, force=force)
+            self.misses += failed
+            yield from found[:ENOUGH]
+
+    def _with_clearance(self, miss: Miss) -> Miss:
+        """Return a miss of what the joints can do with what it lacks of clearance besides."""
+        clear, _ = self.model.least(miss.posture.q, self.objects, touching=True)
+        return replace(miss, short=max(miss.short, 10.0 * (CLEARANCE - clear)))
+
+    def _refined(self, miss: Miss) -> Move | None:
+        """Return an allowed move near a missed one, drawn back from the object as well, or None."""
+        tip, posture, before = self.tip, miss.posture, 3
+        first = tip.positions[0]
+        gap = min(LEAST_GAP, self.plan.task.motion.approach_distance)
+        back = np.linspace(first - gap * np.array(self.normal), first, before + 1)[:-1]
+        whole = TipPath(
+            np.concatenate([back, tip.positions]),
+            np.concatenate([np.repeat(tip.yaws[:1], before), tip.yaws]),
+            [*self.objects[:1] * before, *self.objects],
+        )
+        guess = replace(posture, q=np.concatenate([np.repeat(posture.q[:1], before, axis=0), posture.q]))
+        found = refined_move(self.kin, self.model, whole, guess, JOINT_MARGIN, CLEARANCE)
+        if found is None:
+            return None
+        move = Move.of(self.kin, replace(found, q=found.q[before:]))
+        return move if move.allowed else None
+
+    def _clear(self, model: ClearanceModel, way: Array) -> tuple[float, str]:
+        """Least distance on the way to the object, and between what."""
+        return model.least(way, self.objects[:1] * len(way), touching=False)
+
+    def _free(self, model: ClearanceModel, q: Array) -> bool:
+        return self._clear(model, q[None])[0] >= CLEARANCE
+
+    def _joint_path(self, move: Move, times: Array, way: Array, clear: float, gap: float) -> JointPath:
+        posture = move.posture
+        return JointPath(
+            times, way, self.arc_length, posture.q, posture.offset, move.margin, move.condition, clear, gap
+        )
+
+
+def _diverse(misses: list[Miss]) -> list[Miss]:
+    """Return the nearest of near misses, not too like each other."""
+    out: list[Miss] = []
+    for miss in misses:
+        if not any(miss.posture.like(chosen.posture) for chosen in out):
+            out.append(miss)
+    return out[:REFINED]
+
+
+def _near(pair: str, clear: float) -> str:
+    return f"{pair} come as near as {clear * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"
 
 
 def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
@@ -129,44 +258,10 @@ def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
     done = 0.0
     for stretch in plan.stretches:
         length, X_VB = stretch.path.length, stretch.X_BV.inverse()
-        ends = stretch.path.pieces
-        turned = sum(
-            abs(piece[0] if isinstance(piece[0], float) else piece[0][2]) * piece[1] for piece in ends
-        )
+        turned = sum(abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(stretch.path.starts))
         count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
         grid = np.linspace(0.0, length, count + 1)[0 if not lengths else 1 :]
         lengths += [done + float(s) for s in grid]
         bodies += [stretch.path.pose(float(s)).compose(X_VB) for s in grid]
         done += length
     return np.array(lengths), bodies
-
-
-def _candidates(
-    kin: ArmKinematics, positions: Array, yaws: Array, attitude: ToolAttitude, force: bool
-) -> tuple[list[_Candidate], str]:
-    """Return the joint paths of all tool yaw offsets at one tilt, best first, and why the last of the others
-    failed.
-    """
-    offsets = YAW_OFFSETS if kin.facts.size >= POSE else np.zeros(1)
-    tool_yaws = yaws[None, :] + offsets[:, None]
-    starts = solve_ik(
-        kin, np.tile(positions[0], (len(offsets), 1)), attitude, tool_yaws[:, 0], joint_margin=JOINT_MARGIN
-    )
-    good = np.flatnonzero(starts.converged | force)
-    if len(good) == 0:
-        return [], ""
-    found, why = [], ""
-    paths = continuations(kin, positions, tool_yaws[good], starts.q[good], attitude, JOINT_MARGIN)
-    for j, path in zip(good, paths, strict=True):
-        if force or (path.ok and path.condition < CONDITION_LIMIT):
-            way = float(np.max(np.abs(path.q[0] - kin.facts.home)))
-            found.append(_Candidate(attitude, float(offsets[j]), path, way))
-        elif not path.ok:
-            at = positions[path.failed_at if path.failed_at is not None else 0]
-            where = f"({at[0]:.3f}, {at[1]:.3f}, {at[2]:.3f})"
-            why = f"{path.status} at tip {where}, {JOINT_MARGIN:g} rad of margin asked"
-        else:
-            why = (
-                f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
-            )
-    return sorted(found, key=lambda c: -c.score), why

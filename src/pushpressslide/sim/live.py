@@ -37,7 +37,7 @@ class LiveView:
         self._meshcat: Meshcat = quiet_meshcat()
         look(self._meshcat)
         shares, places, lines = np.linspace(0.0, 1.0, SAMPLES), [], []
-        for stretch in plan.stretches:
+        for stretch in plan.way:
             grid = [float(u) for u in stretch.path.length * shares]
             places += [stretch.object_pose(s) for s in grid]
             lines.append(np.array([stretch.path.pose(s).position for s in grid]))

@@ -139,7 +139,7 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
             x, y, z = robot.base
             points += [(x, y, z), (x, y, z + ARM_HEIGHT)]
     left = 0.0  # how far the pushes point to +y: the tips are on the other side
-    for contact in plan.choice.contacts:
+    for contact in (c for grasp in plan.grasps for c in grasp.choice.contacts):
         n = contact.normal
         left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
     return fit_view(np.array(points), np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62]), field)

@@ -25,7 +25,7 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform, RotationMatrix
 
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
@@ -125,13 +125,16 @@ class _Marks:
         self._meshcat, self._playback = meshcat, playback
         arrays = playback.record.arrays
         self._last = len(ticks) - 1
-        self._contacts = playback.plan.choice.contacts
+        self._contacts = playback.plan.contacts_by_leg
         self._height = playback.task.object.shape.height
         forces = np.nan_to_num(arrays["measured_force"])
         flat, down = np.linalg.norm(forces[:, :, :2], axis=2), np.maximum(-forces[:, :, 2], 0.0)
         self.scale = min(FORCE_SCALE, LONGEST_ARROW / max(float(flat.max(initial=0.0)), 1e-9))
         self.press_scale = min(FORCE_SCALE, LONGEST_PRESS / max(float(down.max(initial=0.0)), 1e-9))
-        self.presses = any(contact.kind == "top" for contact in self._contacts)
+        every = [contact for contacts in self._contacts.values() for contact in contacts]
+        self._pressing = {contact.arm for contact in every if contact.kind == "top"}
+        self._arms = {contact.arm for contact in every}
+        self.presses = bool(self._pressing)
         nearer = (view.position - view.target) * np.array([1.0, 1.0, 0.0])
         self._nearer: Any = nearer / np.linalg.norm(nearer)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
@@ -139,10 +142,10 @@ class _Marks:
         meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._height + 0.03), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
         meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * (self._height + 0.03)]))
-        for contact in self._contacts:
-            self._add_arrow(f"marks/force_{contact.arm}", PURPLE)
-            if contact.kind == "top":
-                self._add_arrow(f"marks/press_{contact.arm}", ORANGE)
+        for arm in self._arms:
+            self._add_arrow(f"marks/force_{arm}", PURPLE)
+        for arm in self._pressing:
+            self._add_arrow(f"marks/press_{arm}", ORANGE)
 
     def _add_arrow(self, name: str, color: Rgba) -> None:
         meshcat = self._meshcat
@@ -184,14 +187,16 @@ class _Marks:
         for at, name in self._trace:
             if frame in (0, at, self._last):
                 meshcat.SetProperty(name, "visible", frame >= at, time_in_recording=t)
-        for contact in self._contacts:
-            self._show_contact(contact, tick, t, frame in (0, self._last))
+        leg = int(self._playback.record.arrays["leg"][tick])
+        pressing = {c.arm for c in self._contacts[leg] if c.kind == "top"}
+        for arm in self._arms:
+            self._show_contact(arm, arm in pressing, tick, t, frame in (0, self._last))
 
-    def _show_contact(self, contact: Contact, tick: int, t: float, at_end: bool) -> None:
+    def _show_contact(self, arm: int, presses: bool, tick: int, t: float, at_end: bool) -> None:
         """Record the force in the plane, drawn over the object from the tip's edge on; and a press, drawn
         down onto the object beside its tip.
         """
-        arrays, arm = self._playback.record.arrays, contact.arm
+        arrays = self._playback.record.arrays
         force: Any = np.nan_to_num(arrays["measured_force"][tick, arm])
         tip: Any = arrays["tip_position"][tick, arm]
         radius = self._playback.task.robots[arm].tip_radius
@@ -199,8 +204,8 @@ class _Marks:
         ahead = flat / max(float(np.linalg.norm(flat)), 1e-9)
         tail = np.array([tip[0], tip[1], self._height + CLEARANCE]) + radius * ahead
         self._show_arrow(f"marks/force_{arm}", tail, flat, self.scale, t, at_end)
-        if contact.kind == "top":
-            down = np.array([0.0, 0.0, min(force[2], 0.0)])
+        if arm in self._pressing:
+            down = np.array([0.0, 0.0, min(force[2], 0.0) if presses else 0.0])
             head = np.array([tip[0], tip[1], self._height]) + (radius + CLEARANCE) * self._nearer
             tail = head - self.press_scale * down
             self._show_arrow(f"marks/press_{arm}", tail, down, self.press_scale, t, at_end)

@@ -96,7 +96,7 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
     else:
         reach = max(math.hypot(x, y) for x, y in shape.footprint)
     poses = [plan.task.true_start]
-    for stretch in plan.stretches:
+    for stretch in plan.way:
         poses += [stretch.object_pose(s) for s in np.linspace(0.0, stretch.path.length, 60)]
     margin = reach + 0.25
     for obstacle in plan.task.obstacles:

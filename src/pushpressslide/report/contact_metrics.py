@@ -1,0 +1,77 @@
+"""What the contacts of a run went through: forces, friction, losses, slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.report import series
+
+Array = NDArray[np.float64]
+
+CONE_TOLERANCE = 0.02
+"""Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
+
+
+def contact_figures(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
+    """Return the figures of the contacts of all grasps, and of each; shares are of the ticks in contact."""
+    parts = [_grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.choice.contacts]
+    if not parts:
+        return {}
+    counts = [part.pop("touching") for part in parts]
+    forces = [part["max_normal_force"] for part in parts if part["max_normal_force"] is not None]
+    outside = sum(n * (part["cone_violation_fraction"] or 0.0) for n, part in zip(counts, parts, strict=True))
+    return {
+        "max_normal_force": max(forces, default=None),
+        "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
+        "cone_violation_fraction": outside / sum(counts) if sum(counts) else None,
+        "slip_distance": sum(part["slip_distance"] for part in parts),
+        "contacts": [contact for part in parts for contact in part["contacts"]],
+    }
+
+
+def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+    time = record.arrays["time"]
+    normals, tangents = series.contact_forces(plan, record)
+    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    felt = normals[series.in_phase(record, "touch", "move", "release")]
+    step = np.diff(time, append=time[-1])
+    lost = contact[:, None] & (normals < series.CONTACT_FORCE)
+    touching = move[:, None] & (normals >= series.CONTACT_FORCE)
+    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
+    use = np.linalg.norm(tangents, axis=2) / allowed
+    outside = touching & (use > 1.0 + CONE_TOLERANCE)
+    slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
+    count = int(touching.sum())
+    return {
+        "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
+        "contact_loss_time": float(step[lost.any(axis=1)].sum()),
+        "cone_violation_fraction": float(outside.sum() / count) if count else None,
+        "slip_distance": sum(slips),
+        "touching": count,
+        "contacts": [
+            {
+                "leg": plan.choice.leg,
+                "arm": c.arm,
+                "kind": c.kind,
+                "load": c.load if c.kind == "top" else None,
+                "max_normal_force": float(np.nanmax(felt[:, i])) if felt.size else None,
+                "mean_normal_force": _mean(normals[touching[:, i], i]),
+                "mean_friction_use": _mean(use[touching[:, i], i]),
+                "contact_loss_time": float(step[lost[:, i]].sum()),
+                "cone_violation_fraction": _mean(outside[touching[:, i], i]),
+                "slip_distance": slips[i],
+            }
+            for i, c in enumerate(plan.choice.contacts)
+        ],
+    }
+
+
+def _mean(values: Array) -> float | None:
+    return float(values.mean()) if values.size else None

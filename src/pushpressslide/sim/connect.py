@@ -1,0 +1,88 @@
+"""A way of the joints around what is in the way: RRT-Connect (Kuffner and LaValle, 2000), then shortened."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Free = Callable[[Array], bool]
+
+STRIDE = 0.4  # [rad] or [m] of any joint between two postures of a tree
+LOOK_STEP = 0.05  # [rad] or [m] of any joint between two postures that are looked at
+ROOM = 1.2  # [rad] or [m] by which a joint may leave the range between start and goal
+GROWTHS, SHORTCUTS = 1000, 80
+
+
+def connect(start: Array, goal: Array, free: Free, lower: Array, upper: Array) -> Array | None:
+    """Return the corners (k, n) of a free way from ``start`` (n,) to ``goal`` (n,), or None.
+
+    ``free`` says whether one posture (n,) is; joints stay within ``lower`` and ``upper`` (n,). The same
+    question has the same answer every time.
+    """
+    if not (free(start) and free(goal)):
+        return None
+    rng = np.random.default_rng(0)
+    least = np.maximum(lower, np.minimum(start, goal) - ROOM)
+    most = np.minimum(upper, np.maximum(start, goal) + ROOM)
+    here, there = _Tree(start), _Tree(goal)
+    for _ in range(GROWTHS):
+        reached = here.grow(least + rng.random(len(start)) * (most - least), free)
+        if reached is not None:
+            target = here.postures[reached]
+            met = there.grow(target, free)
+            while met is not None and not np.array_equal(there.postures[met], target):
+                met = there.grow(target, free)
+            if met is not None:
+                way = here.branch(reached)[::-1] + there.branch(met)[1:]
+                if here.postures[0] is not start:
+                    way.reverse()
+                return _shortened(way, free, rng)
+        here, there = there, here
+    return None
+
+
+class _Tree:
+    """Postures that can be reached from a root, each with the one before it."""
+
+    def __init__(self, root: Array) -> None:
+        self.postures, self._before = [root], [-1]
+
+    def grow(self, target: Array, free: Free) -> int | None:
+        """Go a stride from the nearest posture towards ``target``; return the new one's number, or None."""
+        near = int(np.abs(np.array(self.postures) - target).max(axis=1).argmin())
+        step = target - self.postures[near]
+        far = float(np.abs(step).max())
+        new = target if far <= STRIDE else self.postures[near] + STRIDE / far * step
+        if not _clear(self.postures[near], new, free):
+            return None
+        self.postures.append(new)
+        self._before.append(near)
+        return len(self.postures) - 1
+
+    def branch(self, i: int) -> list[Array]:
+        """Return the postures from number ``i`` back to the root."""
+        out = []
+        while i >= 0:
+            out.append(self.postures[i])
+            i = self._before[i]
+        return out
+
+
+def _clear(a: Array, b: Array, free: Free) -> bool:
+    count = max(1, math.ceil(float(np.abs(b - a).max()) / LOOK_STEP))
+    return all(free(a + (i / count) * (b - a)) for i in range(1, count + 1))
+
+
+def _shortened(way: list[Array], free: Free, rng: np.random.Generator) -> Array:
+    """Return the way with corners cut where that is free."""
+    for _ in range(SHORTCUTS):
+        if len(way) < 3:
+            break
+        i, j = sorted(rng.choice(len(way), 2, replace=False))
+        if j > i + 1 and _clear(way[i], way[j], free):
+            del way[i + 1 : j]
+    return np.stack(way)

@@ -1,0 +1,204 @@
+"""Ways of holding an arm while its tip follows a contact: candidates from a grid, by continuation, and how
+far from allowed the others are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.robots.continuation import Continuation, continuations
+from pushpressslide.robots.inverse import IkSolution, solve_ik
+from pushpressslide.robots.kinematics import ArmKinematics
+from pushpressslide.robots.reach import REACH_MARGIN
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
+
+Array = NDArray[np.float64]
+
+JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
+CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+LARGEST_STEP = 0.3  # [rad] of any joint between two samples
+YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
+YAW_APART = 0.6  # [rad] between the yaws of tools that are not held alike
+POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
+LEANING = math.radians(95.0)  # from behind the contact, of a turning tool
+
+
+@dataclass(frozen=True)
+class TipPath:
+    """What a tip in contact has to follow, as k samples."""
+
+    positions: Array  # (k, 3) [m] of the tip's centre
+    yaws: Array  # (k,) [rad] of the object
+    objects: Sequence[Pose2]  # X_WG
+
+
+@dataclass(frozen=True)
+class Posture:
+    """How an arm follows a tip path."""
+
+    attitude: ToolAttitude
+    offset: float  # [rad] tool yaw minus object yaw
+    q: Array  # (k, n)
+
+    def like(self, other: Posture) -> bool:
+        """Whether the tool is held much as in another."""
+        mine, theirs = self.attitude, other.attitude
+        turn = self.offset - other.offset
+        if mine.turns and theirs.turns:  # the same leaning counts, whichever side of the tool leans
+            return mine.tilt == theirs.tilt and _turned(turn + mine.azimuth - theirs.azimuth) < YAW_APART
+        return mine == theirs and _turned(turn) < YAW_APART
+
+
+def _turned(angle: float) -> float:
+    return abs(math.remainder(angle, math.tau))
+
+
+@dataclass(frozen=True)
+class Move:
+    """A posture with the figures that it is judged by."""
+
+    posture: Posture
+    margin: float  # [rad] least, to a joint limit
+    condition: float  # largest, of the Jacobian
+    step: float  # [rad] largest, of any joint between two samples
+    turn: float  # [rad] of the joint that has to turn most on the way from home
+
+    @classmethod
+    def of(cls, kin: ArmKinematics, posture: Posture) -> Move:
+        """Return the move with its figures."""
+        q = posture.q
+        return cls(
+            posture,
+            float(kin.joint_margin(q).min()),
+            float(np.linalg.cond(kin.jacobian(q)).max()),
+            float(np.abs(np.diff(q, axis=0)).max()),
+            float(np.abs(q[0] - kin.facts.home).max()),
+        )
+
+    @property
+    def allowed(self) -> bool:
+        """Whether every figure is; the tip is not looked at."""
+        return self.margin >= JOINT_MARGIN and self.condition < CONDITION_LIMIT and self.step <= LARGEST_STEP
+
+    @property
+    def score(self) -> float:
+        """Joint margin and distance from singularity, saturated where more is of no use; upright and near
+        home preferred.
+        """
+        safe = min(self.margin, 0.4) - 0.01 * min(self.condition, 40.0)
+        return safe - 0.15 * self.posture.attitude.tilt - 0.05 * self.turn
+
+
+@dataclass(frozen=True)
+class Miss:
+    """A posture that is not allowed."""
+
+    short: float  # by how much: mean over the path, in radians and tenths of a metre
+    why: str
+    posture: Posture
+    on_the_way: bool = False  # to the object; what comes after is good
+
+
+def held_at(kin: ArmKinematics, q: Array) -> tuple[ToolAttitude, float]:
+    """Return how the tool is held in posture ``q`` (n,), and its yaw [rad]."""
+    R = np.asarray(kin.tip_pose(q)[0])
+    x, y, z = R[:, 2]
+    attitude = ToolAttitude(math.acos(min(max(-z, 0.1), 1.0)), math.atan2(y, x))
+    return attitude, float(attitude.yaw(R))
+
+
+def held_on(kin: ArmKinematics, tip: TipPath, q: Array, *, force: bool) -> tuple[list[Move], list[Miss]]:
+    """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
+    attitude, yaw = held_at(kin, q)
+    return _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
+
+
+def moves(
+    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, *, force: bool
+) -> tuple[list[Move], list[Miss]]:
+    """Return the allowed ways of following a tip path at one attitude, one for each tool yaw offset (b,),
+    best first, and the others; ``force`` allows all.
+    """
+    if attitude.turns:  # many are tried: those that reach the end too
+        last = _held(kin, tip, -1, attitude, offsets)
+        offsets = offsets[last.converged]
+        if len(offsets) == 0:
+            return [], []
+    starts = _held(kin, tip, 0, attitude, offsets)
+    return _followed(kin, tip, attitude, offsets, starts.q, force)
+
+
+def _held(kin: ArmKinematics, tip: TipPath, i: int, attitude: ToolAttitude, offsets: Array) -> IkSolution:
+    """Postures at one sample of a tip path, at tool yaw offsets (b,)."""
+    place = np.tile(tip.positions[i], (len(offsets), 1))
+    return solve_ik(kin, place, attitude, tip.yaws[i] + offsets, joint_margin=JOINT_MARGIN)
+
+
+def _followed(
+    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, starts: Array, force: bool
+) -> tuple[list[Move], list[Miss]]:
+    """Follow a tip path at tool yaw offsets (b,) from postures (b, n)."""
+    yaws = tip.yaws + offsets[:, None]
+    paths = continuations(kin, tip.positions, yaws, starts, attitude, JOINT_MARGIN, LARGEST_STEP)
+    found, misses = [], []
+    for offset, path in zip(offsets, paths, strict=True):
+        posture = Posture(attitude, float(offset), path.q)
+        if force or (path.ok and path.condition < CONDITION_LIMIT):
+            found.append(Move.of(kin, posture))
+        else:
+            misses.append(Miss(shortfall(path), problem(path, tip.positions), posture))
+    return sorted(found, key=lambda move: -move.score), misses
+
+
+def shortfall(path: Continuation, count: int | None = None) -> float:
+    """Return how far a path, or its first ``count`` samples, is from allowed: a mean over them."""
+    steps = np.append(0.0, np.abs(np.diff(path.q, axis=0)).max(axis=1))
+    short = (
+        10.0 * path.position_residual
+        + path.angle_residual
+        + np.maximum(0.0, JOINT_MARGIN - path.joint_margins)
+        + np.maximum(0.0, steps - LARGEST_STEP)
+        + 0.1 * np.clip(path.conditions / CONDITION_LIMIT - 1.0, 0.0, 1.0)
+    )
+    return float(short[:count].mean())
+
+
+def problem(path: Continuation, positions: Array) -> str:
+    """Return in one line what is wrong with a path that is not allowed."""
+    if path.failed_at is None:
+        return f"condition number {path.condition:.0f} of the Jacobian, allowed below {CONDITION_LIMIT:.0f}"
+    i = path.failed_at
+    x, y, z = positions[i]
+    place = f"with the tip at ({x:.3f}, {y:.3f}, {z:.3f})"
+    if path.status == "joint_limit":
+        return (
+            f"a joint {path.joint_margins[i]:.3f} rad inside its limit {place}, allowed from {JOINT_MARGIN:g}"
+        )
+    if path.status == "unreachable":
+        return f"{path.position_residual[i] * 1e3:.1f} mm short of reach {place}"
+    turn = float(np.abs(path.q[i] - path.q[i - 1]).max())
+    return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
+
+
+def attitudes(azimuths: Sequence[float], yaw: float) -> list[tuple[ToolAttitude, Array]]:
+    """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
+
+    ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
+    path.
+    """
+    out = [(ToolAttitude(0.0, azimuths[0]), YAW_OFFSETS)]
+    out += [(ToolAttitude(tilt, azimuth), YAW_OFFSETS) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    for tilt in TOOL_TILTS[2:]:
+        for side in SIDES:
+            off = np.array(
+                [[math.remainder(o + side + yaw - a, math.tau) for a in azimuths] for o in YAW_OFFSETS]
+            )
+            near = np.abs(off).min(axis=1) < LEANING
+            out.append((ToolAttitude(tilt, side, turns=True), YAW_OFFSETS[near]))
+    return out

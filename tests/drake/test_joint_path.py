@@ -1,0 +1,120 @@
+"""Joint paths: right to the tip, refused with a figure, made good where a grid of postures just fails."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.experiments.sampling import random_task
+from pushpressslide.pipeline.planner import plan as make_plan
+from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim import joint_path as search
+from pushpressslide.sim.approach import LEAST_GAP
+from pushpressslide.sim.clearance import ClearanceModel
+from pushpressslide.sim.postures import CONDITION_LIMIT, JOINT_MARGIN
+
+
+def base(robot: str = "panda") -> Task:
+    task = pps.load_task("rear-push-rear")
+    return replace(task, robots=(replace(task.robots[0], model=robot),))
+
+
+def near_the_base(radius: float) -> Task:
+    """Return a push that begins with the tip ``radius`` [m] in front of the base."""
+    task = base()
+    start = Pose2(radius + 0.075 + task.robots[0].tip_radius, 0.0, 0.0)
+    return replace(task, start=start, goal=start.compose(Pose2(0.25, 0.03, math.radians(15.0))))
+
+
+def tip_errors(plan: Plan, path: JointPath, attitude: ToolAttitude) -> tuple[float, float]:
+    """Return how far the tip [m] and the tool's turn [rad] are off at the samples."""
+    kin, contact = arm_kinematics(plan.task.robots[0]), plan.choice.contacts[0]
+    inside, height = contact.tip_place(plan.task.robots[0].tip_radius)
+    bodies = [plan.path.pose(float(x)).compose(plan.X_BV.inverse()) for x in path.arc_length]
+    R, p = kin.tip_pose(path.move)
+    off = p - np.array([(*X.apply(inside), height) for X in bodies])
+    wanted = attitude.rotation(np.array([X.yaw for X in bodies]) + path.tool_yaw_offset)
+    turn = np.linalg.norm(R - wanted, axis=(1, 2)) / math.sqrt(2.0)
+    return float(np.linalg.norm(off, axis=1).max()), float(turn.max())
+
+
+def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
+    """Hold a joint path to everything that is asked of one."""
+    kin = arm_kinematics(plan.task.robots[0])
+    position, turn = tip_errors(plan, path, attitude)
+    assert position < 2e-6
+    assert turn < 2e-6
+    assert kin.joint_margin(path.move).min() >= JOINT_MARGIN
+    assert np.linalg.cond(kin.jacobian(path.move)).max() < CONDITION_LIMIT
+    model, start = ClearanceModel(plan, 0), plan.task.start
+    objects = [plan.object_pose(float(s)) for s in path.arc_length]
+    assert model.least(path.move, objects, touching=True)[0] >= search.CLEARANCE
+    assert model.least(path.approach, [start] * len(path.approach), touching=False)[0] >= search.CLEARANCE
+    assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
+    gap = path.gap * np.array(plan.choice.contacts[0].direction(plan.object_pose(0.0)))
+    end, first = (np.asarray(kin.tip_pose(q)[1]) for q in (path.approach[-1], path.move[0]))
+    assert np.linalg.norm(first - gap - end) < 1e-4
+
+
+@pytest.mark.parametrize("name", ["rear-push-rear", "rear-push-left"])
+def test_the_tip_of_a_shipped_task_is_right(name: str) -> None:
+    plan = pps.plan(pps.load_task(name))
+    path, attitude = search.joint_path(plan)
+    check(plan, path, attitude)
+    assert path.gap == pytest.approx(plan.task.motion.approach_distance)
+
+
+def test_a_near_miss_of_the_grid_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = pps.plan(random_task(base("iiwa7"), 69, seed=3))
+    with monkeypatch.context() as grid_alone:
+        grid_alone.setattr(search, "REFINED", 0)
+        with pytest.raises(InfeasibleTaskError, match="inside its limit"):
+            search.joint_path(plan)
+    check(plan, *search.joint_path(plan))
+
+
+def test_what_is_hopeless_is_refused_with_the_figure() -> None:
+    plan = make_plan(near_the_base(0.02), force=True)
+    with pytest.raises(
+        InfeasibleTaskError, match=r"a joint 0\.\d+ rad inside its limit .* allowed from 0\.05"
+    ):
+        search.joint_path(plan)
+
+
+def test_a_tip_that_cannot_be_drawn_back_all_the_way_is_drawn_back_less() -> None:
+    plan = pps.plan(random_task(base(), 71, seed=2))
+    path, attitude = search.joint_path(plan)
+    assert LEAST_GAP <= path.gap < plan.task.motion.approach_distance
+    check(plan, path, attitude)
+
+
+@pytest.mark.parametrize("radius", [0.15, 0.24, 0.36])
+def test_a_push_may_begin_near_the_base(radius: float) -> None:
+    plan = pps.plan(near_the_base(radius))
+    check(plan, *search.joint_path(plan))
+
+
+def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> None:
+    plan = pps.plan(pps.load_task("rear-push-rear"))
+    path, _ = search.joint_path(plan)
+    model, rng = ClearanceModel(plan, 0), np.random.default_rng(0)
+    for i in np.linspace(0, len(path.move) - 1, 5).astype(int):
+        q, pose = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1]), plan.object_pose(0.0)
+        smooth, gradient = model.smooth_least(q, pose, touching=False)
+        exact, _ = model.least(q[None], [pose], touching=False)
+        assert exact - 2e-3 < smooth <= exact
+        step = 1e-6
+        for joint, slope in enumerate(gradient):
+            ahead, behind = q.copy(), q.copy()
+            ahead[joint] += step
+            behind[joint] -= step
+            rise = model.smooth_least(ahead, pose, touching=False)[0]
+            rise -= model.smooth_least(behind, pose, touching=False)[0]
+            assert rise / (2.0 * step) == pytest.approx(slope, abs=2e-3)
