@@ -133,7 +133,7 @@ def test_the_summary_counts_figures_and_statements_apart() -> None:
         (TOOL_USE.name, "cube"): Outcome(Path(), made_up(0.001)),
     }
     told = summary(claims([REAR_PUSH, TOOL_USE], Evidence(outcomes)))
-    assert told == "1 of 2 figures met or beaten, 1 of 1 statements reproduced; 2 not run."
+    assert told == "1 of 2 figures met or beaten, 1 of 1 statements reproduced, 2 not run."
 
 
 def test_real_time_is_judged_by_the_slowest_median() -> None:

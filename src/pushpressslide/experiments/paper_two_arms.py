@@ -43,8 +43,16 @@ PIVOT_AND_MOVE = Experiment(
     claim="A box of 60 x 80 x 70 cm is turned by 90 degrees about the centre of pressure that the left arm's "
     "press has drawn towards itself, while the right arm pushes; then the left arm pushes it into a slot "
     "between two boxes of its size. No figure is given.",
-    variants=(Variant("run", "As shipped", "pivot-and-move"),),
-    why="Masses and friction are not in the paper; box, arms, their distance and the slot are the paper's.",
+    variants=(
+        Variant(
+            "run",
+            "The box into its slot",
+            "pivot-and-move",
+            why="The right arm pushes a face: by friction on top the load could hardly be shifted.",
+        ),
+    ),
+    why="Masses and friction are not in the paper; box, arms, their distance and the slot are the paper's. "
+    "Here both arms push the box into the slot, in the paper the left one, the other holding on.",
     pictured=("run",),
 )
 
@@ -54,7 +62,7 @@ PRESS_FIT = Experiment(
     source="Section IV-D, bimanual press-fit",
     claim="Two arms press an object of 25 x 25 x 80 cm to a wall, slide it along, turn it until it is "
     "horizontal, and press it into its place in the wall. No figure is given.",
-    variants=(Variant("run", "As shipped", "press-fit"),),
+    variants=(Variant("run", "The object into its place", "press-fit"),),
     why="Against a wall the weight acts in the plane and only the arms press: they hold it by friction on "
     "both sides. Masses and friction are not in the paper.",
     pictured=("run",),

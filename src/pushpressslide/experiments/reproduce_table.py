@@ -57,9 +57,11 @@ def summary(judged: Sequence[Claim]) -> str:
         run = [
             claim.reproduced for claim in judged if claim.figure is figure and claim.reproduced is not None
         ]
-        told.append(f"{sum(run)} of {len(run)} {what} {good}")
+        if run:
+            told.append(f"{sum(run)} of {len(run)} {what} {good}")
     rest = sum(claim.reproduced is None for claim in judged)
-    return f"{', '.join(told)}{f'; {rest} not run' if rest else ''}."
+    told += [f"{rest} not run"] if rest else []
+    return f"{', '.join(told)}."
 
 
 def ending(outcome: Outcome) -> str:
