@@ -40,10 +40,11 @@ from pushpressslide.planning.pressed_vehicle import (
     way_back,
     way_to,
 )
+from pushpressslide.planning.pressed_manoeuvre import Manoeuvre, manoeuvres
 from pushpressslide.planning.run_in import gentlest
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
-from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
+from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
 GRAVITY = 9.81
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
@@ -110,6 +111,8 @@ class PressSlide:
                 choice = self._within_reach(task, choice)
                 found += choice.feasible
             out.append(choice)
+        if not found and not (task.motion.vehicle or task.tool):
+            out += self._manoeuvres(task, places, loads)
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
@@ -137,6 +140,55 @@ class PressSlide:
         if problem is None:
             return choice
         return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {problem}")
+
+    def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
+        height = task.object.shape.height
+        contacts = [
+            Contact(arm, "top", place, (0.0, 0.0), height, load)
+            for arm in range(len(task.robots)) for place in places for load in loads
+            if inside_top(task.object, place, EDGE)
+        ]  # fmt: skip
+        out: list[Choice] = []
+        for manoeuvre in manoeuvres(task, task.start.compose(task.object.X_GB), contacts)[:20]:
+            choice = self._chain(task, manoeuvre)
+            problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
+            problem = next((problem for problem in problems if problem is not None), None)
+            if problem is None:
+                return [*out, choice]
+            out.append(replace(choice, feasible=False, reason=problem))
+        return out
+
+    def _chain(self, task: Task, manoeuvre: Manoeuvre) -> Choice:
+        belief, contact = task.believed, manoeuvre.contact
+        level = belief.support_friction * (belief.mass * GRAVITY + contact.load)
+        use = friction_use(contact.load, belief.mass * GRAVITY, belief.support_friction, belief.contact_friction)
+        following: Choice | None = None
+        time = OVERHEAD
+        for stretch in reversed(manoeuvre.stretches):
+            time += SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration
+            turn = stretch.turn
+            backward = abs(turn.angle) > 0.5 * math.pi
+            X_BV, gain, (ex, ey), cop = turn.X_BV, abs(turn.gain), turn.press.axis, turn.press.cop
+            ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
+            shift = -ahead - gain if backward else ahead + gain
+            car = Unicycle(contact.point, cop, math.sqrt(gain * turn.press.lever), backward, shift)
+            sine = math.sin(turn.angle) ** 2
+            stiffness = abs(car.lever / gain) if sine < 1e-3 else (1.0 / min(turn.share, 1.0) ** 2 - 1.0) / sine
+            parameters = figures(car, X_BV, level) | {
+                "look_ahead": stretch.look_ahead, "press_force": contact.load, "friction_use": use,
+                "speed": stretch.speed, "steepest": min(-stretch.right, stretch.left), "right": stretch.right,
+                "left": stretch.left, "angle": math.atan2(ey, ex) + turn.angle,
+                "turn": 0.0 if following is None else turn.curvature, "gain": turn.gain,
+                "stiffness": stiffness, "curvature": abs(turn.curvature), "run_in": 0.0,
+                "manoeuvre": 0.0 if following is None else 1.0,
+            }  # fmt: skip
+            reason = f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N"
+            reason += " by " + " ".join(f"{math.degrees(s.turn.angle):.0f}:{s.path.length*1e3:.0f}mm" for s in manoeuvre.stretches)
+            goal = None if following is None else stretch.end.compose(task.object.X_GB.inverse())
+            length = stretch.path.length + (following.path_length or 0.0 if following else 0.0)
+            following = Choice(self.name, True, reason, (contact,), length, time, 0.0, parameters, stretch.path, goal, following)
+        assert following is not None
+        return following
 
     def _draft(
         self,
@@ -242,8 +294,8 @@ class PressSlide:
         if isinstance(plan.path, TwistPath):
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
-        law = LookAheadAlignment(planned["look_ahead"], math.tan(planned["steepest"]) / abs(car.reach), fixed)
-        return UnicycleTracker(law, car, planned["push_force"])
+        law = LookAheadAlignment(planned["look_ahead"], math.inf, fixed)
+        return UnicycleTracker(law, _steering(plan.choice, car))
 
     def allocator(
         self,
@@ -275,8 +327,11 @@ class PressSlide:
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
         contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
         choice = self._draft(task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:])
-        if not choice.feasible:
-            return None
+        if not choice.feasible or "manoeuvre" in planned:
+            found = manoeuvres(task, X_WB, [contact])
+            if not found:
+                return None
+            choice = self._chain(task, found[0])
         made = None
         for stretch in reversed(choice.stretches):
             assert stretch.path is not None
@@ -298,7 +353,7 @@ class PressSlide:
         """
         task, planned, pivots = plan.task, plan.choice.parameters, isinstance(plan.path, TwistPath)
         contact, level = replace(plan.choice.contacts[0], point=touched[0]), planned["push_force"]
-        if contact.point == (0.0, 0.0):
+        if contact.point == (0.0, 0.0) or planned.get("manoeuvre"):
             return None
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
         car, X_BV = replace(_car(plan.choice), contact=contact.point, cop=cop), plan.X_BV
@@ -323,6 +378,16 @@ class PressSlide:
         )
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
+
+
+def _steering(choice: Choice, car: Unicycle) -> Steering:
+    """How the vehicle of a choice is steered."""
+    p, steepest = choice.parameters, choice.parameters["steepest"]
+    return Steering(
+        Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
+        p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact, car.cop,
+        p["push_force"], p.get("stiffness", car.lever / car.reach),
+    )  # fmt: skip
 
 
 def _car(choice: Choice) -> Unicycle:
