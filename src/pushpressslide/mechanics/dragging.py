@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
 STEPS = 15  # of the iteration for pressure and twist together
+DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # shares of the first Newton steps for the pressure
+BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
 REST = 1e-9  # [m/s] below which a cell counts as resting, of twists of about 1 m/s
 
 
@@ -63,10 +65,10 @@ class DraggedBase:
         for step in range(STEPS):
             moved = cops + self._shift * shares[:, None] * directions
             target = np.column_stack([np.ones(m), moved / self._size])[:, :, None]
-            for _ in range(1 if step else 3):
+            for part in (1.0,) if step else DAMPED:
                 touching = np.where(planes @ self._linear.T > 0.0, self._shares, 0.0)
                 hessian = (touching @ self._moments).reshape(m, 3, 3) + 1e-9 * np.eye(3)
-                planes = np.linalg.solve(hessian, target)[:, :, 0]
+                planes = planes + part * (np.linalg.solve(hessian, target)[:, :, 0] - planes)
             loads = np.maximum(planes @ self._linear.T, 0.0) * self._shares
             k0, kx, ky, ks = ((loads / np.maximum(self._speeds(twists), REST)) @ self._basis).T
             slope[:, 0, 0] = slope[:, 1, 1] = k0
@@ -75,7 +77,9 @@ class DraggedBase:
             slope[:, 2, 2] = ks
             twists = np.linalg.solve(slope, wrenches[:, :, None])[:, :, 0]
             twists /= np.sqrt((twists * twists) @ np.array([1.0, 1.0, self._size**2]))[:, None]
-            shares = (loads * self._speeds(twists)).sum(1) / (wrenches * twists).sum(1)
+            shares = np.clip((loads * self._speeds(twists)).sum(1) / (wrenches * twists).sum(1), 0.0, 1.0)
+        off = np.abs(loads @ self._linear - target[:, :, 0]).max(1)
+        twists[off > BALANCED] = np.nan
         return Dragged(twists, shares)
 
     def _speeds(self, twists: Array) -> Array:

@@ -176,8 +176,8 @@ class PressSlide:
             stiffness = abs(car.lever / gain) if sine < 1e-3 else (1.0 / min(turn.share, 1.0) ** 2 - 1.0) / sine
             parameters = figures(car, X_BV, level) | {
                 "look_ahead": stretch.look_ahead, "press_force": contact.load, "friction_use": use,
-                "speed": stretch.speed, "steepest": min(-stretch.right, stretch.left), "right": stretch.right,
-                "left": stretch.left, "angle": math.atan2(ey, ex) + turn.angle,
+                "speed": stretch.speed, "steepest": min(-turn.right, turn.left), "right": turn.right,
+                "left": turn.left, "angle": math.atan2(ey, ex) + turn.angle,
                 "turn": 0.0 if following is None else turn.curvature, "gain": turn.gain,
                 "stiffness": stiffness, "curvature": abs(turn.curvature), "run_in": 0.0,
                 "manoeuvre": 0.0 if following is None else 1.0,
@@ -315,7 +315,7 @@ class PressSlide:
         """Return what identifies the virtual axle on the way."""
         car = _car(plan.choice)
         predicted = Identified(axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
-        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever)
+        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness"))
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
         """Return a plan that goes back straight and then to the goal; None for a turn on the spot, or where

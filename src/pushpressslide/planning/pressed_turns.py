@@ -1,9 +1,10 @@
-"""How a pressed object turns under a force at one angle from its heading axis: as a unicycle whose axle is
+"""How a pressed object turns under a force at one angle from its heading axis: as a unicycle, whose axle is
 where a small change of the angle moves nothing across.
 
 The drag's height, and the pressure that it moves, put the virtual axle elsewhere for each angle. With v and w
-at that angle and v', w' by the angle, a point q of the heading axis has no change across its motion where
-v_q x v_q' = 0; along the axis that is linear in q. A path of q is then followed like a unicycle's.
+at an angle, and v' and w' their change with it, a point q of the heading axis has no change across its motion
+where v_q x v_q' = 0; along the axis that is linear in q. A path of q can then be followed like a unicycle's, as
+far as q does not slip sideways under forces farther off that angle.
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
 
@@ -14,14 +15,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.top import rooms_inside
 
-NEAR = math.radians(5.0)  # either side of an angle, for the change with it
-STRAIGHT = 0.05  # [1/m] of the turns that stand for straight ones
-SHORT = 0.2  # of the contact's speed: axles that move more slowly are no use
+Array = NDArray[np.float64]
+
+COUNT = 48  # force angles that are looked at, all round
+STEP = 2.0 * math.pi / COUNT
+EVERY = 2  # of them is one that turns are planned with
+STEERING = 4  # steps that a force may be turned from its planned angle
+LEAST = 1  # steps that it must be free to
+SLIP = math.radians(6.0)  # of the axle, sideways: more is not followed like a unicycle
+FIRM = 0.5  # change of the contact's direction per change of the force's; > 0 or the tip's motion decides nothing
+FAR = 0.35  # [m] of the axle from the centre of pressure
+TIGHTEST = 25.0  # [1/m] of the axle's path
+PACE = (0.6, 5.0)  # speed of the contact per speed of the axle
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,54 +42,87 @@ class PressedTurn:
 
     press: Press
     angle: float  # [rad] of the force from the heading axis
+    right: float  # [rad] < 0, that the force may be turned from there
+    left: float  # [rad] > 0
+    room: float  # [half widths] that the centre of pressure stays inside the base at that angle
     X_BV: Pose2  # at the axle, x along its motion
     curvature: float  # [1/m] of its path
-    gain: float  # [m] tan(change of the force angle) per change of curvature
+    gain: float  # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
     share: float  # of mu_s N that the force takes
-    center: Point  # [m] in B, of the turn
     pace: float  # speed of the contact per speed of the axle
 
 
-def pressed_turns(presses: Sequence[Press], angles: Sequence[float]) -> list[PressedTurn | None]:
-    """Return the turn of each press of one object by a force at each of its angles [rad]; None where the axle
-    hardly moves: about its own place.
+def pressed_turns(presses: Sequence[Press], least_room: float) -> list[list[PressedTurn]]:
+    """Return the turns that each press of one object can be driven with.
 
-    One press per angle.
+    ``least_room`` [half widths] is what the centre of pressure keeps from the base's edge.
     """
-    base = DraggedBase(presses[0].body, presses[0].shift)
-    rows = [(press, angle + side) for press, angle in zip(presses, angles, strict=True) for side in (-NEAR, NEAR)]
-    cops = np.array([press.cop for press, _ in rows])
-    contacts = np.array([press.contact for press, _ in rows])
-    forces = np.array([press.along(angle) for press, angle in rows])
-    dragged = base.slide(cops, contacts, forces)
-    twists, shares = dragged.twists.tolist(), dragged.shares.tolist()
-    return [
-        _turn(press, angle, twists[2 * i], twists[2 * i + 1], 0.5 * (shares[2 * i] + shares[2 * i + 1]))
-        for i, (press, angle) in enumerate(zip(presses, angles, strict=True))
-    ]
+    if not presses:
+        return []
+    m, body, shift = len(presses), presses[0].body, presses[0].shift
+    axes, cops = np.array([p.axis for p in presses]), np.array([p.cop for p in presses])
+    angles = STEP * np.arange(COUNT)
+    c, s = np.cos(angles)[None, :, None], np.sin(angles)[None, :, None]
+    across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
+    forces = c * axes[:, None] + s * across[:, None]
+    rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(m, COUNT)
+    free = rooms >= least_room
+    rows, columns = np.nonzero(free)
+    contacts = np.array([p.contact for p in presses])
+    slid = DraggedBase(body, shift).slide(cops[rows], contacts[rows], forces[rows, columns])
+    # of the centre of pressure, along the axis and to its left
+    motion, shares = np.full((m, COUNT, 3), np.nan), np.full((m, COUNT), np.nan)
+    vx, vy, w = slid.twists.T
+    vx, vy = vx - w * cops[rows, 1], vy + w * cops[rows, 0]
+    (ex, ey), (tx, ty) = axes[rows].T, across[rows].T
+    motion[rows, columns] = np.stack([vx * ex + vy * ey, vx * tx + vy * ty, w], axis=-1)
+    shares[rows, columns] = slid.shares
+    return [_turns(*of_press) for of_press in zip(presses, rooms, motion, shares, strict=True)]
 
 
-def _turn(
-    press: Press, angle: float, before: Sequence[float], after: Sequence[float], share: float
-) -> PressedTurn | None:
-    (ex, ey), (cx, cy) = press.axis, press.cop
-    vx, vy, w = (0.5 * (p + q) for p, q in zip(before, after, strict=True))
-    dx, dy, dw = (0.5 * (q - p) / NEAR for p, q in zip(before, after, strict=True))
-    w = w or 1e-12  # a straight one turns about a point far away
-    center = (-vy / w, vx / w)
-    # at the centre of pressure, along the axis and across it
-    vx, vy, dx, dy = vx - w * cy, vy + w * cx, dx - dw * cy, dy + dw * cx
-    a, b = vx * ex + vy * ey, ex * vy - ey * vx
-    da, db = dx * ex + dy * ey, ex * dy - ey * dx
+def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[PressedTurn]:
+    before, after = np.roll(motion, 1, axis=0), np.roll(motion, -1, axis=0)
+    a, b, w = (0.5 * (before + after)).T
+    da, db, dw = (0.5 / STEP * (after - before)).T
     x = (b * da - a * db) / (dw * a - w * da)
-    across, change = b + w * x, db + dw * x
-    speed = math.hypot(a, across)
-    pace = math.hypot(a, b + w * press.lever) / speed
-    if pace > 1.0 / SHORT:
-        return None
+    speed = np.hypot(a, b + w * x)
     curvature = w / speed
-    slope = (dw - curvature * (a * da + across * change) / speed) / speed
-    yaw = math.atan2(ey, ex) + math.atan2(across, a)
-    return PressedTurn(
-        press, angle, Pose2(cx + x * ex, cy + x * ey, yaw), curvature, 1.0 / slope, share, center, pace
-    )
+    gain = speed / (dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed)
+    pace = np.hypot(a, b + w * press.lever) / speed
+    heading = np.arctan2(b + w * x, a)
+    along = np.arctan2(motion[:, 1] + motion[:, 2] * press.lever, motion[:, 0])  # of the contact
+    firm = _wrapped(np.roll(along, -1) - along) > FIRM * STEP  # between an angle and the next
+    leads = np.cos(STEP * np.arange(COUNT))
+    usable = (
+        (np.abs(x) < FAR) & (np.abs(curvature) < TIGHTEST) & (pace > PACE[0]) & (pace < PACE[1])
+        & (gain * leads >= 0.0)
+    )  # fmt: skip
+    (ex, ey), (cx, cy) = press.axis, press.cop
+    out = []
+    for i in np.flatnonzero(usable[::EVERY]) * EVERY:
+        slip = _wrapped(np.arctan2(motion[:, 1] + motion[:, 2] * x[i], motion[:, 0]) - heading[i])
+        straight = np.abs(slip) < SLIP
+        right = _steps(straight & firm, int(i), -1)
+        left = _steps(straight & np.roll(firm, 1), int(i), 1)
+        if min(right, left) < LEAST:
+            continue
+        axle = Pose2(float(cx + x[i] * ex), float(cy + x[i] * ey), float(math.atan2(ey, ex) + heading[i]))
+        out.append(
+            PressedTurn(
+                press, math.remainder(i * STEP, 2.0 * math.pi), -right * STEP, left * STEP, float(rooms[i]), axle,
+                float(curvature[i]), float(gain[i]), float(shares[i]), float(pace[i]),
+            )  # fmt: skip
+        )
+    return out
+
+
+def _wrapped(angles: Array) -> Array:
+    wrapped: Array = np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
+    return wrapped
+
+
+def _steps(good: NDArray[np.bool_], at: int, sign: int) -> int:
+    k = 0
+    while k < STEERING and good[(at + sign * (k + 1)) % COUNT]:
+        k += 1
+    return k
