@@ -24,6 +24,7 @@ from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.pressed_turns import STEERED, steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
     LOOP,
@@ -35,6 +36,7 @@ from pushpressslide.planning.pressed_vehicle import (
     PressedVehicle,
     axle_ahead,
     figures,
+    press_of,
     pressed_vehicle,
     turns,
     way_back,
@@ -49,10 +51,9 @@ from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTra
 GRAVITY = 9.81
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
-# share of the vehicle's length by which the virtual axle may move between straight and a plan's turns
-AXLE_PLAY = 0.45
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 OVERHEAD = 4.0  # [s] approach and release
+TRIED = 60  # manoeuvres that are looked at for the arm's reach
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -125,14 +126,12 @@ class PressSlide:
             choice = self._draft(task, contact, before["backward"] > 0.0, PLANNED * before["steepest"])
             if not choice.feasible:
                 return choice
-            after = choice.stretches[-1].parameters
-            moved = math.dist((after["axle_x"], after["axle_y"]), (before["axle_x"], before["axle_y"]))
-            length = math.dist((before["axle_x"], before["axle_y"]), contact.point)
-            if moved > AXLE_PLAY * length:
+            least = min(before["steepest"], STEERED)
+            if not task.tool and (free := steering_of(press_of(task, contact), before["backward"] > 0.0)) < least:
                 what = choice.reason.split(" with ")[0]
                 why = (
-                    f"the virtual axle moves by {moved * 1e3:.0f} mm between straight and turning, allowed "
-                    f"{AXLE_PLAY:g} of the {length * 1e3:.0f} mm to the contact"
+                    f"it moves like a unicycle only up to {math.degrees(free):.0f} deg of steering, needed "
+                    f"{math.degrees(least):.0f} deg"
                 )
                 return replace(choice, feasible=False, reason=f"{what}: {why}")
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
@@ -148,14 +147,16 @@ class PressSlide:
             for arm in range(len(task.robots)) for place in places for load in loads
             if inside_top(task.object, place, EDGE)
         ]  # fmt: skip
+        found = manoeuvres(task, task.start.compose(task.object.X_GB), contacts)
+        first = {m.contact.point: m for m in reversed(found)}  # the quickest of each place before all others
         out: list[Choice] = []
-        for manoeuvre in manoeuvres(task, task.start.compose(task.object.X_GB), contacts)[:20]:
+        for manoeuvre in sorted(found, key=lambda m: (m is not first[m.contact.point], m.time))[:TRIED]:
             choice = self._chain(task, manoeuvre)
             problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
             problem = next((problem for problem in problems if problem is not None), None)
             if problem is None:
                 return [*out, choice]
-            out.append(replace(choice, feasible=False, reason=problem))
+            out.append(replace(choice, feasible=False, reason=f"{choice.reason}: {problem}"))
         return out
 
     def _chain(self, task: Task, manoeuvre: Manoeuvre) -> Choice:

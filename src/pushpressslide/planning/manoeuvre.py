@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.pose import Pose2
 
 TURN = 2.0 * math.pi
-LARGEST = math.radians(150.0)  # of one turn
+LARGEST = 1.9 * math.pi  # of one turn
 NOTHING = 1e-5  # [rad] up to which a turn is left out
 
 

@@ -19,13 +19,14 @@ from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import Press
 from pushpressslide.planning.manoeuvre import words
 from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
-from pushpressslide.planning.pressed_vehicle import SWING, TIPPING_ROOM, press_of
+from pushpressslide.planning.pressed_vehicle import SWING, press_of
 
 RUN_INS = (3.0, 2.0)  # look-aheads
 PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
 SAFE_ROOM = 0.5
 STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
 ERROR = 0.01 # [m] 4 times the lateral error that all steering is used for
+LONGEST = 0.75  # of limits.time: the rest is for another attempt
 COUNT = 3  # words per placement that are handed on
 
 
@@ -55,7 +56,7 @@ def manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> list[Man
     """
     pressed = [(contact, press_of(task, contact)) for contact in contacts if contact.point != (0.0, 0.0)]
     goal, out = task.goal.compose(task.object.X_GB), []
-    turns = pressed_turns([press for _, press in pressed], TIPPING_ROOM)
+    turns = pressed_turns([press for _, press in pressed])
     for (contact, _), of_press in zip(pressed, turns, strict=True):
         if of_press:
             out += _of_press(task, X_WB, goal, contact, of_press)
@@ -92,7 +93,7 @@ def _of_press(
                 path = ArcPath(X.compose(X_BV), ((0.0, length),))
                 stretches.append(Stretch(turn, path, goal, speed, look_ahead))
                 time = word.time + length / speed + PAUSE
-                if time < task.limits.time:
+                if time < LONGEST * task.limits.time:
                     out.append(Manoeuvre(contact, tuple(stretches), time))
     return out
 

@@ -24,10 +24,12 @@ from pushpressslide.mechanics.top import rooms_inside
 
 Array = NDArray[np.float64]
 
+TIPPING_ROOM = 0.2  # half widths that the centre of pressure stays inside the base's edge
 COUNT = 48  # force angles that are looked at, all round
 STEP = 2.0 * math.pi / COUNT
 EVERY = 2  # of them is one that turns are planned with
 STEERING = 4  # steps that a force may be turned from its planned angle
+STEERED = STEERING * STEP - 1e-6  # [rad]
 LEAST = 1  # steps that it must be free to
 SLIP = math.radians(6.0)  # of the axle, sideways: more is not followed like a unicycle
 FIRM = 0.5  # change of the contact's direction per change of the force's; > 0 or the tip's motion decides nothing
@@ -52,7 +54,7 @@ class PressedTurn:
     pace: float  # speed of the contact per speed of the axle
 
 
-def pressed_turns(presses: Sequence[Press], least_room: float) -> list[list[PressedTurn]]:
+def pressed_turns(presses: Sequence[Press], least_room: float = TIPPING_ROOM) -> list[list[PressedTurn]]:
     """Return the turns that each press of one object can be driven with.
 
     ``least_room`` [half widths] is what the centre of pressure keeps from the base's edge.
@@ -78,6 +80,12 @@ def pressed_turns(presses: Sequence[Press], least_room: float) -> list[list[Pres
     motion[rows, columns] = np.stack([vx * ex + vy * ey, vx * tx + vy * ty, w], axis=-1)
     shares[rows, columns] = slid.shares
     return [_turns(*of_press) for of_press in zip(presses, rooms, motion, shares, strict=True)]
+
+
+def steering_of(press: Press, backward: bool) -> float:
+    """Return up to which force angle [rad] from straight motion a press is driven like one unicycle."""
+    turns = [t for t in pressed_turns([press])[0] if abs(t.angle) == (math.pi if backward else 0.0)]
+    return min((min(-turn.right, turn.left) for turn in turns), default=0.0)
 
 
 def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[PressedTurn]:

@@ -15,11 +15,11 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import Press
+from pushpressslide.planning.pressed_turns import TIPPING_ROOM
 from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.unicycle import Unicycle
 
 GRAVITY = 9.81
-TIPPING_ROOM = 0.2  # half widths that the centre of pressure stays inside the base's edge
 # force angles from the motion that steering may be bounded by: the steepest that does not tip the object
 STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
 CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift

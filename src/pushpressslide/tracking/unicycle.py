@@ -51,7 +51,10 @@ class UnicycleTracker:
         self._press = (rx, ry, 1.0 / math.hypot(rx, ry), s.cop, s.level, s.stiffness)
 
     def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s]."""
+        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s].
+
+        ``grip`` has no part: a turn takes less of the press's friction than straight sliding.
+        """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
         planned, turning, gain, right, left_most = self._force
@@ -63,7 +66,7 @@ class UnicycleTracker:
         heading_error = remainder(heading - yaw - axis, TURN)
         turn, _ = self._curvature((x, y, yaw + axis), left, heading_error, curvature, 1.0)
         wanted = atan(gain * (turn - turning))
-        steering = min(max(wanted, grip * right), grip * left_most)
+        steering = min(max(wanted, right), left_most)
         if steering != wanted:
             turn = turning + tan(steering) / gain
         fx, fy = cos(planned + steering), sin(planned + steering)
