@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product, repeat
 from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
@@ -42,7 +43,7 @@ from pushpressslide.planning.pressed_vehicle import (
     way_back,
     way_to,
 )
-from pushpressslide.planning.pressed_manoeuvre import Manoeuvre, manoeuvres
+from pushpressslide.planning.pressed_manoeuvre import manoeuvres
 from pushpressslide.planning.run_in import gentlest
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
@@ -53,7 +54,7 @@ EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 OVERHEAD = 4.0  # [s] approach and release
-TRIED = 60  # manoeuvres that are looked at for the arm's reach
+TRIED = 40  # manoeuvres that are looked at for the arm's reach
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -93,6 +94,10 @@ class PressSlide:
         directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
+        free = not (task.motion.vehicle or task.tool)
+        judged = self._manoeuvres(task, places, loads) if free and not given else []
+        if judged and judged[-1].feasible:
+            return judged[::-1]
         drafts = []
         for arm in range(len(task.robots)):
             for place in places:
@@ -112,8 +117,9 @@ class PressSlide:
                 choice = self._within_reach(task, choice)
                 found += choice.feasible
             out.append(choice)
-        if not found and not (task.motion.vehicle or task.tool):
-            out += self._manoeuvres(task, places, loads)
+        if not found and free and given:
+            judged = self._manoeuvres(task, places, loads)
+        out += judged
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
@@ -127,7 +133,10 @@ class PressSlide:
             if not choice.feasible:
                 return choice
             least = min(before["steepest"], STEERED)
-            if not task.tool and (free := steering_of(press_of(task, contact), before["backward"] > 0.0)) < least:
+            if (
+                not task.tool
+                and (free := steering_of(press_of(task, contact), before["backward"] > 0.0)) < least
+            ):
                 what = choice.reason.split(" with ")[0]
                 why = (
                     f"it moves like a unicycle only up to {math.degrees(free):.0f} deg of steering, needed "
@@ -141,55 +150,25 @@ class PressSlide:
         return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {problem}")
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        height = task.object.shape.height
-        contacts = [
-            Contact(arm, "top", place, (0.0, 0.0), height, load)
-            for arm in range(len(task.robots)) for place in places for load in loads
-            if inside_top(task.object, place, EDGE)
-        ]  # fmt: skip
-        found = manoeuvres(task, task.start.compose(task.object.X_GB), contacts)
-        first = {m.contact.point: m for m in reversed(found)}  # the quickest of each place before all others
-        out: list[Choice] = []
-        for manoeuvre in sorted(found, key=lambda m: (m is not first[m.contact.point], m.time))[:TRIED]:
-            choice = self._chain(task, manoeuvre)
-            problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
-            problem = next((problem for problem in problems if problem is not None), None)
-            if problem is None:
-                return [*out, choice]
-            out.append(replace(choice, feasible=False, reason=f"{choice.reason}: {problem}"))
+        """Return the manoeuvres that were looked at, the last one feasible if any is: at the safest press that
+        has one within the arm's reach, the quickest of each place before all others.
+        """
+        X_WB, height, out = task.start.compose(task.object.X_GB), task.object.shape.height, list[Choice]()
+        inside = [place for place in places if inside_top(task.object, place, EDGE)]
+        for arm, load in product(range(len(task.robots)), loads):
+            contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
+            found = manoeuvres(task, X_WB, contacts)
+            first = {m.contact.point: m for m in reversed(found)}
+            found.sort(key=lambda m: (m is not first[m.contact.point], m.time))
+            for manoeuvre in found[:TRIED]:
+                choice = manoeuvre.choice(task, self.name)
+                frames = [self.vehicle_frame(stretch) for stretch in choice.stretches]
+                problems = map(path_problem, repeat(task), choice.stretches, frames)
+                problem = next((problem for problem in problems if problem is not None), None)
+                if problem is None:
+                    return [*out, choice]
+                out.append(replace(choice, feasible=False, reason=f"{choice.reason}: {problem}"))
         return out
-
-    def _chain(self, task: Task, manoeuvre: Manoeuvre) -> Choice:
-        belief, contact = task.believed, manoeuvre.contact
-        level = belief.support_friction * (belief.mass * GRAVITY + contact.load)
-        use = friction_use(contact.load, belief.mass * GRAVITY, belief.support_friction, belief.contact_friction)
-        following: Choice | None = None
-        time = OVERHEAD
-        for stretch in reversed(manoeuvre.stretches):
-            time += SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration
-            turn = stretch.turn
-            backward = abs(turn.angle) > 0.5 * math.pi
-            X_BV, gain, (ex, ey), cop = turn.X_BV, abs(turn.gain), turn.press.axis, turn.press.cop
-            ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
-            shift = -ahead - gain if backward else ahead + gain
-            car = Unicycle(contact.point, cop, math.sqrt(gain * turn.press.lever), backward, shift)
-            sine = math.sin(turn.angle) ** 2
-            stiffness = abs(car.lever / gain) if sine < 1e-3 else (1.0 / min(turn.share, 1.0) ** 2 - 1.0) / sine
-            parameters = figures(car, X_BV, level) | {
-                "look_ahead": stretch.look_ahead, "press_force": contact.load, "friction_use": use,
-                "speed": stretch.speed, "steepest": min(-turn.right, turn.left), "right": turn.right,
-                "left": turn.left, "angle": math.atan2(ey, ex) + turn.angle,
-                "turn": 0.0 if following is None else turn.curvature, "gain": turn.gain,
-                "stiffness": stiffness, "curvature": abs(turn.curvature), "run_in": 0.0,
-                "manoeuvre": 0.0 if following is None else 1.0,
-            }  # fmt: skip
-            reason = f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N"
-            reason += " by " + " ".join(f"{math.degrees(s.turn.angle):.0f}:{s.path.length*1e3:.0f}mm" for s in manoeuvre.stretches)
-            goal = None if following is None else stretch.end.compose(task.object.X_GB.inverse())
-            length = stretch.path.length + (following.path_length or 0.0 if following else 0.0)
-            following = Choice(self.name, True, reason, (contact,), length, time, 0.0, parameters, stretch.path, goal, following)
-        assert following is not None
-        return following
 
     def _draft(
         self,
@@ -249,10 +228,11 @@ class PressSlide:
             run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
             way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
             path = way.path
-            if way.too_long > LOOP:
+            most = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
+            if way.too_long > most:
                 return refused(
                     f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too long, allowed "
-                    f"{LOOP:g} m"
+                    f"{most:g} m"
                 )
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
@@ -332,7 +312,7 @@ class PressSlide:
             found = manoeuvres(task, X_WB, [contact])
             if not found:
                 return None
-            choice = self._chain(task, found[0])
+            choice = found[0].choice(task, self.name)
         made = None
         for stretch in reversed(choice.stretches):
             assert stretch.path is not None

@@ -64,13 +64,17 @@ def words(
         turned = [senses[c] * _positive(senses[c] * angle) for c, angle in
                   ((i, a1), (j, a2), (k, theta - a1 - a2))]  # fmt: skip
         sizes = np.abs(np.array(turned))
-        time = sum(times[c] * size + pause * (size > NOTHING) for c, size in zip((i, j, k), sizes, strict=True))
+        time = sum(
+            times[c] * size + pause * (size > NOTHING) for c, size in zip((i, j, k), sizes, strict=True)
+        )
         time = np.where(sizes.max(0) <= LARGEST, time, np.inf)
         for at in np.argsort(time)[:count]:
             if math.isfinite(time[at]):
                 pieces = [(int(c[at]), float(angle[at])) for c, angle in zip((i, j, k), turned, strict=True)
                           if abs(angle[at]) > NOTHING]  # fmt: skip
-                found.append(Word(tuple(c for c, _ in pieces), tuple(angle for _, angle in pieces), float(time[at])))
+                found.append(
+                    Word(tuple(c for c, _ in pieces), tuple(angle for _, angle in pieces), float(time[at]))
+                )
     return sorted(found, key=lambda word: word.time)[:count]
 
 

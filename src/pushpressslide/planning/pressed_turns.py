@@ -117,8 +117,16 @@ def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[Pre
         axle = Pose2(float(cx + x[i] * ex), float(cy + x[i] * ey), float(math.atan2(ey, ex) + heading[i]))
         out.append(
             PressedTurn(
-                press, math.remainder(i * STEP, 2.0 * math.pi), -right * STEP, left * STEP, float(rooms[i]), axle,
-                float(curvature[i]), float(gain[i]), float(shares[i]), float(pace[i]),
+                press,
+                math.remainder(i * STEP, 2.0 * math.pi),
+                -right * STEP,
+                left * STEP,
+                float(rooms[i]),
+                axle,
+                float(curvature[i]),
+                float(gain[i]),
+                float(shares[i]),
+                float(pace[i]),
             )  # fmt: skip
         )
     return out

@@ -35,7 +35,9 @@ class Steering:
     contact: Point  # [m] in B
     cop: Point  # [m] in B, without drag
     level: float  # [N] mu_s N
-    stiffness: float  # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the axis
+    stiffness: (
+        float  # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the axis
+    )
 
 
 class UnicycleTracker:
