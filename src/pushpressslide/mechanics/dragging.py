@@ -75,7 +75,7 @@ class DraggedBase:
             slope[:, 0, 2] = slope[:, 2, 0] = -ky
             slope[:, 1, 2] = slope[:, 2, 1] = kx
             slope[:, 2, 2] = ks
-            twists = np.linalg.solve(slope, wrenches[:, :, None])[:, :, 0]
+            twists = np.asarray(np.linalg.solve(slope, wrenches[:, :, None])[:, :, 0], dtype=np.float64)
             twists /= np.sqrt((twists * twists) @ np.array([1.0, 1.0, self._size**2]))[:, None]
             shares = np.clip((loads * self._speeds(twists)).sum(1) / (wrenches * twists).sum(1), 0.0, 1.0)
         off = np.abs(loads @ self._linear - target[:, :, 0]).max(1)

@@ -138,6 +138,7 @@ class Press:
         return self.body.shape.height * self.mu
 
     def along(self, angle: float) -> Point:
+        """Return the unit vector in B at ``angle`` [rad] from the heading axis."""
         (ex, ey), c, s = self.axis, math.cos(angle), math.sin(angle)
         return (c * ex - s * ey, s * ex + c * ey)
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import product, repeat
+from itertools import product
 from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import ArcPath, SpeedProfile
+from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
@@ -25,6 +25,7 @@ from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import STEERED, steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
@@ -32,10 +33,10 @@ from pushpressslide.planning.pressed_vehicle import (
     PLANNED,
     RUN_INS,
     SHORT_RUN_INS,
-    STEEPEST,
     SWING,
-    PressedVehicle,
+    after_backing_up,
     axle_ahead,
+    car_of,
     figures,
     press_of,
     pressed_vehicle,
@@ -43,7 +44,6 @@ from pushpressslide.planning.pressed_vehicle import (
     way_back,
     way_to,
 )
-from pushpressslide.planning.pressed_manoeuvre import manoeuvres
 from pushpressslide.planning.run_in import gentlest
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
@@ -70,7 +70,8 @@ class PressSlide:
     cop_steering = True
 
     def choices(self, task: Task) -> list[Choice]:
-        """Return one choice per contact and direction, feasible ones first, the quickest first.
+        """Return one choice per contact and direction, feasible ones first, the quickest first; manoeuvres
+        where the contact is free, and where no one path leads to the goal.
 
         Where a believed rho leads every path out of bounds, the rho of the object's shape is planned with,
         and what is true is found out on the way.
@@ -95,31 +96,28 @@ class PressSlide:
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
         free = not (task.motion.vehicle or task.tool)
-        judged = self._manoeuvres(task, places, loads) if free and not given else []
-        if judged and judged[-1].feasible:
-            return judged[::-1]
+        manoeuvres = self._manoeuvres(task, places, loads) if free and not given else []
+        if manoeuvres and manoeuvres[-1].feasible:
+            return manoeuvres[::-1]
         drafts = []
-        for arm in range(len(task.robots)):
-            for place in places:
-                for backward in directions:
-                    for load in loads:  # a lighter press tips less
-                        contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
-                        draft = self._draft(task, contact, backward)
-                        if draft.feasible:
-                            break
-                    drafts.append(draft)
+        for arm, place, backward in product(range(len(task.robots)), places, directions):
+            for load in loads:  # a lighter press tips less
+                contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
+                draft = self._draft(task, contact, backward)
+                if draft.feasible:
+                    break
+            drafts.append(draft)
         out, found = [], 0
         for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
             if choice.feasible and found == ENOUGH:
-                what = choice.reason.split(" with ")[0]
-                choice = replace(choice, feasible=False, reason=f"{what}: slower than {ENOUGH} others")
+                choice = _refused(choice, f"slower than {ENOUGH} others")
             elif choice.feasible:
                 choice = self._within_reach(task, choice)
                 found += choice.feasible
             out.append(choice)
         if not found and free and given:
-            judged = self._manoeuvres(task, places, loads)
-        out += judged
+            manoeuvres = self._manoeuvres(task, places, loads)
+        out += manoeuvres
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
@@ -132,42 +130,37 @@ class PressSlide:
             choice = self._draft(task, contact, before["backward"] > 0.0, PLANNED * before["steepest"])
             if not choice.feasible:
                 return choice
-            least = min(before["steepest"], STEERED)
-            if (
-                not task.tool
-                and (free := steering_of(press_of(task, contact), before["backward"] > 0.0)) < least
-            ):
-                what = choice.reason.split(" with ")[0]
+            least = 0.0 if task.tool else min(before["steepest"], STEERED)
+            free = steering_of(press_of(task, contact), before["backward"] > 0.0)
+            if free < least:
+                free, least = math.degrees(free), math.degrees(least)
                 why = (
-                    f"it moves like a unicycle only up to {math.degrees(free):.0f} deg of steering, needed "
-                    f"{math.degrees(least):.0f} deg"
+                    f"it moves like a unicycle only up to {free:.0f} deg of steering, needed {least:.0f} deg"
                 )
-                return replace(choice, feasible=False, reason=f"{what}: {why}")
+                return _refused(choice, why)
+        return self._judged_for_reach(task, choice)
+
+    def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
         problem = next((problem for problem in problems if problem is not None), None)
-        if problem is None:
-            return choice
-        return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {problem}")
+        return choice if problem is None else _refused(choice, problem)
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        """Return the manoeuvres that were looked at, the last one feasible if any is: at the safest press that
-        has one within the arm's reach, the quickest of each place before all others.
+        """Return the manoeuvres that were looked at, the last one feasible if any is.
+
+        Of the safest press that has one within reach; the quickest of each place before all others.
         """
         X_WB, height, out = task.start.compose(task.object.X_GB), task.object.shape.height, list[Choice]()
         inside = [place for place in places if inside_top(task.object, place, EDGE)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            found = manoeuvres(task, X_WB, contacts)
+            found = pressed_manoeuvres(task, X_WB, contacts)
             first = {m.contact.point: m for m in reversed(found)}
             found.sort(key=lambda m: (m is not first[m.contact.point], m.time))
             for manoeuvre in found[:TRIED]:
-                choice = manoeuvre.choice(task, self.name)
-                frames = [self.vehicle_frame(stretch) for stretch in choice.stretches]
-                problems = map(path_problem, repeat(task), choice.stretches, frames)
-                problem = next((problem for problem in problems if problem is not None), None)
-                if problem is None:
-                    return [*out, choice]
-                out.append(replace(choice, feasible=False, reason=f"{choice.reason}: {problem}"))
+                out.append(self._judged_for_reach(task, manoeuvre.choice(task, self.name)))
+                if out[-1].feasible:
+                    return out
         return out
 
     def _draft(
@@ -247,22 +240,7 @@ class PressSlide:
         made = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
         if way is None or way.back_up == 0.0:
             return made
-        return self._after_backing_up(task, vehicle, made, way.back_up)
-
-    @staticmethod
-    def _after_backing_up(task: Task, vehicle: PressedVehicle, then: Choice, way: float) -> Choice:
-        """Return the choice to drive ``way`` [m] straight the other way first, and then as ``then`` does."""
-        car = way_back(task, vehicle.press, not vehicle.car.backward)
-        assert car is not None
-        path = ArcPath(task.start.compose(task.object.X_GB).compose(car.X_BV), ((0.0, way),))
-        goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
-        time = SpeedProfile(way, then.parameters["speed"], task.motion.acceleration).duration
-        parameters = {**then.parameters, **figures(car, car.X_BV, then.parameters["push_force"])}
-        parameters |= {"curvature": 1.0 / car.length, "run_in": way, "steepest": STEEPEST[0]}
-        return replace(
-            then, reason=f"{then.reason}, {way:g} m back first", path_length=way + (then.path_length or 0.0),
-            time=time + (then.time or 0.0), parameters=parameters, path=path, goal=goal, following=then,
-        )  # fmt: skip
+        return after_backing_up(task, vehicle, made, way.back_up)
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
@@ -271,7 +249,7 @@ class PressSlide:
 
     def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a plan, or that of a turn on the spot."""
-        planned, car = plan.choice.parameters, _car(plan.choice)
+        planned, car = plan.choice.parameters, car_of(plan.choice)
         if isinstance(plan.path, TwistPath):
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
@@ -294,13 +272,13 @@ class PressSlide:
 
     def identifier(self, plan: Plan) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
-        car = _car(plan.choice)
+        car = car_of(plan.choice)
         predicted = Identified(axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness"))
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return a plan that goes back straight and then to the goal; None for a turn on the spot, or where
-        the object would tip.
+        """Return a plan that goes back and then to the goal; None for a turn on the spot, or where the object
+        would tip.
         """
         planned, (contact,) = plan.choice.parameters, plan.choice.contacts
         if isinstance(plan.path, TwistPath):
@@ -309,7 +287,7 @@ class PressSlide:
         contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
         choice = self._draft(task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:])
         if not choice.feasible or "manoeuvre" in planned:
-            found = manoeuvres(task, X_WB, [contact])
+            found = pressed_manoeuvres(task, X_WB, [contact])
             if not found:
                 return None
             choice = found[0].choice(task, self.name)
@@ -337,7 +315,7 @@ class PressSlide:
         if contact.point == (0.0, 0.0) or planned.get("manoeuvre"):
             return None
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
-        car, X_BV = replace(_car(plan.choice), contact=contact.point, cop=cop), plan.X_BV
+        car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:
             if identified is not None:
                 car = replace(car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0)
@@ -361,6 +339,10 @@ class PressSlide:
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
+def _refused(choice: Choice, why: str) -> Choice:
+    return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+
+
 def _steering(choice: Choice, car: Unicycle) -> Steering:
     """How the vehicle of a choice is steered."""
     p, steepest = choice.parameters, choice.parameters["steepest"]
@@ -369,12 +351,6 @@ def _steering(choice: Choice, car: Unicycle) -> Steering:
         p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact, car.cop,
         p["push_force"], p.get("stiffness", car.lever / car.reach),
     )  # fmt: skip
-
-
-def _car(choice: Choice) -> Unicycle:
-    """The vehicle of a choice."""
-    p, (contact,) = choice.parameters, choice.contacts
-    return Unicycle(contact.point, (p["cop_x"], p["cop_y"]), p["rho"], p["backward"] > 0.0, p["height_shift"])
 
 
 MODE = PressSlide()

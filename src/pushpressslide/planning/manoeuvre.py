@@ -34,7 +34,7 @@ def words(
     centers: NDArray[np.complex128],
     senses: NDArray[np.float64],
     times: NDArray[np.float64],
-    pause: float,
+    pauses: NDArray[np.float64],
     goal: Pose2,
     count: int,
 ) -> list[Word]:
@@ -42,7 +42,7 @@ def words(
     from its start.
 
     ``centers`` (n,) [m] in the body, x + iy; ``senses`` (n,) +1 or -1, the way about a centre that can be
-    driven; ``times`` (n,) [s/rad]; ``pause`` [s] that each turn takes besides.
+    driven; ``times`` (n,) [s/rad]; ``pauses`` (n,) [s] that a turn takes besides.
     """
     n = len(centers)
     i, j, k = (v.ravel() for v in np.meshgrid(*[np.arange(n)] * 3, indexing="ij"))
@@ -65,7 +65,7 @@ def words(
                   ((i, a1), (j, a2), (k, theta - a1 - a2))]  # fmt: skip
         sizes = np.abs(np.array(turned))
         time = sum(
-            times[c] * size + pause * (size > NOTHING) for c, size in zip((i, j, k), sizes, strict=True)
+            times[c] * size + pauses[c] * (size > NOTHING) for c, size in zip((i, j, k), sizes, strict=True)
         )
         time = np.where(sizes.max(0) <= LARGEST, time, np.inf)
         for at in np.argsort(time)[:count]:

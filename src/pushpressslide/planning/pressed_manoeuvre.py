@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushpressslide.core.path import ArcPath, SpeedProfile
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
@@ -23,11 +23,12 @@ from pushpressslide.planning.pressed_vehicle import GRAVITY, SWING, figures, pre
 from pushpressslide.rom.unicycle import Unicycle
 
 RUN_INS = (3.0, 2.0)  # look-aheads
-CORRECTING = math.radians(14.0)  # that the force of a run-in must be free to turn
+CORRECTING = math.radians(14.0)  # that a force must be free to turn, on a run-in and better on all turns
 CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
 LOOK_AHEAD = (0.04, 0.10)  # [m]
 STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
 PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
+NARROW = 3.0  # [s] that a turn has to save to be taken that leaves little steering to correct it
 OVERHEAD = 4.0  # [s] approach and release
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 LONGEST = 0.75  # of limits.time: the rest is for another attempt
@@ -86,8 +87,8 @@ class Manoeuvre:
             f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in self.stretches
         )
         reason = (
-            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N: {turns}; "
-            f"{use:.2f} of the tip's friction used"
+            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N: "
+            f"{turns}; {use:.2f} of the tip's friction used"
         )
         length, time, following = 0.0, 0.0, None
         for stretch in reversed(self.stretches):
@@ -98,17 +99,17 @@ class Manoeuvre:
             parameters = stretch.parameters(belief.support_friction * (weight + contact.load))
             parameters |= {"friction_use": use, "manoeuvre": float(following is not None)}
             goal = None if following is None else stretch.end.compose(X_BG)
+            path, seconds = stretch.path, time + OVERHEAD
             following = Choice(
-                mode, True, reason, (contact,), length, time + OVERHEAD, margin, parameters, stretch.path, goal,
-                following,
-            )  # fmt: skip
+                mode, True, reason, (contact,), length, seconds, margin, parameters, path, goal, following
+            )
         assert following is not None
         return following
 
 
-def manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> list[Manoeuvre]:
-    """Return manoeuvres from ``X_WB`` to the task's goal, each by a press at one of ``contacts``, the quickest
-    first.
+def pressed_manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> list[Manoeuvre]:
+    """Return manoeuvres from ``X_WB`` to the task's goal, the quickest first, by a press at one of
+    ``contacts``.
     """
     pressed = [(contact, press_of(task, contact)) for contact in contacts if contact.point != (0.0, 0.0)]
     goal, out = task.goal.compose(task.object.X_GB), []
@@ -129,6 +130,8 @@ def _of_press(
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
     centers, times = axles + normals / bent, 1.0 / (np.abs(bent) * np.array(speeds))
+    narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
+    pauses = PAUSE + NARROW * narrow
     out = []
     for turn, speed in zip(turns, speeds, strict=True):
         if abs(math.remainder(turn.angle, math.pi)) > 1e-6 or min(-turn.right, turn.left) < CORRECTING:
@@ -139,14 +142,14 @@ def _of_press(
             staging = goal.compose(Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0))
             ahead = X_WB.inverse().compose(staging)
             ahead = Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
-            for word in words(centers, np.sign(bent), times, PAUSE, ahead, COUNT):
+            for word in words(centers, np.sign(bent), times, pauses, ahead, COUNT):
                 stretches, X = [], X_WB
                 for index, angle in zip(word.turns, word.angles, strict=True):
                     by = turns[index]
                     path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
                     X = path.end.compose(by.X_BV.inverse())
                     stretches.append(Stretch(by, path, X, speeds[index]))
-                path = ArcPath(X.compose(X_BV), ((0.0, length),))
+                path = ArcPath(advance(goal.compose(X_BV), 0.0, -length), ((0.0, length),))
                 stretches.append(Stretch(turn, path, goal, speed))
                 time = word.time + length / speed + PAUSE
                 if time < LONGEST * task.limits.time:

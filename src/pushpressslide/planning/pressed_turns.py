@@ -1,10 +1,12 @@
 """How a pressed object turns under a force at one angle from its heading axis: as a unicycle, whose axle is
 where a small change of the angle moves nothing across.
 
-The drag's height, and the pressure that it moves, put the virtual axle elsewhere for each angle. With v and w
-at an angle, and v' and w' their change with it, a point q of the heading axis has no change across its motion
-where v_q x v_q' = 0; along the axis that is linear in q. A path of q can then be followed like a unicycle's, as
-far as q does not slip sideways under forces farther off that angle.
+The drag's height, and the pressure that it moves, put the virtual axle elsewhere for each angle. With v and
+w at an angle, and v' and w' their change with it, a point q of the heading axis has no change across its
+motion where v_q x v_q' = 0; along the axis that is linear in q. A path of q can then be followed like a
+unicycle's, as far as q does not slip sideways under forces farther off that angle, and as the contact's
+motion turns with the force: where the drag moves the axle beyond the contact it does not, and a tip whose
+motion is controlled leaves the object's turn to chance.
 Source: docs/mechanics.md, sections 1.2, 2 and 4.
 """
 
@@ -32,7 +34,7 @@ STEERING = 4  # steps that a force may be turned from its planned angle
 STEERED = STEERING * STEP - 1e-6  # [rad]
 LEAST = 1  # steps that it must be free to
 SLIP = math.radians(6.0)  # of the axle, sideways: more is not followed like a unicycle
-FIRM = 0.5  # change of the contact's direction per change of the force's; > 0 or the tip's motion decides nothing
+FIRM = 0.5  # least change of the contact's direction per change of the force's
 FAR = 0.35  # [m] of the axle from the centre of pressure
 TIGHTEST = 25.0  # [1/m] of the axle's path
 PACE = (0.6, 5.0)  # speed of the contact per speed of the axle
@@ -115,20 +117,9 @@ def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[Pre
         if min(right, left) < LEAST:
             continue
         axle = Pose2(float(cx + x[i] * ex), float(cy + x[i] * ey), float(math.atan2(ey, ex) + heading[i]))
-        out.append(
-            PressedTurn(
-                press,
-                math.remainder(i * STEP, 2.0 * math.pi),
-                -right * STEP,
-                left * STEP,
-                float(rooms[i]),
-                axle,
-                float(curvature[i]),
-                float(gain[i]),
-                float(shares[i]),
-                float(pace[i]),
-            )  # fmt: skip
-        )
+        angle, sides = math.remainder(i * STEP, 2.0 * math.pi), (-right * STEP, left * STEP)
+        figures = (float(curvature[i]), float(gain[i]), float(shares[i]), float(pace[i]))
+        out.append(PressedTurn(press, angle, *sides, float(rooms[i]), axle, *figures))
     return out
 
 
