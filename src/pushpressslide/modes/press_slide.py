@@ -55,6 +55,7 @@ SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object i
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 OVERHEAD = 4.0  # [s] approach and release
 TRIED = 40  # manoeuvres that are looked at for the arm's reach
+SAME = 1e-3  # [m] between places that are one
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -70,11 +71,10 @@ class PressSlide:
     cop_steering = True
 
     def choices(self, task: Task) -> list[Choice]:
-        """Return one choice per contact and direction, feasible ones first, the quickest first; manoeuvres
-        where the contact is free, and where no one path leads to the goal.
+        """Return choices, feasible and quick ones first: manoeuvres where the contact is free, else one per
+        direction.
 
-        Where a believed rho leads every path out of bounds, the rho of the object's shape is planned with,
-        and what is true is found out on the way.
+        Where a believed rho leads every path out of bounds, that of the object's shape is planned with.
         """
         judged = self._judged(task)
         told = task.believed.rho
@@ -121,9 +121,7 @@ class PressSlide:
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
-        """Return a draft planned with the axle of its turns' force angle; infeasible out of the arm's
-        reach.
-        """
+        """Return a draft planned with its turns' axle; infeasible where the unicycle or the arm cannot."""
         (contact,) = choice.contacts
         if task.believed.rho is None and task.motion.vehicle != "pivot":
             before = choice.stretches[-1].parameters
@@ -146,10 +144,7 @@ class PressSlide:
         return choice if problem is None else _refused(choice, problem)
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        """Return the manoeuvres that were looked at, the last one feasible if any is.
-
-        Of the safest press that has one within reach; the quickest of each place before all others.
-        """
+        """Return the manoeuvres that were looked at, up to the first feasible one: of the safest press."""
         X_WB, height, out = task.start.compose(task.object.X_GB), task.object.shape.height, list[Choice]()
         inside = [place for place in places if inside_top(task.object, place, EDGE)]
         for arm, load in product(range(len(task.robots)), loads):
@@ -238,9 +233,7 @@ class PressSlide:
         )
         margin = atan(mu) - atan(use * mu)
         made = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        if way is None or way.back_up == 0.0:
-            return made
-        return after_backing_up(task, vehicle, made, way.back_up)
+        return after_backing_up(task, vehicle, made, way.back_up) if way and way.back_up else made
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
@@ -257,11 +250,7 @@ class PressSlide:
         return UnicycleTracker(law, _steering(plan.choice, car))
 
     def allocator(
-        self,
-        contacts: Sequence[Contact],
-        friction: float,
-        rho: float | None = None,
-        cop: Point = (0.0, 0.0),
+        self, contacts: Sequence[Contact], friction: float, rho: float | None = None, cop: Point = (0.0, 0.0)
     ) -> Callable[[float, float, float], Allocation]:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque errors (default: half
         the lever).
@@ -312,8 +301,11 @@ class PressSlide:
         """
         task, planned, pivots = plan.task, plan.choice.parameters, isinstance(plan.path, TwistPath)
         contact, level = replace(plan.choice.contacts[0], point=touched[0]), planned["push_force"]
-        if contact.point == (0.0, 0.0) or planned.get("manoeuvre"):
+        if contact.point == (0.0, 0.0):
             return None
+        if planned.get("manoeuvre"):  # a turn is driven as planned, or not at all
+            off = math.dist(X_WB.compose(plan.X_BV).position, plan.path.start.position)
+            return plan if off < SAME and plan.path.length <= longest else None
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
         car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -123,6 +123,7 @@ def pressed_manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> 
 def _of_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
+    turns = [*turns, *(replace(t, curvature=-t.curvature) for t in turns if abs(t.curvature) < STRAIGHT)]
     speeds = [
         task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM) for turn in turns
     ]
