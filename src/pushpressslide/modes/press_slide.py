@@ -92,15 +92,14 @@ class PressSlide:
         )  # fmt: skip
         if problem is not None:
             return [Choice(self.name, False, problem)]
-        directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
-        free = not (task.motion.vehicle or task.tool)
+        kind, free = task.motion.vehicle or "unicycle", not (task.motion.vehicle or task.tool)
         manoeuvres = self._manoeuvres(task, places, loads) if free and not given else []
-        if manoeuvres and manoeuvres[-1].feasible:
-            return manoeuvres[::-1]
+        if manoeuvres and manoeuvres[0].feasible:
+            return manoeuvres
         drafts = []
-        for arm, place, backward in product(range(len(task.robots)), places, directions):
+        for arm, place, backward in product(range(len(task.robots)), places, DIRECTIONS[kind]):
             for load in loads:  # a lighter press tips less
                 contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
                 draft = self._draft(task, contact, backward)
@@ -115,9 +114,7 @@ class PressSlide:
                 choice = self._within_reach(task, choice)
                 found += choice.feasible
             out.append(choice)
-        if not found and free and given:
-            manoeuvres = self._manoeuvres(task, places, loads)
-        out += manoeuvres
+        out += self._manoeuvres(task, places, loads) if not found and free and given else manoeuvres
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
@@ -144,19 +141,23 @@ class PressSlide:
         return choice if problem is None else _refused(choice, problem)
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        """Return the manoeuvres that were looked at, up to the first feasible one: of the safest press."""
-        X_WB, height, out = task.start.compose(task.object.X_GB), task.object.shape.height, list[Choice]()
+        """Return one manoeuvre per contact, up to the first feasible one: that of the safest press."""
+        X_WB, height, out = (
+            task.start.compose(task.object.X_GB),
+            task.object.shape.height,
+            dict[Contact, Choice](),
+        )
         inside = [place for place in places if inside_top(task.object, place, EDGE)]
         for arm, load in product(range(len(task.robots)), loads):
-            contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            found = pressed_manoeuvres(task, X_WB, contacts)
+            contacts = (Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside)
+            found = pressed_manoeuvres(task, X_WB, tuple(contacts))
             first = {m.contact.point: m for m in reversed(found)}
             found.sort(key=lambda m: (m is not first[m.contact.point], m.time))
             for manoeuvre in found[:TRIED]:
-                out.append(self._judged_for_reach(task, manoeuvre.choice(task, self.name)))
-                if out[-1].feasible:
-                    return out
-        return out
+                out[manoeuvre.contact] = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                if out[manoeuvre.contact].feasible:
+                    return sorted(out.values(), key=lambda choice: not choice.feasible)
+        return list(out.values())
 
     def _draft(
         self,

@@ -102,7 +102,7 @@ def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[Pre
     heading = np.arctan2(b + w * x, a)
     along = np.arctan2(motion[:, 1] + motion[:, 2] * press.lever, motion[:, 0])  # of the contact
     firm = _wrapped(np.roll(along, -1) - along) > FIRM * STEP  # between an angle and the next
-    leads = np.cos(STEP * np.arange(COUNT))
+    leads = np.round(np.cos(STEP * np.arange(COUNT)), 9)  # neither way at a right angle
     usable = (
         (np.abs(x) < FAR) & (np.abs(curvature) < TIGHTEST) & (pace > PACE[0]) & (pace < PACE[1])
         & (gain * leads >= 0.0)
