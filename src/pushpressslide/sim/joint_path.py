@@ -105,6 +105,8 @@ class ArmSearch:
         self.normal = frame.direction(self.contact.direction(bodies[0]))
         middle = len(bodies) // 2
         azimuths = tool_azimuths(self.contact, bodies[middle], plan.task.bases[arm])
+        if self.contact.kind == "side":  # aside only with the tools that turn, which come last
+            azimuths = azimuths[:1]
         self.attitudes = [(ToolAttitude(0.0, azimuths[0], frame.axes), np.zeros(1))]
         if self.kin.facts.size >= POSE:
             self.attitudes = attitudes(azimuths, float(yaws[middle]), frame.axes)
