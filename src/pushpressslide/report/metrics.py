@@ -31,6 +31,7 @@ MOTION_FIELDS = (
 )  # fmt: skip
 CONTACT_FIELDS = (
     "max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance", "contacts",
+    "pivots",
 )  # fmt: skip
 
 
