@@ -22,11 +22,12 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem, tool_load
-from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
-from pushpressslide.planning.pressed_turns import STEERED, steering_of
+from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
+from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
     LOOP,
@@ -49,7 +50,6 @@ from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
-GRAVITY = 9.81
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
@@ -122,17 +122,18 @@ class PressSlide:
         (contact,) = choice.contacts
         if task.believed.rho is None and task.motion.vehicle != "pivot":
             before = choice.stretches[-1].parameters
-            choice = self._draft(task, contact, before["backward"] > 0.0, PLANNED * before["steepest"])
+            backward = before["backward"] > 0.0
+            free = math.inf if task.tool else steering_of(press_of(task, contact), backward)
+            if free < CORRECTING:
+                degrees, least = math.degrees(free), math.degrees(CORRECTING)
+                return _refused(
+                    choice,
+                    f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {least:g} deg",
+                )
+            angle = PLANNED * min(before["steepest"], free)
+            choice = self._draft(task, contact, backward, angle, most=free)
             if not choice.feasible:
                 return choice
-            least = 0.0 if task.tool else min(before["steepest"], STEERED)
-            free = steering_of(press_of(task, contact), before["backward"] > 0.0)
-            if free < least:
-                free, least = math.degrees(free), math.degrees(least)
-                why = (
-                    f"it moves like a unicycle only up to {free:.0f} deg of steering, needed {least:.0f} deg"
-                )
-                return _refused(choice, why)
         return self._judged_for_reach(task, choice)
 
     def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
@@ -166,8 +167,9 @@ class PressSlide:
         backward: bool,
         angle: float = 0.0,
         back_ups: Sequence[float] = BACK_UPS,
+        most: float = math.inf,
     ) -> Choice:
-        """Judge one contact and direction but for the arm's reach."""
+        """Judge one contact and direction, steered by at most ``most`` [rad], but for the arm's reach."""
         belief, motion, pivots = task.believed, task.motion, task.motion.vehicle == "pivot"
         drive = "turned on the spot" if pivots else "pushed" if backward else "pulled"
         what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
@@ -178,7 +180,7 @@ class PressSlide:
         if not inside_top(task.object, contact.point, EDGE):
             return refused(f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top")
         try:
-            vehicle = pressed_vehicle(task, contact, backward, angle)
+            vehicle = pressed_vehicle(task, contact, backward, angle, most)
             # where it cannot go back there is no second attempt: only with a long run-in
             returns = not pivots and way_back(task, vehicle.press, not backward) is not None
         except ValueError as error:
@@ -190,11 +192,10 @@ class PressSlide:
             return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {most:g} deg")
         use = friction_use(contact.load, press.weight, belief.support_friction, mu)
         use += load / (mu * contact.load)
-        if use > MOST_USE:
+        if load > 0.0 and use > MOST_USE:  # without a pushed body the press is hard enough
             return refused(
-                f"with the pushed body's {load:.1f} N straight sliding takes {use:.2f} of the tip's "
-                f"friction, "
-                f"allowed {MOST_USE:g}"
+                f"with the pushed body's {load:.1f} N straight sliding takes {use:.3f} of the tip's "
+                f"friction, allowed {MOST_USE:g}"
             )
         start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
         look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
@@ -205,23 +206,22 @@ class PressSlide:
         path: MotionPath
         if pivots:
             path, way = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position)), None
-            moves, most = math.dist(start.position, goal.position) * 1e3, task.tolerance.position * 1e3
-            if moves > most:
+            moves, near = math.dist(start.position, goal.position) * 1e3, task.tolerance.position * 1e3
+            if moves > near:
                 return refused(
-                    f"the point about which it turns has to stay in its place, from start to goal it "
-                    f"moves by "
-                    f"{moves:.1f} mm, allowed {most:g} mm"
+                    f"the point about which it turns has to stay in its place, from start to goal it moves "
+                    f"by {moves:.1f} mm, allowed {near:g} mm"
                 )
         else:
             straight = 0.0 if task.tool is None else task.tool.straight
             run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
             way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
             path = way.path
-            most = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
-            if way.too_long > most:
+            loop = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
+            if way.too_long > loop:
                 return refused(
                     f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too long, allowed "
-                    f"{most:g} m"
+                    f"{loop:g} m"
                 )
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}

@@ -16,10 +16,11 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
+from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.planning.manoeuvre import words
 from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
-from pushpressslide.planning.pressed_vehicle import GRAVITY, SWING, figures, press_of
+from pushpressslide.planning.pressed_vehicle import SWING, figures, press_of
 from pushpressslide.rom.unicycle import Unicycle
 
 RUN_INS = (3.0, 2.0)  # look-aheads

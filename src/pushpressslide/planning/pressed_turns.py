@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.dragging import DraggedBase
-from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
 Array = NDArray[np.float64]
