@@ -46,7 +46,6 @@ from pushpressslide.planning.pressed_vehicle import (
     way_to,
 )
 from pushpressslide.planning.run_in import gentlest
-from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
@@ -106,35 +105,40 @@ class PressSlide:
                 if draft.feasible:
                     break
             drafts.append(draft)
+        drafts.sort(key=_quickest)
+        out = self._within_reach(task, drafts, CORRECTING)
+        if free and given and not any(choice.feasible for choice in out):
+            manoeuvres = self._manoeuvres(task, places, loads)
+        if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
+            out = self._within_reach(task, drafts, 0.0)
+        return sorted((*out, *manoeuvres), key=_quickest)
+
+    def _within_reach(self, task: Task, drafts: Sequence[Choice], least: float) -> list[Choice]:
+        """Return drafts planned with their turns' axle; feasible the quickest that the arm can follow."""
         out, found = [], 0
-        for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
+        for choice in drafts:
             if choice.feasible and found == ENOUGH:
                 choice = _refused(choice, f"slower than {ENOUGH} others")
             elif choice.feasible:
-                choice = self._within_reach(task, choice)
+                choice = self._steered(task, choice, least)
+                choice = self._judged_for_reach(task, choice) if choice.feasible else choice
                 found += choice.feasible
             out.append(choice)
-        out += self._manoeuvres(task, places, loads) if not found and free and given else manoeuvres
-        return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+        return out
 
-    def _within_reach(self, task: Task, choice: Choice) -> Choice:
-        """Return a draft planned with its turns' axle; infeasible where the unicycle or the arm cannot."""
-        (contact,) = choice.contacts
-        if task.believed.rho is None and task.motion.vehicle != "pivot":
-            before = choice.stretches[-1].parameters
-            backward = before["backward"] > 0.0
-            free = math.inf if task.tool else steering_of(press_of(task, contact), backward)
-            if free < CORRECTING:
-                degrees, least = math.degrees(free), math.degrees(CORRECTING)
-                return _refused(
-                    choice,
-                    f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {least:g} deg",
-                )
-            angle = PLANNED * min(before["steepest"], free)
-            choice = self._draft(task, contact, backward, angle, most=free)
-            if not choice.feasible:
-                return choice
-        return self._judged_for_reach(task, choice)
+    def _steered(self, task: Task, draft: Choice, least: float) -> Choice:
+        """Return a draft planned with its turns' axle; infeasible if steered by less than ``least`` [rad]."""
+        if task.believed.rho is not None or task.motion.vehicle == "pivot":
+            return draft
+        (contact,), before = draft.contacts, draft.stretches[-1].parameters
+        backward, free = before["backward"] > 0.0, math.inf
+        if least > 0.0 and task.tool is None:
+            free = steering_of(press_of(task, contact), backward)
+        if free < least:
+            degrees, needed = math.degrees(free), math.degrees(least)
+            why = f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {needed:g} deg"
+            return _refused(draft, why)
+        return self._draft(task, contact, backward, PLANNED * min(before["steepest"], free), most=free)
 
     def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
@@ -143,11 +147,8 @@ class PressSlide:
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
         """Return one manoeuvre per contact, up to the first feasible one: that of the safest press."""
-        X_WB, height, out = (
-            task.start.compose(task.object.X_GB),
-            task.object.shape.height,
-            dict[Contact, Choice](),
-        )
+        X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
+        out: dict[Contact, Choice] = {}
         inside = [place for place in places if inside_top(task.object, place, EDGE)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = (Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside)
@@ -188,8 +189,8 @@ class PressSlide:
         car, X_BV, press, mu = vehicle.car, vehicle.X_BV, vehicle.press, belief.contact_friction
         load, off = tool_load(task, X_BV.yaw)
         if off > TOOL_SKEW:
-            degrees, most = math.degrees(off), math.degrees(TOOL_SKEW)
-            return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {most:g} deg")
+            degrees, skew = math.degrees(off), math.degrees(TOOL_SKEW)
+            return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {skew:g} deg")
         use = friction_use(contact.load, press.weight, belief.support_friction, mu)
         use += load / (mu * contact.load)
         if load > 0.0 and use > MOST_USE:  # without a pushed body the press is hard enough
@@ -248,7 +249,7 @@ class PressSlide:
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
         law = LookAheadAlignment(planned["look_ahead"], math.inf, fixed)
-        return UnicycleTracker(law, _steering(plan.choice, car))
+        return UnicycleTracker(law, Steering.of(planned, car))
 
     def allocator(
         self, contacts: Sequence[Contact], friction: float, rho: float | None = None, cop: Point = (0.0, 0.0)
@@ -275,7 +276,9 @@ class PressSlide:
             return None
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
         contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
-        choice = self._draft(task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:])
+        choice = self._draft(
+            task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:], planned["steepest"]
+        )
         if not choice.feasible or "manoeuvre" in planned:
             found = pressed_manoeuvres(task, X_WB, [contact])
             if not found:
@@ -332,18 +335,12 @@ class PressSlide:
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
+def _quickest(choice: Choice) -> tuple[bool, float]:
+    return not choice.feasible, choice.time if choice.time is not None else math.inf
+
+
 def _refused(choice: Choice, why: str) -> Choice:
     return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
-
-
-def _steering(choice: Choice, car: Unicycle) -> Steering:
-    """How the vehicle of a choice is steered."""
-    p, steepest = choice.parameters, choice.parameters["steepest"]
-    return Steering(
-        Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
-        p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact, car.cop,
-        p["push_force"], p.get("stiffness", car.lever / car.reach),
-    )  # fmt: skip
 
 
 MODE = PressSlide()

@@ -23,7 +23,7 @@ from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
 from pushpressslide.planning.pressed_vehicle import SWING, figures, press_of
 from pushpressslide.rom.unicycle import Unicycle
 
-RUN_INS = (3.0, 2.0)  # look-aheads
+RUN_INS = (3.0, 2.0)  # look-aheads, the shorter where nothing leads to the longer
 CORRECTING = math.radians(14.0)  # that a force must be free to turn, on a run-in and better on all turns
 CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
 LOOK_AHEAD = (0.04, 0.10)  # [m]
@@ -124,10 +124,11 @@ def pressed_manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> 
 def _of_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
+    ends = [t for t in turns if _straight(t) and min(-t.right, t.left) >= CORRECTING]
+    if not ends:
+        return []
     turns = [*turns, *(replace(t, curvature=-t.curvature) for t in turns if abs(t.curvature) < STRAIGHT)]
-    speeds = [
-        task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM) for turn in turns
-    ]
+    speeds = [_speed(task, turn) for turn in turns]
     bent = np.array([_bent(turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
@@ -135,10 +136,10 @@ def _of_press(
     narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
     pauses = PAUSE + NARROW * narrow
     out = []
-    for turn, speed in zip(turns, speeds, strict=True):
-        if abs(math.remainder(turn.angle, math.pi)) > 1e-6 or min(-turn.right, turn.left) < CORRECTING:
-            continue
-        X_BV, look_ahead = turn.X_BV, Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+    for turn in ends:
+        X_BV, speed = turn.X_BV, _speed(task, turn)
+        look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+        found = False
         for run_in in RUN_INS:
             length = run_in * look_ahead
             staging = goal.compose(Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0))
@@ -156,7 +157,19 @@ def _of_press(
                 time = word.time + length / speed + PAUSE
                 if time < LONGEST * task.limits.time:
                     out.append(Manoeuvre(contact, tuple(stretches), time))
+                    found = True
+            if found:
+                break
     return out
+
+
+def _straight(turn: PressedTurn) -> bool:
+    """Whether it is by a force along the heading axis."""
+    return abs(math.remainder(turn.angle, math.pi)) < 1e-6
+
+
+def _speed(task: Task, turn: PressedTurn) -> float:
+    return task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
 
 
 def _bent(curvature: float) -> float:
