@@ -23,7 +23,7 @@ from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
 from pushpressslide.planning.pressed_vehicle import SWING, figures, press_of
 from pushpressslide.rom.unicycle import Unicycle
 
-RUN_INS = (3.0, 2.0)  # look-aheads, the shorter where nothing leads to the longer
+RUN_INS = (3.0, 2.0)  # look-aheads
 CORRECTING = math.radians(14.0)  # that a force must be free to turn, on a run-in and better on all turns
 CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
 LOOK_AHEAD = (0.04, 0.10)  # [m]
@@ -135,31 +135,30 @@ def _of_press(
     centers, times = axles + normals / bent, 1.0 / (np.abs(bent) * np.array(speeds))
     narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
     pauses = PAUSE + NARROW * narrow
-    out = []
+    run_ins, stagings, out = [], [], []
     for turn in ends:
         X_BV, speed = turn.X_BV, _speed(task, turn)
         look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
-        found = False
         for run_in in RUN_INS:
             length = run_in * look_ahead
             staging = goal.compose(Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0))
             ahead = X_WB.inverse().compose(staging)
-            ahead = Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
-            for word in words(centers, np.sign(bent), times, pauses, ahead, COUNT):
-                stretches, X = [], X_WB
-                for index, angle in zip(word.turns, word.angles, strict=True):
-                    by = turns[index]
-                    path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
-                    X = path.end.compose(by.X_BV.inverse())
-                    stretches.append(Stretch(by, path, X, speeds[index]))
-                path = ArcPath(advance(goal.compose(X_BV), 0.0, -length), ((0.0, length),))
-                stretches.append(Stretch(turn, path, goal, speed))
-                time = word.time + length / speed + PAUSE
-                if time < LONGEST * task.limits.time:
-                    out.append(Manoeuvre(contact, tuple(stretches), time))
-                    found = True
-            if found:
-                break
+            run_ins.append((turn, speed, length))
+            stagings.append(Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi)))
+    found = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
+    for (turn, speed, length), of_run_in in zip(run_ins, found, strict=True):
+        for word in of_run_in:
+            stretches, X = [], X_WB
+            for index, angle in zip(word.turns, word.angles, strict=True):
+                by = turns[index]
+                path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
+                X = path.end.compose(by.X_BV.inverse())
+                stretches.append(Stretch(by, path, X, speeds[index]))
+            path = ArcPath(advance(goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
+            stretches.append(Stretch(turn, path, goal, speed))
+            time = word.time + length / speed + PAUSE
+            if time < LONGEST * task.limits.time:
+                out.append(Manoeuvre(contact, tuple(stretches), time))
     return out
 
 
