@@ -8,7 +8,7 @@ import pytest
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.press_axle import Press
-from pushpressslide.planning.pressed_turns import STEERED, pressed_turns, steering_of
+from pushpressslide.planning.pressed_turns import STEERING, STEP, pressed_turns, steering_of
 
 TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
 BODIES = [
@@ -38,7 +38,7 @@ def test_a_low_object_is_a_unicycle_pulled_and_pushed_with_the_axle_of_the_close
         ahead, reach = press.steered(0.0, backward)
         assert straight[0].X_BV.x - press.cop[0] == pytest.approx(ahead, abs=5e-3)
         assert abs(straight[0].gain) == pytest.approx(reach, rel=0.05)
-        assert steering_of(press, backward) >= STEERED
+        assert steering_of(press, backward) == pytest.approx(STEERING * STEP)
 
 
 def test_where_the_drag_moves_the_axle_beyond_the_contact_it_is_not_pulled() -> None:

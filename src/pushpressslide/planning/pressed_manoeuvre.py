@@ -72,27 +72,44 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Manoeuvre:
-    """Stretches, the last one the run-in, and how long they take."""
+    """Turns one after the other, the last one the run-in, and how long they take."""
 
     contact: Contact
-    stretches: tuple[Stretch, ...]
+    start: Pose2  # X_WB
+    goal: Pose2  # X_WB
+    arcs: tuple[
+        tuple[PressedTurn, float, tuple[float, float]], ...
+    ]  # speed [m/s], curvature [1/m], length [m]
     time: float  # [s]
+
+    @property
+    def stretches(self) -> list[Stretch]:
+        """The paths of the turns' axles."""
+        out, X = [], self.start
+        for turn, speed, arc in self.arcs[:-1]:
+            path = ArcPath(X.compose(turn.X_BV), (arc,))
+            X = path.end.compose(turn.X_BV.inverse())
+            out.append(Stretch(turn, path, X, speed))
+        turn, speed, (_, length) = self.arcs[-1]
+        path = ArcPath(advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
+        return [*out, Stretch(turn, path, self.goal, speed)]
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a stretch for each turn."""
         belief, contact, X_BG = task.believed, self.contact, task.object.X_GB.inverse()
+        stretches = self.stretches
         weight = belief.mass * GRAVITY
         use = friction_use(contact.load, weight, belief.support_friction, belief.contact_friction)
         margin = math.atan(belief.contact_friction) - math.atan(use * belief.contact_friction)
         turns = ", ".join(
-            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in self.stretches
+            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in stretches
         )
         reason = (
             f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N: "
             f"{turns}; {use:.2f} of the tip's friction used"
         )
         length, time, following = 0.0, 0.0, None
-        for stretch in reversed(self.stretches):
+        for stretch in reversed(stretches):
             length += stretch.path.length
             time += (
                 SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration + PAUSE
@@ -148,17 +165,12 @@ def _of_press(
     found = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
     for (turn, speed, length), of_run_in in zip(run_ins, found, strict=True):
         for word in of_run_in:
-            stretches, X = [], X_WB
-            for index, angle in zip(word.turns, word.angles, strict=True):
-                by = turns[index]
-                path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
-                X = path.end.compose(by.X_BV.inverse())
-                stretches.append(Stretch(by, path, X, speeds[index]))
-            path = ArcPath(advance(goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
-            stretches.append(Stretch(turn, path, goal, speed))
             time = word.time + length / speed + PAUSE
             if time < LONGEST * task.limits.time:
-                out.append(Manoeuvre(contact, tuple(stretches), time))
+                by = zip(word.turns, word.angles, strict=True)
+                arcs = [(turns[c], speeds[c], (float(bent[c]), float(angle / bent[c]))) for c, angle in by]
+                arcs.append((turn, speed, (0.0, length)))
+                out.append(Manoeuvre(contact, X_WB, goal, tuple(arcs), time))
     return out
 
 
