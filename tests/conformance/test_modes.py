@@ -17,12 +17,14 @@ from pushpressslide.core.wrench import Wrench
 from pushpressslide.experiments.sampling import random_task
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin, press_margin
-from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_level, exact_twist_direction
 from pushpressslide.mechanics.top import inside_top
+from pushpressslide.mechanics.virtual_axle import sliding
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Mode
 from pushpressslide.pipeline.planner import plan
 from pushpressslide.pipeline.selection import select
+from pushpressslide.planning.pressed_vehicle import press_of
 
 BASE = load_task("rear-push-rear")
 every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))
@@ -192,7 +194,7 @@ def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(
             wanted, figures = guidance.wrench, stretch.choice.parameters
             surface = EllipsoidLimitSurface(figures["push_force"], figures["rho"], wanted.about)
             allocate = allocator(mode, stretch.choice, friction)
-            if "turn" not in figures:  # a manoeuvre's turns are on the exact surface
+            if "turn" not in figures:  # a manoeuvre's turns are on the exact surface: see below
                 assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
             allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
             assert allocation.status == "ok"
@@ -221,7 +223,7 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
             guidance, stretch = guided(mode, made, rng)
             figures, yaw, about = stretch.choice.parameters, stretch.X_BV.yaw, guidance.wrench.about
             if "turn" in figures:
-                continue  # on the exact surface, see tests/planning/test_pressed_turns.py
+                continue  # on the exact surface: see below
             surface = EllipsoidLimitSurface(figures["push_force"], figures["rho"], about)
             forward, shift = (math.cos(yaw), math.sin(yaw)), figures.get("height_shift", 0.0)
             if "lift" in figures:  # along the force, whichever way that is
@@ -233,6 +235,39 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
             assert direction.w * forward_speed(twist, forward) == pytest.approx(
                 twist.w * forward_speed(direction, forward), abs=1e-9
             )
+
+
+def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact_surface() -> None:
+    """As planned (for the mean of forces a step to either side) force, curvature and heading are right;
+    steered, the object still turns more to the side of the force, about an axle that hardly slips.
+    """
+    rng, planned_ones, steered = random.Random(6), 0, 0
+    for _, made in planned(MODES["press_slide"], 12):
+        for _ in range(12):
+            guidance, stretch = guided(MODES["press_slide"], made, rng)
+            figures, wanted = stretch.choice.parameters, guidance.wrench
+            if "turn" not in figures:
+                continue
+            press, size = press_of(made.task, stretch.choice.contacts[0]), math.hypot(wanted.fx, wanted.fy)
+            direction, height = (wanted.fx / size, wanted.fy / size), press.body.shape.height
+            pressure, wrench = sliding(
+                press.pressure, press.friction, press.cop, press.contact, height, direction
+            )
+            level = exact_level(pressure, press.friction, wrench) * pressure.total_load
+            near = 0.02 if abs(guidance.steering) < 0.01 else 0.1
+            assert size == pytest.approx((press.weight + press.load) / level, rel=near)
+            twist = exact_twist_direction(pressure, wrench).moved_to(stretch.X_BV.position)
+            along, across = stretch.X_BV.unrotate((twist.vx, twist.vy))
+            assert abs(math.atan2(across, along)) < math.radians(10.0)
+            turned_more = figures["gain"] * (twist.w / math.hypot(along, across) - figures["turn"])
+            if abs(guidance.steering) < 0.01:  # in terms of the force's angle
+                assert abs(turned_more) < 0.06
+                assert abs(math.atan2(across, along)) < math.radians(4.0)
+                planned_ones += 1
+            elif abs(guidance.steering) > 0.06:
+                assert turned_more * guidance.steering > 0.0
+                steered += 1
+    assert min(planned_ones, steered) > 5
 
 
 def forward_speed(twist, forward) -> float:

@@ -9,7 +9,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel
 from pushpressslide.core.twist_path import moved
 from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
-from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.press_axle import Press
 
 DT = 0.004
 
@@ -66,9 +66,9 @@ def test_estimates_stay_within_bounds() -> None:
 
 def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
     """At 60 degrees the axle of the paper's bar gives rho^2 / d from the moved centre of pressure."""
-    press = Press(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), (0.2, 0.0), 8.0, 0.3 * 9.81, 0.3)
+    press = Press(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), 0.3, (0.2, 0.0), 8.0)
     angle = math.radians(60.0)
-    ahead, reach = press.axle(angle, backward=False)
+    ahead, reach = press.steered(angle, backward=False)
     axle = press.cop[0] + ahead
     found = seen(axle, reach, 3.3, angle, Identified(-0.5, 0.6, 3.3), press.lever, noise=2e-4)
     assert found is not None

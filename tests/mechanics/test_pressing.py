@@ -1,15 +1,14 @@
-"""How hard to press, where the axle is, and when the object tips."""
+"""How hard to press, and where."""
 
 import math
 
 import pytest
 
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
-from pushpressslide.mechanics.pressing import Press, friction_use, least_load, press_loads
+from pushpressslide.mechanics.pressing import friction_use, least_load, press_loads
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 
 BAR = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0))
-PRESS = Press(BAR, (0.2, 0.0), 8.0, 0.3 * 9.81, 0.3)
 
 
 def test_the_least_press_uses_all_of_its_friction() -> None:
@@ -32,35 +31,6 @@ def test_a_tip_no_rougher_than_the_support_is_told_so() -> None:
     assert loads == []
     assert problem is not None
     assert "must exceed" in problem
-
-
-def test_the_axle_of_near_straight_sliding_is_the_closed_form() -> None:
-    """docs/mechanics.md, section 4: +0.034 m forward, -0.198 m backward from the CoM."""
-    for backward, wanted in ((False, 0.034), (True, -0.198)):
-        ahead, reach = PRESS.axle(0.0, backward)
-        assert PRESS.cop[0] + ahead == pytest.approx(wanted, abs=5e-4)
-        near, nearly = PRESS.axle(math.radians(2.0), backward)
-        assert near == pytest.approx(ahead, abs=1e-3)
-        assert nearly == pytest.approx(reach, rel=0.02)
-
-
-def test_the_pivot_is_off_the_axis_to_the_side_of_the_force() -> None:
-    left, right = PRESS.pivot(True), PRESS.pivot(False)
-    assert left[1] > 0.02
-    assert right == pytest.approx((left[0], -left[1]), abs=1e-6)
-
-
-def test_drag_at_the_top_of_a_high_object_leaves_its_base() -> None:
-    high = Press(ObjectModel(Box((0.1, 0.1, 0.2)), 1.0, (0.0, 0.0)), (0.03, 0.0), 10.0, 9.81, 0.4)
-    assert high.room(0.0) < 0.0
-    assert high.room(math.pi) > high.room(0.0)
-    with pytest.raises(ValueError, match="outline"):
-        high.axle(math.radians(20.0), backward=False)
-
-
-def test_a_press_at_the_centre_of_mass_has_no_axis() -> None:
-    with pytest.raises(ValueError, match="only translates"):
-        Press(BAR, (0.0, 0.0), 8.0, 3.0, 0.3)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ coordinate = st.floats(-0.5, 0.5)
 
 @given(coordinate, coordinate, st.floats(-3.0, 3.0))
 def test_every_word_leads_to_the_goal_the_way_that_can_be_driven(x: float, y: float, yaw: float) -> None:
-    found = words(CENTERS, SENSES, np.abs(CENTERS), np.full(6, 0.1), Pose2(x, y, yaw), 5)
+    found = words(CENTERS, SENSES, np.abs(CENTERS), np.full(6, 0.1), [Pose2(x, y, yaw)], 5)[0]
     assert found
     for word in found:
         position, turned = 0j, 0.0
@@ -35,6 +35,6 @@ def test_every_word_leads_to_the_goal_the_way_that_can_be_driven(x: float, y: fl
 def test_with_the_turns_of_a_car_the_quickest_word_is_as_long_as_dubins_path() -> None:
     centers, radius = np.array([0.1j, -0.1j, 50j]), np.array([0.1, 0.1, 50.0])
     for x, y, yaw in ((0.6, 0.2, 0.5), (0.4, -0.3, -1.0), (0.7, 0.0, 1.5)):
-        best = words(centers, np.array([1.0, -1.0, 1.0]), radius, np.zeros(3), Pose2(x, y, yaw), 1)[0]
+        best = words(centers, np.array([1.0, -1.0, 1.0]), radius, np.zeros(3), [Pose2(x, y, yaw)], 1)[0][0]
         wanted = shortest_path(Pose2(), Pose2(x, y, yaw), 10.0, 10.0).length
         assert best.time == pytest.approx(wanted, rel=0.01)

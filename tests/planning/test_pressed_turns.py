@@ -7,8 +7,8 @@ import pytest
 
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
 from pushpressslide.mechanics.dragging import DraggedBase
-from pushpressslide.mechanics.pressing import Press
-from pushpressslide.planning.pressed_turns import STEERED, pressed_turns, steering_of
+from pushpressslide.mechanics.press_axle import Press
+from pushpressslide.planning.pressed_turns import STEERING, STEP, pressed_turns, steering_of
 
 TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
 BODIES = [
@@ -20,7 +20,7 @@ BODIES = [
 
 @pytest.mark.parametrize(("body", "contact"), BODIES)
 def test_many_forces_at_a_time_slide_the_object_as_one_does(body: ObjectModel, contact) -> None:
-    press = Press(body, contact, 15.0, 9.81, 0.25)
+    press = Press(body, 0.25, contact, 15.0)
     angles = [math.radians(a) for a in (20.0, 60.0, 90.0, 120.0, 160.0)]
     n = len(angles)
     forces = np.array([press.along(angle) for angle in angles])
@@ -32,19 +32,19 @@ def test_many_forces_at_a_time_slide_the_object_as_one_does(body: ObjectModel, c
 
 
 def test_a_low_object_is_a_unicycle_pulled_and_pushed_with_the_axle_of_the_closed_form() -> None:
-    press = Press(ObjectModel(Box((0.6, 0.2, 0.02)), 0.3, (0.0, 0.0)), (0.25, 0.0), 8.0, 2.943, 0.3)
+    press = Press(ObjectModel(Box((0.6, 0.2, 0.02)), 0.3, (0.0, 0.0)), 0.3, (0.25, 0.0), 8.0)
     for backward in (False, True):
         straight = [t for t in pressed_turns([press])[0] if abs(t.angle) == (math.pi if backward else 0.0)]
-        ahead, reach = press.axle(0.0, backward)
+        ahead, reach = press.steered(0.0, backward)
         assert straight[0].X_BV.x - press.cop[0] == pytest.approx(ahead, abs=5e-3)
         assert abs(straight[0].gain) == pytest.approx(reach, rel=0.05)
-        assert steering_of(press, backward) >= STEERED
+        assert steering_of(press, backward) == pytest.approx(STEERING * STEP)
 
 
 def test_where_the_drag_moves_the_axle_beyond_the_contact_it_is_not_pulled() -> None:
     """Pulled, the contact's motion does not tell how the object turns; pushed, it does."""
-    press = Press(ObjectModel(Box((0.105, 0.241, 0.194)), 1.14, (0.0, 0.0)), (0.0, -0.043), 7.6, 11.2, 0.327)
-    ahead, _ = press.axle(0.0, False)
+    press = Press(ObjectModel(Box((0.105, 0.241, 0.194)), 1.14, (0.0, 0.0)), 0.327, (0.0, -0.043), 7.6)
+    ahead, _ = press.steered(0.0, False)
     assert ahead > press.lever
     assert steering_of(press, False) == 0.0
     assert steering_of(press, True) > 0.0

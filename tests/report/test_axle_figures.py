@@ -8,7 +8,7 @@ import pytest
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.task import Box, ObjectModel
-from pushpressslide.mechanics.press_axle import PressedObject
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report.axle_figures import axle_over_time, axles_over_time
 
 AXLE, ANGLE, LOAD, SPEED, TURN = -0.05, 0.6, 8.0, 0.02, 0.1
@@ -41,7 +41,7 @@ def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(pre
     axles = axles_over_time(pressed_run.task, pressed_run.plan, pressed_run.record)
     assert np.isnan(axles["measured"][~pressed_run.move]).all()
     np.testing.assert_allclose(axles["measured"][pressed_run.move], AXLE, atol=1e-6)
-    thing = PressedObject(pressed_run.task.object, 0.3, (0.12, 0.05), LOAD)
+    thing = Press(pressed_run.task.object, 0.3, (0.12, 0.05), LOAD)
     for key, value in (
         ("predicted", thing.axle(ANGLE)),
         ("without_height", thing.axle(ANGLE, 0.0)),

@@ -12,7 +12,7 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.experiments.correction import Compared, Correction
 from pushpressslide.mechanics.contacts import velocity_of_force
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_twist_direction
-from pushpressslide.mechanics.press_axle import PAPER_C, PressedObject
+from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
@@ -22,7 +22,7 @@ from pushpressslide.tracking.rear_stanley import rear_stanley
 
 MU_SUPPORT, MU_TIP = 0.3, 0.9  # of the pairs object/support and tip/object; the paper gives neither
 SEEN = 0.346  # [m] from the centre of pressure to the axle that the paper saw
-BAR = PressedObject(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), MU_SUPPORT, (0.2, 0.0), 8.0)
+BAR = Press(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), MU_SUPPORT, (0.2, 0.0), 8.0)
 UNIFORM, PRESSED = rectangle_pressure(0.6, 0.2), rectangle_pressure(0.6, 0.2, 1.0, BAR.cop)
 CUBE, CUBE_LEVER = rectangle_pressure(0.15, 0.15), 0.075
 ANGLES = tuple(math.radians(a) for a in range(1, 91, 4))  # of the force from the line of contact and CoP

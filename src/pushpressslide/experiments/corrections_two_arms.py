@@ -12,7 +12,6 @@ from pushpressslide.experiments.corrections_one_arm import BAR, MU_SUPPORT, MU_T
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
-from pushpressslide.mechanics.pressing import Press
 from pushpressslide.mechanics.pressure import center_of_pressure, rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit, rho_pole
 from pushpressslide.rom.differential_car import DifferentialCar
@@ -25,7 +24,7 @@ def moments_about_com() -> Correction:
     points, cop = ((0.0, 0.3), (0.0, -0.3)), (0.0, 0.1875)
     wanted = wrench_of_forces(points, published.pressed_forces(points, 1.0, 0.0, 0.0))
     twist = EllipsoidLimitSurface(1.0, 0.2, cop).twist_direction(wanted)
-    pivot = Press(BAR.body, BAR.contact, BAR.load, BAR.weight, BAR.friction).pivot(left=True)
+    pivot = BAR.pivot(left=True)
     return Correction(
         "Moments are about the CoM; the virtual axle lies on the line of contact and CoM",
         "7",

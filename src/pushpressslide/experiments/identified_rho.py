@@ -12,12 +12,11 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.identification.online import AxleState
-from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.modes import MODES
 from pushpressslide.modes.press_slide import PressSlide
 from pushpressslide.report import series
 
-GRAVITY = 9.81  # [m/s^2]
 ANGLE, WITHIN = math.radians(60.0), math.radians(10.0)  # of the force from the heading axis
 LEAST_TURN_RATE = 0.05  # [rad/s]
 LEAST_TIME = 3.0  # [s]
@@ -72,8 +71,8 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
         return None
     task = plan.task
     load, mean = float(np.mean(normals[first:stop, 0])), float(np.mean(angle[first:stop]))
-    press = Press(task.object, contact.point, load, task.object.mass * GRAVITY, task.support.friction)
-    ahead, reach = press.axle(mean, backward=False)
+    press = Press(task.object, task.support.friction, contact.point, load)
+    ahead, reach = press.steered(mean, backward=False)
     return IdentifiedRho(
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,

@@ -20,7 +20,7 @@ from pushpressslide.core.task import Box, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.experiments.parallel import Progress, in_parallel
 from pushpressslide.experiments.run import versions
-from pushpressslide.mechanics.press_axle import PAPER_C, PressedObject
+from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
 from pushpressslide.pipeline.task_file import load_task
@@ -108,14 +108,14 @@ def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def pressed(task: Task, load: float, height: float) -> PressedObject:
+def pressed(task: Task, load: float, height: float) -> Press:
     """Return the task's box, ``height`` [m] tall, pressed where the task says with ``load`` [N]."""
     shape, places, com = task.object.shape, task.motion.contacts, task.object.center_of_mass
     assert isinstance(shape, Box)
     assert places is not None
     body = replace(task.object, shape=Box((shape.size[0], shape.size[1], height)))
     contact = (places[0][0] - com[0], places[0][1] - com[1])
-    return PressedObject(body, task.support.friction, contact, load)
+    return Press(body, task.support.friction, contact, load)
 
 
 def predict(task: Task, case: Case) -> dict[str, Any]:
@@ -175,7 +175,7 @@ def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _curve(thing: PressedObject) -> dict[str, Any]:
+def _curve(thing: Press) -> dict[str, Any]:
     """Return the predicted lines over the force's angle, and the paper's figures, for one load and height."""
     angles = [math.radians(a) for a in CURVE]
     return {
@@ -192,7 +192,7 @@ def _curve(thing: PressedObject) -> dict[str, Any]:
     }
 
 
-def _unless_tipped(thing: PressedObject, angle: float, height: float | None) -> float | None:
+def _unless_tipped(thing: Press, angle: float, height: float | None) -> float | None:
     try:
         return thing.axle(angle, height)
     except ValueError:

@@ -18,6 +18,8 @@ from pushpressslide.mechanics.rho import rho_straight
 # Below this force angle [rad] the limit of straight motion is used, which differs from the exact one in
 # second order.
 STRAIGHT_ANGLE = 1e-4
+STEPS = 6  # of the iteration for the force that slides
+CONVERGED = 1e-4  # of the force over the load
 
 
 def axle_distance(rho: float, lever: float) -> float:
@@ -42,12 +44,54 @@ def exact_axle_distance(samples: PressureSamples, lever: Point, force_angle: flo
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    c, s = math.cos(force_angle), math.sin(force_angle)
-    if abs(s) < STRAIGHT_ANGLE:
+    if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
         return rho_straight(samples, e) ** 2 / d
-    f = (c * e[0] - s * e[1], c * e[1] + s * e[0])
+    f = turned(e, force_angle)
     twist = exact_twist_direction(samples, Wrench(f[0], f[1], cross(lever, f), samples.cop))
     return (twist.vy * e[0] - twist.vx * e[1]) / twist.w
+
+
+def sliding(
+    pressure_at: Callable[[Point], PressureSamples],
+    mu: float,
+    cop: Point,
+    contact: Point,
+    height: float,
+    direction: Point,
+) -> tuple[PressureSamples, Wrench]:
+    """Return the pressure under which a force along the unit vector ``direction`` slides the object, and its
+    wrench about that pressure's centre, of a force of 1 N.
+
+    The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves the CoP from ``cop``
+    by h F / N; |F| is what slides, found by iteration. ``pressure_at(p)`` gives the distribution (any total
+    load) whose CoP is p; ``mu`` is the friction of the pair object/support. Raises ValueError where the CoP
+    leaves the base: the object tips.
+    """
+    ratio = mu  # |F| / N
+    for _ in range(STEPS):
+        moved = (cop[0] + height * ratio * direction[0], cop[1] + height * ratio * direction[1])
+        samples = pressure_at(moved)
+        arm = (contact[0] - moved[0], contact[1] - moved[1])
+        wrench = Wrench(*direction, cross(arm, direction), moved)
+        last, ratio = ratio, 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
+        if abs(ratio - last) < CONVERGED or height == 0.0:
+            break
+    return samples, wrench
+
+
+def dragged_twist(
+    pressure_at: Callable[[Point], PressureSamples],
+    mu: float,
+    cop: Point,
+    contact: Point,
+    height: float,
+    direction: Point,
+) -> Twist:
+    """Return the twist of B's origin under the force of ``sliding``, on the exact surface; only its direction
+    counts.
+    """
+    samples, wrench = sliding(pressure_at, mu, cop, contact, height, direction)
+    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))
 
 
 def axle_with_height(
@@ -58,34 +102,20 @@ def axle_with_height(
     height: float,
     force_angle: float,
 ) -> Point:
-    """Return the virtual axle [m] in B when the force acts at ``height`` [m] above the support.
+    """Return the virtual axle [m] in B when the force of ``sliding`` acts at ``height`` [m].
 
-    The drag shifts the CoP from ``cop`` to cop + h F / N, and with it the pressure; ``pressure_at(p)`` gives
-    the distribution (any total load) whose CoP is p. F is of the magnitude that slides, found by iteration.
     The force angle [rad] is from the axis CoP to contact, so near pi the contact is pushed back towards the
     CoP. For straight motion x_va = (x_cop +- h mu) - rho_x^2(x_cop +- h mu) / d with d unshifted
-    (docs/mechanics.md, section 4). ``mu`` is the friction of the pair object/support. Raises ValueError when
-    the shifted CoP leaves the base: the object tips.
+    (docs/mechanics.md, section 4). Raises ValueError when the shifted CoP leaves the base: the object tips.
     """
     lever = (contact[0] - cop[0], contact[1] - cop[1])
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    c, s = math.cos(force_angle), math.sin(force_angle)
-    f = (c * e[0] - s * e[1], c * e[1] + s * e[0])
-    ratio = mu  # |F| / N
-    for _ in range(30):
-        shifted = (cop[0] + height * ratio * f[0], cop[1] + height * ratio * f[1])
-        samples = pressure_at(shifted)
-        wrench = Wrench(f[0], f[1], cross((contact[0] - shifted[0], contact[1] - shifted[1]), f), shifted)
-        new_ratio = 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
-        converged = abs(new_ratio - ratio) < 1e-10
-        ratio = new_ratio
-        if converged or height == 0.0:
-            break
-    if abs(s) < STRAIGHT_ANGLE:
-        reach = rho_straight(samples, e) ** 2 / d
-        return (shifted[0] - reach * e[0], shifted[1] - reach * e[1])
+    samples, wrench = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
+    if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
+        reach, (x, y) = rho_straight(samples, e) ** 2 / d, wrench.about
+        return (x - reach * e[0], y - reach * e[1])
     twist = exact_twist_direction(samples, wrench).moved_to(cop)
     reach = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
     return (cop[0] - reach * e[0], cop[1] - reach * e[1])
@@ -98,26 +128,18 @@ def pushed_twist(
     height: float,
     force_angle: float,
 ) -> Twist:
-    """Return the twist of B's origin, the CoM, under a push at ``height`` [m], on the exact surface; only its
-    direction counts.
+    """Return the twist of B's origin, the CoM, under a push that nothing else loads, on the exact surface;
+    only its direction counts.
 
-    The force acts at ``contact`` [m] in B, ``force_angle`` [rad] from the axis contact to CoM, and moves the
-    CoP from the CoM by h F / N, sideways too; |F| is what slides, found by iteration. ``pressure_at(p)``
-    gives the distribution whose CoP is p. Raises ValueError when the CoP leaves the base: the object tips.
+    ``force_angle`` [rad] from the axis contact to CoM; the rest as in ``sliding``.
     """
     d = math.hypot(contact[0], contact[1])
     axle_distance(1.0, d)
-    e = (-contact[0] / d, -contact[1] / d)
-    c, s = math.cos(force_angle), math.sin(force_angle)
-    f = (c * e[0] - s * e[1], c * e[1] + s * e[0])
-    ratio = mu  # |F| / N
-    for _ in range(6):
-        cop = (height * ratio * f[0], height * ratio * f[1])
-        samples = pressure_at(cop)
-        wrench = Wrench(f[0], f[1], cross((contact[0] - cop[0], contact[1] - cop[1]), f), cop)
-        new_ratio = 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
-        converged = abs(new_ratio - ratio) < 1e-4
-        ratio = new_ratio
-        if converged or height == 0.0:
-            break
-    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))
+    direction = turned((-contact[0] / d, -contact[1] / d), force_angle)
+    return dragged_twist(pressure_at, mu, (0.0, 0.0), contact, height, direction)
+
+
+def turned(e: Point, angle: float) -> Point:
+    """Return ``e`` turned by ``angle`` [rad] to the left."""
+    c, s = math.cos(angle), math.sin(angle)
+    return (c * e[0] - s * e[1], s * e[0] + c * e[1])

@@ -22,11 +22,12 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
-from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
-from pushpressslide.planning.pressed_turns import STEERED, steering_of
+from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
+from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
     LOOP,
@@ -45,7 +46,6 @@ from pushpressslide.planning.pressed_vehicle import (
     way_to,
 )
 from pushpressslide.planning.run_in import gentlest
-from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
@@ -106,34 +106,40 @@ class PressSlide:
                 if draft.feasible:
                     break
             drafts.append(draft)
+        drafts.sort(key=_quickest)
+        out = self._within_reach(task, drafts, CORRECTING)
+        if free and given and not any(choice.feasible for choice in out):
+            manoeuvres = self._manoeuvres(task, places, loads)
+        if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
+            out = self._within_reach(task, drafts, 0.0)
+        return sorted((*out, *manoeuvres), key=_quickest)
+
+    def _within_reach(self, task: Task, drafts: Sequence[Choice], least: float) -> list[Choice]:
+        """Return drafts planned with their turns' axle; feasible the quickest that the arm can follow."""
         out, found = [], 0
-        for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
+        for choice in drafts:
             if choice.feasible and found == ENOUGH:
                 choice = _refused(choice, f"slower than {ENOUGH} others")
             elif choice.feasible:
-                choice = self._within_reach(task, choice)
+                choice = self._steered(task, choice, least)
+                choice = self._judged_for_reach(task, choice) if choice.feasible else choice
                 found += choice.feasible
             out.append(choice)
-        out += self._manoeuvres(task, places, loads) if not found and free and given else manoeuvres
-        return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+        return out
 
-    def _within_reach(self, task: Task, choice: Choice) -> Choice:
-        """Return a draft planned with its turns' axle; infeasible where the unicycle or the arm cannot."""
-        (contact,) = choice.contacts
-        if task.believed.rho is None and task.motion.vehicle != "pivot":
-            before = choice.stretches[-1].parameters
-            choice = self._draft(task, contact, before["backward"] > 0.0, PLANNED * before["steepest"])
-            if not choice.feasible:
-                return choice
-            least = 0.0 if task.tool else min(before["steepest"], STEERED)
-            free = steering_of(press_of(task, contact), before["backward"] > 0.0)
-            if free < least:
-                free, least = math.degrees(free), math.degrees(least)
-                why = (
-                    f"it moves like a unicycle only up to {free:.0f} deg of steering, needed {least:.0f} deg"
-                )
-                return _refused(choice, why)
-        return self._judged_for_reach(task, choice)
+    def _steered(self, task: Task, draft: Choice, least: float) -> Choice:
+        """Return a draft planned with its turns' axle; infeasible if steered by less than ``least`` [rad]."""
+        if task.believed.rho is not None or task.motion.vehicle == "pivot":
+            return draft
+        (contact,), before = draft.contacts, draft.stretches[-1].parameters
+        backward, free = before["backward"] > 0.0, math.inf
+        if least > 0.0 and task.tool is None:
+            free = steering_of(press_of(task, contact), backward)
+        if free < least:
+            degrees, needed = math.degrees(free), math.degrees(least)
+            why = f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {needed:g} deg"
+            return _refused(draft, why)
+        return self._draft(task, contact, backward, PLANNED * min(before["steepest"], free), most=free)
 
     def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
@@ -142,11 +148,8 @@ class PressSlide:
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
         """Return one manoeuvre per contact, up to the first feasible one: that of the safest press."""
-        X_WB, height, out = (
-            task.start.compose(task.object.X_GB),
-            task.object.shape.height,
-            dict[Contact, Choice](),
-        )
+        X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
+        out: dict[Contact, Choice] = {}
         inside = [place for place in places if inside_top(task.object, place, EDGE)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = (Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside)
@@ -166,8 +169,9 @@ class PressSlide:
         backward: bool,
         angle: float = 0.0,
         back_ups: Sequence[float] = BACK_UPS,
+        most: float = math.inf,
     ) -> Choice:
-        """Judge one contact and direction but for the arm's reach."""
+        """Judge one contact and direction, steered by at most ``most`` [rad], but for the arm's reach."""
         belief, motion, pivots = task.believed, task.motion, task.motion.vehicle == "pivot"
         drive = "turned on the spot" if pivots else "pushed" if backward else "pulled"
         what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
@@ -178,7 +182,7 @@ class PressSlide:
         if not inside_top(task.object, contact.point, EDGE):
             return refused(f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top")
         try:
-            vehicle = pressed_vehicle(task, contact, backward, angle)
+            vehicle = pressed_vehicle(task, contact, backward, angle, most)
             # where it cannot go back there is no second attempt: only with a long run-in
             returns = not pivots and way_back(task, vehicle.press, not backward) is not None
         except ValueError as error:
@@ -186,15 +190,14 @@ class PressSlide:
         car, X_BV, press, mu = vehicle.car, vehicle.X_BV, vehicle.press, belief.contact_friction
         load, off = tool_load(task, X_BV.yaw)
         if off > TOOL_SKEW:
-            degrees, most = math.degrees(off), math.degrees(TOOL_SKEW)
-            return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {most:g} deg")
+            degrees, skew = math.degrees(off), math.degrees(TOOL_SKEW)
+            return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {skew:g} deg")
         use = friction_use(contact.load, press.weight, belief.support_friction, mu)
         use += load / (mu * contact.load)
-        if use > MOST_USE:
+        if load > 0.0 and use > MOST_USE:  # without a pushed body the press is hard enough
             return refused(
-                f"with the pushed body's {load:.1f} N straight sliding takes {use:.2f} of the tip's "
-                f"friction, "
-                f"allowed {MOST_USE:g}"
+                f"with the pushed body's {load:.1f} N straight sliding takes {use:.3f} of the tip's "
+                f"friction, allowed {MOST_USE:g}"
             )
         start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
         look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
@@ -205,23 +208,22 @@ class PressSlide:
         path: MotionPath
         if pivots:
             path, way = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position)), None
-            moves, most = math.dist(start.position, goal.position) * 1e3, task.tolerance.position * 1e3
-            if moves > most:
+            moves, near = math.dist(start.position, goal.position) * 1e3, task.tolerance.position * 1e3
+            if moves > near:
                 return refused(
-                    f"the point about which it turns has to stay in its place, from start to goal it "
-                    f"moves by "
-                    f"{moves:.1f} mm, allowed {most:g} mm"
+                    f"the point about which it turns has to stay in its place, from start to goal it moves "
+                    f"by {moves:.1f} mm, allowed {near:g} mm"
                 )
         else:
             straight = 0.0 if task.tool is None else task.tool.straight
             run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
             way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
             path = way.path
-            most = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
-            if way.too_long > most:
+            loop = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
+            if way.too_long > loop:
                 return refused(
                     f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too long, allowed "
-                    f"{most:g} m"
+                    f"{loop:g} m"
                 )
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
@@ -248,7 +250,7 @@ class PressSlide:
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
         law = LookAheadAlignment(planned["look_ahead"], math.inf, fixed)
-        return UnicycleTracker(law, _steering(plan.choice, car))
+        return UnicycleTracker(law, Steering.of(planned, car))
 
     def allocator(
         self, contacts: Sequence[Contact], friction: float, rho: float | None = None, cop: Point = (0.0, 0.0)
@@ -275,7 +277,9 @@ class PressSlide:
             return None
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
         contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
-        choice = self._draft(task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:])
+        choice = self._draft(
+            task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:], planned["steepest"]
+        )
         if not choice.feasible or "manoeuvre" in planned:
             found = pressed_manoeuvres(task, X_WB, [contact])
             if not found:
@@ -332,18 +336,12 @@ class PressSlide:
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
+def _quickest(choice: Choice) -> tuple[bool, float]:
+    return not choice.feasible, choice.time if choice.time is not None else math.inf
+
+
 def _refused(choice: Choice, why: str) -> Choice:
     return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
-
-
-def _steering(choice: Choice, car: Unicycle) -> Steering:
-    """How the vehicle of a choice is steered."""
-    p, steepest = choice.parameters, choice.parameters["steepest"]
-    return Steering(
-        Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
-        p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact, car.cop,
-        p["push_force"], p.get("stiffness", car.lever / car.reach),
-    )  # fmt: skip
 
 
 MODE = PressSlide()

@@ -9,6 +9,7 @@ straight piece is a turn about a point far away.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,11 +36,11 @@ def words(
     senses: NDArray[np.float64],
     times: NDArray[np.float64],
     pauses: NDArray[np.float64],
-    goal: Pose2,
+    goals: Sequence[Pose2],
     count: int,
-) -> list[Word]:
-    """Return the quickest ``count`` words of up to three turns that lead to ``goal``, a pose of the body seen
-    from its start.
+) -> list[list[Word]]:
+    """Return the quickest ``count`` words of up to three turns that lead to each of ``goals``, poses of the
+    body seen from its start.
 
     ``centers`` (n,) [m] in the body, x + iy; ``senses`` (n,) +1 or -1, the way about a centre that can be
     driven; ``times`` (n,) [s/rad]; ``pauses`` (n,) [s] that a turn takes besides.
@@ -48,34 +49,48 @@ def words(
     i, j, k = (v.ravel() for v in np.meshgrid(*[np.arange(n)] * 3, indexing="ij"))
     kept = (i != j) & (j != k)
     i, j, k = i[kept], j[kept], k[kept]
-    p, theta = complex(goal.x, goal.y), goal.yaw
-    first, second = centers[j] - centers[i], centers[k] - centers[j]
-    a, b = np.abs(first), np.abs(second)
-    target = p - centers[i] + np.exp(1j * theta) * centers[k]
-    reach = np.abs(target)
-    cosine = (reach * reach - a * a - b * b) / np.maximum(2.0 * a * b, 1e-12)
-    solvable = np.flatnonzero(np.abs(cosine) <= 1.0)
-    i, j, k, first, second, target = (v[solvable] for v in (i, j, k, first, second, target))
-    a, b, bend = a[solvable], b[solvable], np.arccos(cosine[solvable])
-    found: list[Word] = []
-    for sign in (1.0, -1.0):
-        a1 = np.angle(target / (a + b * np.exp(1j * sign * bend))) - np.angle(first)
-        a2 = sign * bend - np.angle(second) + np.angle(first)
-        turned = [senses[c] * _positive(senses[c] * angle) for c, angle in
-                  ((i, a1), (j, a2), (k, theta - a1 - a2))]  # fmt: skip
-        sizes = np.abs(np.array(turned))
-        time = sum(
-            times[c] * size + pauses[c] * (size > NOTHING) for c, size in zip((i, j, k), sizes, strict=True)
-        )
-        time = np.where(sizes.max(0) <= LARGEST, time, np.inf)
-        for at in np.argsort(time)[:count]:
-            if math.isfinite(time[at]):
-                pieces = [(int(c[at]), float(angle[at])) for c, angle in zip((i, j, k), turned, strict=True)
-                          if abs(angle[at]) > NOTHING]  # fmt: skip
+    bars = centers[None, :] - centers[:, None]
+    lengths, headings = np.abs(bars), np.angle(bars)
+    a, b, bearing, elbow = lengths[i, j], lengths[j, k], headings[i, j], headings[j, k] - headings[i, j]
+    out = []
+    for goal in goals:
+        target = complex(goal.x, goal.y) - centers[i] + (np.exp(1j * goal.yaw) * centers)[k]
+        reach = np.abs(target)
+        solvable = np.flatnonzero((reach <= a + b) & (reach >= np.abs(a - b)) & (reach > 0.0))
+        at = tuple(v[solvable] for v in (i, j, k))
+        reach, a_, b_ = reach[solvable], a[solvable], b[solvable]
+        # of the triangle with the two bars for sides: the angles at its elbow and at its start
+        bend = np.arccos(_cosine((reach * reach - a_ * a_ - b_ * b_) / (2.0 * a_ * b_)))
+        opening = np.arccos(_cosine((reach * reach + a_ * a_ - b_ * b_) / (2.0 * a_ * reach)))
+        ahead = np.angle(target[solvable]) - bearing[solvable]
+        found: list[Word] = []
+        for sign in (1.0, -1.0):
+            a1, a2 = ahead - sign * opening, sign * bend - elbow[solvable]
+            angles = np.array([a1, a2, goal.yaw - a1 - a2])
+            sides = senses[np.array(at)]
+            turned = sides * _positive(sides * angles)
+            sizes = np.abs(turned)
+            time = (times[np.array(at)] * sizes + pauses[np.array(at)] * (sizes > NOTHING)).sum(0)
+            time = np.where(sizes.max(0) <= LARGEST, time, np.inf)
+            for best in _least(time, count):
+                pieces = [(int(c[best]), float(turn[best])) for c, turn in zip(at, turned, strict=True)
+                          if abs(turn[best]) > NOTHING]  # fmt: skip
                 found.append(
-                    Word(tuple(c for c, _ in pieces), tuple(angle for _, angle in pieces), float(time[at]))
+                    Word(tuple(c for c, _ in pieces), tuple(turn for _, turn in pieces), float(time[best]))
                 )
-    return sorted(found, key=lambda word: word.time)[:count]
+        out.append(sorted(found, key=lambda word: word.time)[:count])
+    return out
+
+
+def _least(values: NDArray[np.float64], count: int) -> NDArray[np.intp]:
+    """Return the indices of up to ``count`` least values that are finite."""
+    count = min(count, len(values))
+    least = np.argpartition(values, count - 1)[:count] if count else np.zeros(0, dtype=np.intp)
+    return least[np.isfinite(values[least])]
+
+
+def _cosine(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.clip(values, -1.0, 1.0)
 
 
 def _positive(angles: NDArray[np.float64]) -> NDArray[np.float64]:

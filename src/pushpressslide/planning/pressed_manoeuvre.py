@@ -16,10 +16,11 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
+from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.planning.manoeuvre import words
 from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
-from pushpressslide.planning.pressed_vehicle import GRAVITY, SWING, figures, press_of
+from pushpressslide.planning.pressed_vehicle import SWING, figures, press_of
 from pushpressslide.rom.unicycle import Unicycle
 
 RUN_INS = (3.0, 2.0)  # look-aheads
@@ -71,27 +72,44 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Manoeuvre:
-    """Stretches, the last one the run-in, and how long they take."""
+    """Turns one after the other, the last one the run-in, and how long they take."""
 
     contact: Contact
-    stretches: tuple[Stretch, ...]
+    start: Pose2  # X_WB
+    goal: Pose2  # X_WB
+    arcs: tuple[
+        tuple[PressedTurn, float, tuple[float, float]], ...
+    ]  # speed [m/s], curvature [1/m], length [m]
     time: float  # [s]
+
+    @property
+    def stretches(self) -> list[Stretch]:
+        """The paths of the turns' axles."""
+        out, X = [], self.start
+        for turn, speed, arc in self.arcs[:-1]:
+            path = ArcPath(X.compose(turn.X_BV), (arc,))
+            X = path.end.compose(turn.X_BV.inverse())
+            out.append(Stretch(turn, path, X, speed))
+        turn, speed, (_, length) = self.arcs[-1]
+        path = ArcPath(advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
+        return [*out, Stretch(turn, path, self.goal, speed)]
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a stretch for each turn."""
         belief, contact, X_BG = task.believed, self.contact, task.object.X_GB.inverse()
+        stretches = self.stretches
         weight = belief.mass * GRAVITY
         use = friction_use(contact.load, weight, belief.support_friction, belief.contact_friction)
         margin = math.atan(belief.contact_friction) - math.atan(use * belief.contact_friction)
         turns = ", ".join(
-            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in self.stretches
+            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in stretches
         )
         reason = (
             f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N: "
             f"{turns}; {use:.2f} of the tip's friction used"
         )
         length, time, following = 0.0, 0.0, None
-        for stretch in reversed(self.stretches):
+        for stretch in reversed(stretches):
             length += stretch.path.length
             time += (
                 SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration + PAUSE
@@ -123,39 +141,46 @@ def pressed_manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> 
 def _of_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
+    ends = [t for t in turns if _straight(t) and min(-t.right, t.left) >= CORRECTING]
+    if not ends:
+        return []
     turns = [*turns, *(replace(t, curvature=-t.curvature) for t in turns if abs(t.curvature) < STRAIGHT)]
-    speeds = [
-        task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM) for turn in turns
-    ]
+    speeds = [_speed(task, turn) for turn in turns]
     bent = np.array([_bent(turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
     centers, times = axles + normals / bent, 1.0 / (np.abs(bent) * np.array(speeds))
     narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
     pauses = PAUSE + NARROW * narrow
-    out = []
-    for turn, speed in zip(turns, speeds, strict=True):
-        if abs(math.remainder(turn.angle, math.pi)) > 1e-6 or min(-turn.right, turn.left) < CORRECTING:
-            continue
-        X_BV, look_ahead = turn.X_BV, Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+    run_ins, stagings, out = [], [], []
+    for turn in ends:
+        X_BV, speed = turn.X_BV, _speed(task, turn)
+        look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
         for run_in in RUN_INS:
             length = run_in * look_ahead
             staging = goal.compose(Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0))
             ahead = X_WB.inverse().compose(staging)
-            ahead = Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
-            for word in words(centers, np.sign(bent), times, pauses, ahead, COUNT):
-                stretches, X = [], X_WB
-                for index, angle in zip(word.turns, word.angles, strict=True):
-                    by = turns[index]
-                    path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
-                    X = path.end.compose(by.X_BV.inverse())
-                    stretches.append(Stretch(by, path, X, speeds[index]))
-                path = ArcPath(advance(goal.compose(X_BV), 0.0, -length), ((0.0, length),))
-                stretches.append(Stretch(turn, path, goal, speed))
-                time = word.time + length / speed + PAUSE
-                if time < LONGEST * task.limits.time:
-                    out.append(Manoeuvre(contact, tuple(stretches), time))
+            run_ins.append((turn, speed, length))
+            stagings.append(Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi)))
+    found = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
+    for (turn, speed, length), of_run_in in zip(run_ins, found, strict=True):
+        for word in of_run_in:
+            time = word.time + length / speed + PAUSE
+            if time < LONGEST * task.limits.time:
+                by = zip(word.turns, word.angles, strict=True)
+                arcs = [(turns[c], speeds[c], (float(bent[c]), float(angle / bent[c]))) for c, angle in by]
+                arcs.append((turn, speed, (0.0, length)))
+                out.append(Manoeuvre(contact, X_WB, goal, tuple(arcs), time))
     return out
+
+
+def _straight(turn: PressedTurn) -> bool:
+    """Whether it is by a force along the heading axis."""
+    return abs(math.remainder(turn.angle, math.pi)) < 1e-6
+
+
+def _speed(task: Task, turn: PressedTurn) -> float:
+    return task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
 
 
 def _bent(curvature: float) -> float:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.dragging import DraggedBase
-from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
 Array = NDArray[np.float64]
@@ -31,7 +31,6 @@ COUNT = 48  # force angles that are looked at, all round
 STEP = 2.0 * math.pi / COUNT
 EVERY = 2  # of them is one that turns are planned with
 STEERING = 4  # steps that a force may be turned from its planned angle
-STEERED = STEERING * STEP - 1e-6  # [rad]
 LEAST = 1  # steps that it must be free to
 SLIP = math.radians(6.0)  # of the axle, sideways: more is not followed like a unicycle
 FIRM = 0.5  # least change of the contact's direction per change of the force's
@@ -56,11 +55,8 @@ class PressedTurn:
     pace: float  # speed of the contact per speed of the axle
 
 
-def pressed_turns(presses: Sequence[Press], least_room: float = TIPPING_ROOM) -> list[list[PressedTurn]]:
-    """Return the turns that each press of one object can be driven with.
-
-    ``least_room`` [half widths] is what the centre of pressure keeps from the base's edge.
-    """
+def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
+    """Return the turns that each press of one object can be driven with."""
     if not presses:
         return []
     m, body, shift = len(presses), presses[0].body, presses[0].shift
@@ -70,7 +66,7 @@ def pressed_turns(presses: Sequence[Press], least_room: float = TIPPING_ROOM) ->
     across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
     forces = c * axes[:, None] + s * across[:, None]
     rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(m, COUNT)
-    free = rooms >= least_room
+    free = rooms >= TIPPING_ROOM
     rows, columns = np.nonzero(free)
     contacts = np.array([p.contact for p in presses])
     slid = DraggedBase(body, shift).slide(cops[rows], contacts[rows], forces[rows, columns])

@@ -14,12 +14,11 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import Press
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed_turns import TIPPING_ROOM
 from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.unicycle import Unicycle
 
-GRAVITY = 9.81
 # force angles from the motion that steering may be bounded by: the steepest that does not tip the object
 STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
 CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
@@ -51,7 +50,8 @@ class PressedVehicle:
 def press_of(task: Task, contact: Contact) -> Press:
     """Return the press of a contact, as believed; raises ValueError for one at the CoM."""
     belief = task.believed
-    return Press(task.object, contact.point, contact.load, belief.mass * GRAVITY, belief.support_friction)
+    body = replace(task.object, mass=belief.mass)
+    return Press(body, belief.support_friction, contact.point, contact.load)
 
 
 def steered(task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
@@ -61,14 +61,17 @@ def steered(task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
     """
     if task.believed.rho is not None:
         return Unicycle(press.contact, press.cop, task.believed.rho, backward, press.shift)
-    ahead, reach = press.axle(angle, backward)
+    ahead, reach = press.steered(angle, backward)
     shift = -ahead - reach if backward else ahead + reach
     return Unicycle(press.contact, press.cop, math.sqrt(reach * press.lever), backward, shift)
 
 
-def pressed_vehicle(task: Task, contact: Contact, backward: bool, angle: float) -> PressedVehicle:
-    """Return the object as a vehicle that turns by a force at ``angle`` [rad]; ``task.motion.vehicle`` says
-    whether it turns on the spot. Raises ValueError, with the number that decides, where it tips.
+def pressed_vehicle(
+    task: Task, contact: Contact, backward: bool, angle: float, most: float = math.inf
+) -> PressedVehicle:
+    """Return the object as a vehicle that turns by a force at ``angle`` [rad] and is steered by at most
+    ``most`` [rad]; ``task.motion.vehicle`` says whether it turns on the spot. Raises ValueError, with the
+    number that decides, where it tips.
     """
     kind, press = task.motion.vehicle, press_of(task, contact)
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
@@ -80,7 +83,7 @@ def pressed_vehicle(task: Task, contact: Contact, backward: bool, angle: float) 
             f"{least:.2f} "
             f"half widths of the base's edge, allowed {TIPPING_ROOM:g}"
         )
-    steepest = max(a for a, space in rooms if space >= TIPPING_ROOM)
+    steepest = min(most, max(a for a, space in rooms if space >= TIPPING_ROOM))
     if kind == "pivot":
         left = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi) > 0.0
         car, pivot = Unicycle(press.contact, press.cop, 1.0), press.pivot(left)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.press_axle import PressedObject
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report import series, style
 from pushpressslide.report.plots import timed_errors
 
@@ -151,7 +151,7 @@ def axles_over_time(task: Task, plan: Plan, record: Record) -> dict[str, Array]:
     for i, k in enumerate(ticks):
         if load[k] < LEAST_FORCE or math.hypot(fx[k], fy[k]) < LEAST_FORCE:
             continue
-        thing = PressedObject(task.object, task.support.friction, contact.point, float(load[k]))
+        thing = Press(task.object, task.support.friction, contact.point, float(load[k]))
         angle = math.atan2(ex * fy[k] - ey * fx[k], ex * fx[k] + ey * fy[k])
         with suppress(ValueError):  # the prediction tips
             out[:, i] = thing.axle(angle), thing.axle(angle, 0.0), thing.paper_axle()

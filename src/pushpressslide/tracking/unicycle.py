@@ -5,6 +5,7 @@ and 4).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import atan, cos, remainder, sin, sqrt, tan
 
@@ -38,6 +39,16 @@ class Steering:
     stiffness: (
         float  # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the axis
     )
+
+    @classmethod
+    def of(cls, planned: Mapping[str, float], car: Unicycle) -> Steering:
+        """Return how the vehicle of a choice's parameters is steered."""
+        p, steepest = planned, planned["steepest"]
+        return cls(
+            Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
+            p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact,
+            car.cop, p["push_force"], p.get("stiffness", car.lever / car.reach),
+        )  # fmt: skip
 
 
 class UnicycleTracker:

@@ -1,0 +1,45 @@
+"""Which presses are offered, and in what order."""
+
+import math
+from dataclasses import replace
+
+from pushpressslide import load_task
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Box, ObjectModel, Task
+from pushpressslide.experiments.sampling import random_task
+from pushpressslide.mechanics.press_axle import GRAVITY
+from pushpressslide.mechanics.pressing import MOST_USE, least_load
+from pushpressslide.modes.press_slide import MODE
+from pushpressslide.planning.pressed_turns import steering_of
+from pushpressslide.planning.pressed_vehicle import press_of
+
+BASE = load_task("press-slide")
+
+
+def bar(most: float) -> Task:
+    """A low bar that is to go forward, pressed with up to ``most`` [N]."""
+    return replace(
+        BASE,
+        object=ObjectModel(Box((0.5, 0.16, 0.02)), 0.5, (0.0, 0.0)),
+        contact_friction=0.9,
+        start=Pose2(0.45, -0.2, 0.5 * math.pi),
+        goal=Pose2(0.45, 0.2, 0.5 * math.pi),
+        limits=replace(BASE.limits, normal_force=most),
+        motion=replace(BASE.motion, contacts=((0.12, 0.0),), press_force=None),
+    )
+
+
+def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed() -> None:
+    load = least_load(0.5 * GRAVITY, 0.3, 0.9, MOST_USE)
+    choices = MODE.choices(bar(1.0001 * max(load, 2.0)))
+    assert choices[0].feasible
+    assert not any("pushed body" in choice.reason for choice in choices)
+
+
+def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
+    """The drag at the top of this box moves the axle beyond a pulling contact; no manoeuvre leads there."""
+    task = random_task(BASE, 1, seed=2)
+    best = MODE.choices(task)[0]
+    assert best.feasible
+    assert "manoeuvre" not in best.reason
+    assert steering_of(press_of(task, best.contacts[0]), best.parameters["backward"] > 0.0) == 0.0
