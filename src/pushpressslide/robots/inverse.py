@@ -50,7 +50,7 @@ def orientation_error(R: Array, R_wanted: Array) -> Array:
 
 def _cross(a: Array, b: Array) -> Array:
     """Return a x b (..., 3); np.cross takes several times as long for a few vectors."""
-    (ax, ay, az), (bx, by, bz) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
+    ax, ay, az, bx, by, bz = (v[..., i] for v in (a, b) for i in range(3))
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 

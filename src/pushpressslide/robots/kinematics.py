@@ -118,9 +118,9 @@ class ArmKinematics:
         frames = self._frames(q.reshape(-1, n))
         _, _, axes, slides = self._chain
         T = frames[-1].reshape(*lead, 4, 4)
-        dx, dy, dz = np.moveaxis((frames[:-1, :, :3, :3] * axes).sum(axis=-1), -1, 0)  # (n, m) each
-        ax, ay, az = np.moveaxis(frames[-1, :, :3, 3] - frames[:-1, :, :3, 3], -1, 0)
-        J = np.stack([dx, dy, dz, dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax])
+        dx, dy, dz = (frames[:-1, :, :3, :3] * axes).sum(axis=-1).transpose(2, 0, 1)  # (n, m) each
+        ax, ay, az = (frames[-1, :, :3, 3] - frames[:-1, :, :3, 3]).transpose(2, 0, 1)
+        J = np.array([dx, dy, dz, dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax])
         if slides.any():
             J = np.where(slides, np.concatenate([np.zeros_like(J[:3]), J[:3]]), J)
         return T[..., :3, :3], T[..., :3, 3], J.transpose(2, 0, 1).reshape(*lead, 6, n)

@@ -22,6 +22,7 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 """Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
 
 QUICK_ITERATIONS = 30
+HOPELESS = 0.08  # [m] by which the first look stays short of a point for which there is no second one
 FIRST_SEEDS, FIRST_ITERATIONS = [0, 3, 6], 12  # of the first look at a point, which most within reach pass
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
@@ -159,8 +160,9 @@ def _retried(kin: ArmKinematics, p: Array, held: Array, found: IkSolution) -> Re
     """
     shoulder, wrist, span = kin.span
     near = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) <= span
+    near &= found.position_residual < HOPELESS
     again = np.flatnonzero(~found.converged & near)
-    if len(again):
+    if len(again) and near[~found.converged].all():
         starts = default_seeds(kin, p[again])[:, QUICK_SEEDS]
         better = solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN, QUICK_ITERATIONS)
         for name in ("q", "position_residual", "angle_residual", "joint_margin", "converged"):
