@@ -30,7 +30,7 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, touching_ellipsoid
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import overhead, path_problem
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
@@ -44,7 +44,6 @@ ROUNDING = 1e-6  # [m] by which it may be nearer
 APART = 0.10  # [m] between the contacts, so that the arms have room
 TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
-OVERHEAD = 6.5  # [s] typical time of approach, touch and release
 ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
 
 Pair = tuple[Point, Point]
@@ -158,7 +157,7 @@ class BimanualPressSlide:
             **_figures(drag), "track_x": point[0], "track_y": point[1], "radius": radius,
             "speed": motion.speed, "press_left": left, "press_right": right, "cop_fraction": fraction,
         }  # fmt: skip
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(task, max(normals))
         margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
         return Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"), pressed,

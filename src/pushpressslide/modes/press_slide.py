@@ -23,7 +23,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.modes.base import overhead, path_problem, tool_load
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
     LOOP,
@@ -51,7 +51,6 @@ SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object i
 # share of the vehicle's length by which the virtual axle may move between straight and a plan's turns
 AXLE_PLAY = 0.45
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
-OVERHEAD = 4.0  # [s] approach and release
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -204,7 +203,7 @@ class PressSlide:
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
         parameters["speed"] = speed
-        time = SpeedProfile(path.length, speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, speed, motion.acceleration).duration + overhead(task, contact.load)
         reason = (
             f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
             f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "

@@ -11,6 +11,7 @@ from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
+from pushpressslide.modes.base import TOUCH_SPEED
 from pushpressslide.pipeline.control_state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
@@ -23,7 +24,6 @@ from pushpressslide.pipeline.control_state import (
     tip_position,
 )
 
-TOUCH_SPEED = 0.03  # [m/s] on the last centimetres
 TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
 FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 SETTLE_TIME = 0.2  # [s] that the touch force must hold
