@@ -26,10 +26,6 @@ ASIDE = (math.radians(20.0), math.radians(60.0))
 # from behind the contact, of a tool that turns with the object
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
 TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
-TOUCH_SPEED = 0.03  # [m/s] of a tip on the last centimetres
-PRESS_RATE = 60.0  # [N/s] at which a contact is loaded
-APPROACH = 5.0  # [s] typical time from the home posture to before the touch; the planar engine begins there
-SETTLING = 1.8  # [s] of lining up, believing the touch, and drawing back
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 
 
@@ -106,13 +102,6 @@ class Mode(Protocol):
         more than ``longest`` [m]. ``identified``: what was seen of the virtual axle on the way.
         """
         ...
-
-
-def overhead(task: Task, load: float = 0.0) -> float:
-    """Return the typical time [s] for approach, touch and release, pressed with ``load`` [N]: the same
-    estimate for all modes, so that it is their motions that are compared.
-    """
-    return APPROACH + task.motion.approach_distance / TOUCH_SPEED + load / PRESS_RATE + SETTLING
 
 
 def tool_load(task: Task, heading: float) -> tuple[float, float]:

@@ -30,7 +30,8 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, touching_ellipsoid
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
-from pushpressslide.modes.base import overhead, path_problem
+from pushpressslide.modes.base import path_problem
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
@@ -157,7 +158,9 @@ class BimanualPressSlide:
             **_figures(drag), "track_x": point[0], "track_y": point[1], "radius": radius,
             "speed": motion.speed, "press_left": left, "press_right": right, "cop_fraction": fraction,
         }  # fmt: skip
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(task, max(normals))
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(
+            task, max(normals)
+        )
         margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
         return Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"), pressed,

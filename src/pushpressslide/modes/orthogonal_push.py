@@ -26,8 +26,9 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import overhead, path_problem
+from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,

@@ -26,8 +26,9 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
-from pushpressslide.modes.base import overhead, path_problem
+from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker

@@ -24,7 +24,8 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import overhead, path_problem, tool_load
+from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import STEERED, steering_of
 from pushpressslide.planning.pressed_vehicle import (

@@ -17,8 +17,9 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
-from pushpressslide.modes.base import overhead, path_problem
+from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley

@@ -11,7 +11,6 @@ from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
-from pushpressslide.modes.base import TOUCH_SPEED
 from pushpressslide.pipeline.control_state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
@@ -23,6 +22,7 @@ from pushpressslide.pipeline.control_state import (
     smooth,
     tip_position,
 )
+from pushpressslide.planning.overhead import TOUCH_SPEED
 
 TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
 FELT_TIME = 0.03  # [s] of normal force before a touch is believed

@@ -67,14 +67,16 @@ class ArmKinematics:
     @cached_property
     def span(self) -> tuple[Array, float, float]:
         """The shoulder (3,) [m] in the world, a fixed point of the first axis; how far [m] along the tool the
-        tip is from the wrist, a point of the last axis; and the most [m] that wrist and shoulder can be apart,
-        whatever the joints' limits; infinite for an arm with slides, or a tool beside its last axis.
+        tip is from the wrist, a point of the last axis; and the most [m] that wrist and shoulder can be
+        apart, whatever the joints' limits: infinite for an arm with slides, or a tool beside its last axis.
         """
         (constant, _, cosine, _), tip, axes, slides = self._chain
         T, axis = (constant + cosine)[:, 0], axes[:, 0, 0]
         out = T[0, :3, :3] @ axis[0]
         shoulder = T[0, :3, 3] + out * (axis[0] @ T[1, :3, 3])
-        beside = np.linalg.norm(np.cross(axis[-1], tip[:3, 3])) + np.linalg.norm(np.cross(axis[-1], tip[:3, 2]))
+        beside = np.linalg.norm(np.cross(axis[-1], tip[:3, 3])) + np.linalg.norm(
+            np.cross(axis[-1], tip[:3, 2])
+        )
         if slides.any() or beside > 1e-9:
             return shoulder, 0.0, np.inf
         # the links from each axis to the next, and where it is shorter over two of them at once, the one
@@ -89,7 +91,7 @@ class ArmKinematics:
         return shoulder, float(tip[:3, 3] @ tip[:3, 2]), longest[-1]
 
     def _frames(self, q: Array) -> Array:
-        """Return the moved frames of the n joints and the tip's, (n + 1, m, 4, 4) in the world, for q (m, n)."""
+        """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q (m, n)."""
         (constant, sine, cosine, slide), tip, _, slides = self._chain
         turns = q.T[:, :, None, None]
         frames = np.empty((len(constant) + 1, len(q), 4, 4))
