@@ -180,7 +180,7 @@ def turning(seed: int, out: Path) -> list[Row]:
 
 
 def select(seed: int, out: Path) -> list[Row]:
-    """Compare the mode that selection ranks first with the quickest of all modes, run on the planar engine."""
+    """Run every feasible mode on the planar engine, beside the one that selection ranks first."""
     from pushpressslide.experiments.bench_selection import study
 
     return study()
