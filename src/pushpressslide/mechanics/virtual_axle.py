@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.limit_surface import exact_level, exact_twist_direction
+from pushpressslide.mechanics.limit_surface import exact_level, exact_slide, exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
 
@@ -115,9 +115,10 @@ def pushed_twist(
         cop = (height * ratio * f[0], height * ratio * f[1])
         samples = pressure_at(cop)
         wrench = Wrench(f[0], f[1], cross((contact[0] - cop[0], contact[1] - cop[1]), f), cop)
-        new_ratio = 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
+        twist, level = exact_slide(samples, mu, wrench)
+        new_ratio = 1.0 / (level * samples.total_load)
         converged = abs(new_ratio - ratio) < 1e-4
         ratio = new_ratio
         if converged or height == 0.0:
             break
-    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))
+    return twist.moved_to((0.0, 0.0))

@@ -11,6 +11,7 @@ from itertools import product
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath, TwistRate, moved, screw, screws
@@ -23,6 +24,10 @@ class Cone(Protocol):
 
     def spare(self, vx: float, vy: float, w: float) -> float:
         """Return how far inside the cone a twist lies [rad], whatever its size; negative outside."""
+        ...
+
+    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return ``spare`` (m,) of twists (m, 3)."""
         ...
 
     def rays(self, least: float) -> list[TwistRate]:
@@ -54,13 +59,11 @@ def path_in_cone(
     middles = screws([pose for pose, _ in firsts], [pose for pose, _ in lasts])
     lengths = np.sqrt((middles**2 * (1.0, 1.0, radius**2)).sum(axis=-1))
     lengths += np.add.outer(*(np.array([length for _, length in ends]) for ends in (firsts, lasts)))
-    for k in np.argsort(lengths, axis=None, kind="stable"):
-        i, j = divmod(int(k), len(lasts))
-        if lengths[i, j] >= longest:
-            return None
-        if cone.spare(*middles[i, j].tolist()) >= least:
-            return TwistPath.between((start, firsts[i][0], lasts[j][0], goal), radius)
-    return None
+    lengths = np.where(cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least, lengths, math.inf)
+    i, j = divmod(int(np.argmin(lengths)), len(lasts))
+    if lengths[i, j] >= longest:
+        return None
+    return TwistPath.between((start, firsts[i][0], lasts[j][0], goal), radius)
 
 
 def least_spare(path: TwistPath, cone: Cone) -> float:
