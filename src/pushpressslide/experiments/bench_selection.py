@@ -110,14 +110,15 @@ def _row(case: Case) -> Row:
     runs = {mode: _run(task, choice) for mode, choice in best.items()}
     reached = {mode: time for mode, (time, success) in runs.items() if success}
     winner, soonest = next(iter(best), ""), min(reached, key=reached.__getitem__, default="")
+    estimated = {mode: choice.time or math.nan for mode, choice in best.items()}
     modes = {
-        mode: {"estimated": best[mode].time, "true": time, "reached": success}
+        mode: {"estimated": estimated[mode], "true": time, "reached": success}
         for mode, (time, success) in runs.items()
     }
     return {
         "task": case.name, "select_ms": 1e3 * spent, "winner": winner, "soonest": soonest,
         "right": bool(winner) and winner == soonest,
-        "times": "; ".join(_told(mode, **figures) for mode, figures in modes.items()), "modes": modes,
+        "times": "; ".join(_told(mode, estimated[mode], *of) for mode, of in runs.items()), "modes": modes,
     }  # fmt: skip
 
 

@@ -54,7 +54,8 @@ def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
     """Return area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
     area, first, second = moments(base(corners))
     center = first / area
-    return area, center, np.linalg.inv(second - area * np.outer(center, center))
+    inverse: Array = np.linalg.inv(second - area * np.outer(center, center))
+    return area, center, inverse
 
 
 def whole_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array] | None:

@@ -151,7 +151,9 @@ class PressAndPush:
             "face": float(lever.face.index),
             "contact_height": height, "press_force": load, "speed": speed,
         }  # fmt: skip
-        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + overhead(task, load)
+        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + overhead(
+            task, pressed=True
+        )
         choice = Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"),
             contacts(load), path.length, time, atan(mu) - atan(drag.use * mu), parameters, path,

@@ -226,7 +226,7 @@ class PressSlide:
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
         parameters["speed"] = speed
-        time = SpeedProfile(path.length, speed, motion.acceleration).duration + overhead(task, contact.load)
+        time = SpeedProfile(path.length, speed, motion.acceleration).duration + overhead(task, pressed=True)
         reason = (
             f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
             f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "

@@ -97,7 +97,7 @@ class Manoeuvre:
             parameters = stretch.parameters(belief.support_friction * (weight + contact.load))
             parameters |= {"friction_use": use, "manoeuvre": float(following is not None)}
             goal = None if following is None else stretch.end.compose(X_BG)
-            path, seconds = stretch.path, time + overhead(task, contact.load)
+            path, seconds = stretch.path, time + overhead(task, pressed=True)
             following = Choice(
                 mode, True, reason, (contact,), length, seconds, margin, parameters, path, goal, following
             )

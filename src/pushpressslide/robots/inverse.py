@@ -182,7 +182,7 @@ def solve_ik(
     errors, open_ = e, np.arange(m * s)
     for i in range(iterations):
         if not best_margin:
-            met = _solved(errors).reshape(m, s).any(axis=1)
+            met: NDArray[np.bool_] = _solved(errors).reshape(m, s).any(axis=1)
             keep = ~met[open_ // s]
             if not keep.any():
                 break
