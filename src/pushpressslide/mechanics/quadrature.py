@@ -54,7 +54,7 @@ def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
     """Return area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
     area, first, second = moments(base(corners))
     center = first / area
-    inverse: Array = np.linalg.inv(second - area * np.outer(center, center))
+    inverse = np.linalg.inv(second - area * np.outer(center, center)).astype(np.float64)
     return area, center, inverse
 
 

@@ -182,8 +182,8 @@ def solve_ik(
     errors, open_ = e, np.arange(m * s)
     for i in range(iterations):
         if not best_margin:
-            met: NDArray[np.bool_] = _solved(errors).reshape(m, s).any(axis=1)
-            keep = ~met[open_ // s]
+            met = np.repeat(_solved(errors).reshape(m, s).any(axis=1), s)
+            keep = ~met[open_]
             if not keep.any():
                 break
             open_, e, J = open_[keep], e[keep], J[keep]
