@@ -3,6 +3,7 @@
 import math
 import random
 
+import numpy as np
 import pytest
 
 from pushpressslide.allocation.orthogonal import feasibility
@@ -34,6 +35,11 @@ def test_it_says_inside_exactly_where_the_inequalities_of_section_6_do() -> None
         assert (CONE.spare(*twist) >= 0.0) == possible
         inside += possible
     assert 60 < inside < 400  # 6 to 16 percent of all directions, more for this rho
+
+
+def test_many_twists_at_once_have_the_spare_of_each() -> None:
+    twists = random_twists(200)
+    assert CONE.spares(np.array(twists)) == pytest.approx([CONE.spare(*twist) for twist in twists], abs=1e-12)
 
 
 def test_the_wrench_is_the_one_that_drives_the_twist_of_the_com() -> None:

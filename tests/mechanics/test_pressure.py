@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics import quadrature
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import (
     PressureSamples,
@@ -90,6 +91,20 @@ def test_any_cop_inside_a_polygon_is_reached_by_pressure_that_only_pushes(s, t):
     assert patch.cop == pytest.approx(tuple(cop), abs=1e-8)
     assert patch.total_load == pytest.approx(2.0)
     assert (patch.loads >= 0.0).all()
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_where_the_whole_base_is_pressed_the_closed_form_is_what_is_iterated_to(s, t):
+    base = tuple(Prism(((-0.1, -0.1), (0.2, -0.05), (0.1, 0.1), (-0.05, 0.12)), 0.1).footprint)
+    cop = (0.04 * s + 0.03, 0.03 * t)
+    found = quadrature.whole_pressure(base, cop)
+    a, b = quadrature.linear_pressure(quadrature.as_polygon(base), np.array(cop))
+    pressed = min(a + x * b[0] + y * b[1] for x, y in base)
+    assume(abs(pressed) > 1e-9)
+    assert (found is not None) == (pressed > 0.0)
+    if found is not None:
+        assert found[0] == pytest.approx(a, rel=1e-9)
+        assert found[1] == pytest.approx(b, rel=1e-7, abs=1e-7)
 
 
 @given(st.floats(0.0, 0.9), st.floats(0.0, 6.28))

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -22,6 +23,9 @@ class RoundCone:
 
     def spare(self, vx: float, vy: float, w: float) -> float:
         return self.half - math.atan2(math.hypot(vy, RADIUS * w), vx)
+
+    def spares(self, twists: np.ndarray) -> np.ndarray:
+        return np.array([self.spare(*twist) for twist in twists.tolist()])
 
     def rays(self, least: float) -> list[tuple[float, float, float]]:
         out, size = [(1.0, 0.0, 0.0)], math.tan(self.half - least)

@@ -6,6 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.allocation.projections import WrenchCone
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import cross
@@ -67,6 +70,17 @@ class TwistCone:
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
         return math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size))) if size > 0.0 else 0.0
+
+    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return ``spare`` (m,) of twists (m, 3)."""
+        (cx, cy), rho = self.surface.center, self.surface.rho
+        vx, vy, w = twists.T
+        fx, fy, tau = self.surface.wrenches(np.stack([vx - w * cy, vy + w * cx, w], axis=-1)).T
+        tau = tau + cx * fy - cy * fx
+        least = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
+        size = np.maximum(np.hypot(np.hypot(fx, fy), tau / rho), 1e-300)
+        out: NDArray[np.float64] = np.arcsin(np.clip(least / size, -1.0, 1.0))
+        return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
         """Return ``spare`` [rad]; but outside, where that is of the nearest facet's plane, the angle to the

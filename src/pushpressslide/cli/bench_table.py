@@ -17,6 +17,10 @@ HEADINGS = {
     "bias": "paper's bias, wrench",
     "turned": "turned by rad",
     "drift": "drift / bias",
+    "select_ms": "selection ms",
+    "winner": "ranked first",
+    "soonest": "soonest there",
+    "times": "times to the goal",
 }
 
 
@@ -25,7 +29,7 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
     console = Console(markup=False, highlight=False)
     for name, rows in benchmarks.items():
         table = Table(title=name, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-        columns = [key for key in rows[0] if any(row.get(key) not in (None, "") for row in rows)]
+        columns = [key for key in rows[0] if any(_tells(row.get(key)) for row in rows)]
         for key in columns:
             text = isinstance(rows[0][key], str)
             table.add_column(HEADINGS.get(key, key.replace("_", " ")), justify="left" if text else "right")
@@ -34,7 +38,14 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
         console.print(table)
 
 
+def _tells(value: object) -> bool:
+    """Whether a figure has a place in a table: there is one, and it is no table itself."""
+    return value not in (None, "") and not isinstance(value, Mapping)
+
+
 def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if value is None:
         return "-"
     if isinstance(value, float):

@@ -126,7 +126,7 @@ def bench(
 ) -> None:
     """Run the benchmarks beside the alternatives, as ratios.
 
-    Names: pushes, presses, tick, agreement, coverage, turning.
+    Names: pushes, presses, tick, agreement, coverage, turning, select.
     """
     work = part("experiments.bench", "bench", "bench")
     folder = results_folder(out, "bench", force)

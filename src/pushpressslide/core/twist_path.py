@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Pose2, wrap_angle
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 TwistRate = tuple[float, float, float]
 """Body twist per metre of path: vx, vy [-], w [rad/m]."""
@@ -37,6 +43,19 @@ def screw(start: Pose2, end: Pose2) -> TwistRate:
     half = 0.5 * w
     k = half / math.tan(half) if abs(half) > 1e-9 else 1.0
     return (k * x + half * y, k * y - half * x, w)
+
+
+def screws(starts: Sequence[Pose2], ends: Sequence[Pose2]) -> NDArray[np.float64]:
+    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends."""
+    import numpy as np
+
+    x0, y0, yaw0 = np.array([(p.x, p.y, p.yaw) for p in starts]).T[:, :, None]
+    x1, y1, yaw1 = np.array([(p.x, p.y, p.yaw) for p in ends]).T[:, None, :]
+    dx, dy, w = x1 - x0, y1 - y0, math.pi - np.remainder(math.pi - (yaw1 - yaw0), 2.0 * math.pi)
+    x, y = np.cos(yaw0) * dx + np.sin(yaw0) * dy, np.cos(yaw0) * dy - np.sin(yaw0) * dx
+    half = 0.5 * w
+    k = 1.0 / np.where(np.abs(half) > 1e-9, np.tan(half) / np.where(half == 0.0, 1.0, half), 1.0)
+    return np.stack([k * x + half * y, k * y - half * x, w], axis=-1)
 
 
 @dataclass(frozen=True)

@@ -126,11 +126,11 @@ def track_and_allocate(name: str) -> Callable[[], object]:
     from pushpressslide.core.pose import Pose2
     from pushpressslide.modes import MODES
     from pushpressslide.pipeline.planner import plan as make_plan
-    from pushpressslide.pipeline.selection import select
+    from pushpressslide.pipeline.selection import select as choices_for
     from pushpressslide.pipeline.task_file import load_task
 
     task = load_task(name)
-    plan = make_plan(task, select(task)[0])
+    plan = make_plan(task, choices_for(task)[0])
     mode, choice, path = MODES[plan.choice.mode], plan.choice, plan.path
     tracker = mode.tracker(plan)
     allocate = mode.allocator(choice.contacts, task.believed.contact_friction, choice.parameters.get("rho"))
@@ -179,6 +179,14 @@ def turning(seed: int, out: Path) -> list[Row]:
     return [sampled.turning_centers(mu, SAMPLES, seed) for mu in sampled.FRICTIONS]
 
 
+def select(seed: int, out: Path) -> list[Row]:
+    """Run every feasible mode on the planar engine, beside the one that selection ranks first."""
+    from pushpressslide.experiments.bench_selection import study
+
+    return study()
+
+
 BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
-    benchmark.__name__: benchmark for benchmark in (pushes, presses, tick, agreement, coverage, turning)
+    benchmark.__name__: benchmark
+    for benchmark in (pushes, presses, tick, agreement, coverage, turning, select)
 }

@@ -11,8 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +43,18 @@ class DraggedSurface:
         vx, vy, w = fx / norm, fy / norm, spin / (self.rho * norm)
         k = self.lift * w
         return Twist(vx + k * vy, vy - k * vx, w, self.center)
+
+    def wrenches(self, twists: Array) -> Array:
+        """Return ``wrench`` (m, 3) about ``center`` of twists (m, 3) of it."""
+        vx, vy, w = twists.T
+        turn, shift, square = (self.rho * w) ** 2, (self.lift * w) ** 2, vx * vx + vy * vy
+        half = 0.5 * (square - turn - shift)
+        norm = np.sqrt(np.maximum(half + np.sqrt(half * half + square * turn), 0.0) + turn)
+        norm = np.maximum(norm, 1e-300)
+        k = self.lift * w / norm
+        scale = self.max_force / (norm * (1.0 + k * k))
+        tau = self.max_force * self.rho**2 * w / norm
+        return np.stack([scale * (vx - k * vy), scale * (vy + k * vx), tau], axis=-1)
 
     def wrench(self, twist: Twist) -> Wrench:
         """Return the wrench on the surface, about ``center``, that drives ``twist``; zero for none."""

@@ -116,6 +116,12 @@ def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
     return _slide(samples, wrench)[1] / mu
 
 
+def exact_slide(samples: PressureSamples, mu: float, wrench: Wrench) -> tuple[Twist, float]:
+    """Return ``exact_twist_direction`` and ``exact_level`` at once, for the cost of one."""
+    twist, factor = _slide(samples, wrench)
+    return twist, factor / mu
+
+
 def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
     cop = samples.cop
     r = samples.points - np.array(cop)

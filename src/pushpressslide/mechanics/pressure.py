@@ -132,10 +132,15 @@ def polygon_pressure(
     (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24 ``resolution``^2 samples, exact for moments up to
     the third. Raises ValueError for a CoP outside the polygon.
     """
-    corners = quadrature.as_polygon(polygon)
+    outline = tuple((float(x), float(y)) for x, y in polygon)
+    corners = quadrature.base(outline)
     if cop is None:
-        points, areas = quadrature.polygon_rule(corners, resolution)
+        points, areas = quadrature.base_rule(outline, resolution)
         return _cells(points, areas, np.ones(len(areas)), load)
+    whole = quadrature.whole_pressure(outline, cop)
+    if whole is not None:
+        points, areas = quadrature.base_rule(outline, resolution)
+        return _cells(points, areas, whole[0] + points @ whole[1], load)
     a, b = quadrature.linear_pressure(corners, np.array(cop, dtype=np.float64))
     points, areas = quadrature.polygon_rule(quadrature.clipped(corners, a, b), resolution)
     return _cells(points, areas, a + points @ b, load)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,40 @@ def as_polygon(corners: Sequence[Point]) -> Array:
     if size == 0.0 or turns.min() < -1e-12 * size**2 or not moments(polygon)[0] > 1e-12 * size**2:
         raise ValueError("polygon must be convex, counter-clockwise, and have an area")
     return polygon
+
+
+@lru_cache(maxsize=64)
+def base(corners: tuple[Point, ...]) -> Array:
+    """Return ``as_polygon`` of an object's outline, which is asked for again and again; read-only."""
+    polygon = as_polygon(corners)
+    polygon.setflags(write=False)
+    return polygon
+
+
+@lru_cache(maxsize=64)
+def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array]:
+    """Return ``polygon_rule`` of an object's outline; read-only."""
+    points, areas = polygon_rule(base(corners), resolution)
+    points.setflags(write=False)
+    areas.setflags(write=False)
+    return points, areas
+
+
+@lru_cache(maxsize=64)
+def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
+    """Return area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
+    area, first, second = moments(base(corners))
+    center = first / area
+    inverse = np.linalg.inv(second - area * np.outer(center, center)).astype(np.float64)
+    return area, center, inverse
+
+
+def whole_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array] | None:
+    """Return (a, b) of ``linear_pressure`` where it presses everywhere on the outline, else None."""
+    area, center, inverse = _base_moments(corners)
+    b: Array = inverse @ (np.array(cop) - center)
+    a = 1.0 / area - float(b @ center)
+    return (a, b) if a + (base(corners) @ b).min() >= 0.0 else None
 
 
 def moments(polygon: Array) -> tuple[float, Array, Array]:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.limit_surface import exact_level, exact_twist_direction
+from pushpressslide.mechanics.limit_surface import exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
 
@@ -58,9 +58,9 @@ def sliding(
     contact: Point,
     height: float,
     direction: Point,
-) -> tuple[PressureSamples, Wrench]:
-    """Return the pressure under which a force along the unit vector ``direction`` slides the object, and its
-    wrench about that pressure's centre, of a force of 1 N.
+) -> tuple[PressureSamples, Wrench, Twist]:
+    """Return the pressure under which a force along the unit vector ``direction`` slides the object, its
+    wrench about that pressure's centre, of a force of 1 N, and the twist, of which only the direction counts.
 
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves the CoP from ``cop``
     by h F / N; |F| is what slides, found by iteration. ``pressure_at(p)`` gives the distribution (any total
@@ -73,10 +73,11 @@ def sliding(
         samples = pressure_at(moved)
         arm = (contact[0] - moved[0], contact[1] - moved[1])
         wrench = Wrench(*direction, cross(arm, direction), moved)
-        last, ratio = ratio, 1.0 / (exact_level(samples, mu, wrench) * samples.total_load)
+        twist, level = exact_slide(samples, mu, wrench)
+        last, ratio = ratio, 1.0 / (level * samples.total_load)
         if abs(ratio - last) < CONVERGED or height == 0.0:
             break
-    return samples, wrench
+    return samples, wrench, twist
 
 
 def dragged_twist(
@@ -90,8 +91,8 @@ def dragged_twist(
     """Return the twist of B's origin under the force of ``sliding``, on the exact surface; only its direction
     counts.
     """
-    samples, wrench = sliding(pressure_at, mu, cop, contact, height, direction)
-    return exact_twist_direction(samples, wrench).moved_to((0.0, 0.0))
+    _, _, twist = sliding(pressure_at, mu, cop, contact, height, direction)
+    return twist.moved_to((0.0, 0.0))
 
 
 def axle_with_height(
@@ -112,11 +113,11 @@ def axle_with_height(
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    samples, wrench = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
+    samples, wrench, twist = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
     if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
         reach, (x, y) = rho_straight(samples, e) ** 2 / d, wrench.about
         return (x - reach * e[0], y - reach * e[1])
-    twist = exact_twist_direction(samples, wrench).moved_to(cop)
+    twist = twist.moved_to(cop)
     reach = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
     return (cop[0] - reach * e[0], cop[1] - reach * e[1])
 

@@ -33,6 +33,7 @@ from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
 from pushpressslide.modes.base import path_problem
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
@@ -45,7 +46,6 @@ ROUNDING = 1e-6  # [m] by which it may be nearer
 APART = 0.10  # [m] between the contacts, so that the arms have room
 TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
-OVERHEAD = 6.5  # [s] typical time of approach, touch and release
 ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
 
 Pair = tuple[Point, Point]
@@ -162,7 +162,8 @@ class BimanualPressSlide:
             "track_x": point[0], "track_y": point[1], "press_left": left, "press_right": right,
             "cop_fraction": fraction,
         }  # fmt: skip
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration
+        time += overhead(task, pressed=True)
         margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
         return Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"), pressed,

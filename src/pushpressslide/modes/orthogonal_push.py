@@ -28,6 +28,7 @@ from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
@@ -51,7 +52,6 @@ LOOP_RATIO = 1.6  # times the direct way: a longer one is not taken
 PIECEWISE = 5  # placements on two faces for which ways of several twists are looked for
 OFFERED = 6  # placements on two faces that are looked at further
 ENOUGH = 6  # choices that the arms can follow: worse ones are not looked at
-OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 
 
 class OrthogonalPush:
@@ -148,7 +148,7 @@ class OrthogonalPush:
         """Return the choice of a path in a cone, its contacts not yet given to arms."""
         spare, motion = least_spare(path, cone), task.motion
         places = " and ".join(f"({c.point[0]:.3f}, {c.point[1]:.3f})" for c in cone.contacts)
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(task)
         allocate = self.allocator(cone.contacts, task.believed.contact_friction, cone.surface.rho)
         wrenches = [cone.wrench(*rate) for rate, _ in path.pieces]
         push = max(max(allocate(w.fx, w.fy, w.tau).normals) for w in wrenches)

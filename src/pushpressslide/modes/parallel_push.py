@@ -27,6 +27,7 @@ from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_car
 from pushpressslide.planning.side_contacts import (
     assignments,
@@ -53,7 +54,6 @@ SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: o
 KEPT = 0.9  # of the friction: what corrections may use
 LOOP_RATIO, SLACK = 1.25, 0.03  # times the straight way, and [m]: a longer path has turned a loop
 ENOUGH = 6  # choices that the arms can follow: slower ones are not looked at
-OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 
 
 class ParallelPush:
@@ -123,7 +123,7 @@ class ParallelPush:
         common.
         """
         X_VB, motion = self.vehicle_frame(choice).inverse(), task.motion
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(task)
         common = {"speed": motion.speed, "contact_height": contacts[0].height}
         choice = replace(
             choice, contacts=contacts, path_length=path.length, time=time,

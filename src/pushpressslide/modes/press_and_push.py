@@ -28,6 +28,7 @@ from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
@@ -40,7 +41,6 @@ EDGE = 0.012  # [m] that the press stays away from the top's edges
 LEAST_TURN = math.radians(3.0)  # of a goal
 TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
-OVERHEAD = 6.5  # [s] typical time of approach, touch and release
 ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
 
 
@@ -152,7 +152,9 @@ class PressAndPush:
             "face": float(lever.face.index),
             "contact_height": height, "press_force": load, "speed": speed,
         }  # fmt: skip
-        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + overhead(
+            task, pressed=True
+        )
         choice = Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"),
             contacts(load), path.length, time, atan(mu) - atan(drag.use * mu), parameters, path,

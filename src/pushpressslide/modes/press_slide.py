@@ -26,6 +26,7 @@ from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
@@ -52,7 +53,6 @@ from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTra
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
-OVERHEAD = 4.0  # [s] approach and release
 TRIED = 40  # manoeuvres that are looked at for the arm's reach
 SAME = 1e-3  # [m] between places that are one
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
@@ -228,7 +228,7 @@ class PressSlide:
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
         parameters["speed"] = speed
-        time = SpeedProfile(path.length, speed, motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, speed, motion.acceleration).duration + overhead(task, pressed=True)
         reason = (
             f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
             f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "

@@ -19,6 +19,7 @@ from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -26,7 +27,6 @@ from pushpressslide.tracking.rear_stanley import rear_stanley
 GRAVITY = 9.81  # [m/s^2]
 
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
-OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 TABLE_GAP = 0.006  # [m] of the tip above the support
@@ -168,7 +168,7 @@ class RearPush:
         steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
         bounds = car.steering_limits
         margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)
-        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
+        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + overhead(task)
         parameters = {
             "face": float(face.index),
             "lever": car.lever,

@@ -22,8 +22,8 @@ from pushpressslide.pipeline.control_state import (
     smooth,
     tip_position,
 )
+from pushpressslide.planning.overhead import TOUCH_SPEED
 
-TOUCH_SPEED = 0.03  # [m/s] on the last centimetres
 TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
 FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 SETTLE_TIME = 0.2  # [s] that the touch force must hold

@@ -10,8 +10,11 @@ import math
 from itertools import product
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, TwistRate, moved, screw
+from pushpressslide.core.twist_path import TwistPath, TwistRate, moved, screw, screws
 
 SHARES = (0.15, 0.3, 0.5, 0.75)  # lengths of the first and the last piece, in units of the screw to the goal
 
@@ -21,6 +24,10 @@ class Cone(Protocol):
 
     def spare(self, vx: float, vy: float, w: float) -> float:
         """Return how far inside the cone a twist lies [rad], whatever its size; negative outside."""
+        ...
+
+    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return ``spare`` (m,) of twists (m, 3)."""
         ...
 
     def rays(self, least: float) -> list[TwistRate]:
@@ -49,14 +56,14 @@ def path_in_cone(
         ways.append(((k * ray[0], k * ray[1], k * ray[2]), share * whole))
     firsts = [(moved(start, twist, 1.0), length) for twist, length in ways]
     lasts = [(moved(goal, twist, -1.0), length) for twist, length in ways]
-    best, shortest = None, longest
-    for (first, before), (last, after) in product(firsts, lasts):
-        if before + after < shortest:
-            middle = screw(first, last)
-            length = before + after + _size(middle, radius)
-            if length < shortest and cone.spare(*middle) >= least:
-                best, shortest = (first, last), length
-    return None if best is None else TwistPath.between((start, *best, goal), radius)
+    middles = screws([pose for pose, _ in firsts], [pose for pose, _ in lasts])
+    lengths = np.sqrt((middles**2 * (1.0, 1.0, radius**2)).sum(axis=-1))
+    lengths += np.add.outer(*(np.array([length for _, length in ends]) for ends in (firsts, lasts)))
+    lengths = np.where(cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least, lengths, math.inf)
+    i, j = divmod(int(np.argmin(lengths)), len(lasts))
+    if lengths[i, j] >= longest:
+        return None
+    return TwistPath.between((start, firsts[i][0], lasts[j][0], goal), radius)
 
 
 def least_spare(path: TwistPath, cone: Cone) -> float:

@@ -19,6 +19,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.planning.manoeuvre import words
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
 from pushpressslide.planning.pressed_vehicle import SWING, figures, press_of
 from pushpressslide.rom.unicycle import Unicycle
@@ -30,7 +31,6 @@ LOOK_AHEAD = (0.04, 0.10)  # [m]
 STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
 PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
 NARROW = 3.0  # [s] that a turn has to save to be taken that leaves little steering to correct it
-OVERHEAD = 4.0  # [s] approach and release
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 LONGEST = 0.75  # of limits.time: the rest is for another attempt
 COUNT = 3  # words per run-in that are handed on
@@ -111,13 +111,11 @@ class Manoeuvre:
         length, time, following = 0.0, 0.0, None
         for stretch in reversed(stretches):
             length += stretch.path.length
-            time += (
-                SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration + PAUSE
-            )
+            time += SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration
             parameters = stretch.parameters(belief.support_friction * (weight + contact.load))
             parameters |= {"friction_use": use, "manoeuvre": float(following is not None)}
             goal = None if following is None else stretch.end.compose(X_BG)
-            path, seconds = stretch.path, time + OVERHEAD
+            path, seconds = stretch.path, time + overhead(task, pressed=True)
             following = Choice(
                 mode, True, reason, (contact,), length, seconds, margin, parameters, path, goal, following
             )

@@ -17,6 +17,7 @@ POSITION_TOLERANCE = 1e-6  # [m] of a solution
 ANGLE_TOLERANCE = 1e-6  # [rad]
 SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
 LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
+POLISHING = 8  # last iterations, without regard to the margin
 STRUCTURED_SEEDS = 9  # the home posture with its elbow and its wrist varied
 RANDOM_SEEDS = 6  # postures drawn within the limits, besides the structured ones
 
@@ -47,13 +48,24 @@ def orientation_error(R: Array, R_wanted: Array) -> Array:
     return out
 
 
+def _cross(a: Array, b: Array) -> Array:
+    """Return a x b (..., 3); np.cross takes several times as long for a few vectors."""
+    ax, ay, az, bx, by, bz = (v[..., i] for v in (a, b) for i in range(3))
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+
+
 def axis_error(z: Array, z_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way to z_wanted (3,)."""
-    v = np.cross(z, z_wanted)
-    s = np.linalg.norm(v, axis=-1, keepdims=True)
+    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way to z_wanted, (3,) or
+    (..., 3).
+    """
+    v = _cross(z, z_wanted)
+    s = np.sqrt((v * v).sum(axis=-1, keepdims=True))
     c = (z * z_wanted).sum(axis=-1, keepdims=True)
-    other = np.cross(z_wanted, np.roll(z_wanted, 1) + np.array([0.1, 0.2, 0.3]))
-    axis = np.where((s > 1e-9) | (c > 0.0), v / np.maximum(s, 1e-300), other / np.linalg.norm(other))
+    axis = v / np.maximum(s, 1e-300)
+    opposite = (s <= 1e-9) & (c <= 0.0)
+    if opposite.any():
+        other = _cross(z_wanted, np.roll(z_wanted, 1, axis=-1) + np.array([0.1, 0.2, 0.3]))
+        axis = np.where(opposite, other / np.linalg.norm(other, axis=-1, keepdims=True), axis)
     out: Array = axis * np.arctan2(s, c)
     return out
 
@@ -74,13 +86,13 @@ def task_error(
 ) -> tuple[Array, Array]:
     """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) towards p and R_wanted, or p and axis.
 
-    With the yaw free, the turn about the axis is taken out of both.
+    With the yaw free, the turn about the axis, (3,) or (..., 3), is taken out of both.
     """
     R, p_now, J = kin.tip_and_jacobian(q)
     if R_wanted is None:
         turn = axis_error(R[..., :, 2], axis)
-        keep = np.eye(3) - np.outer(axis, axis)
-        J = np.concatenate([keep @ J[..., :3, :], J[..., 3:, :]], axis=-2)
+        along = axis[..., :, None]
+        J[..., :3, :] -= along * (along * J[..., :3, :]).sum(axis=-2, keepdims=True)
     else:
         turn = orientation_error(R, R_wanted)
     return np.concatenate([turn, p - p_now], axis=-1), J
@@ -127,7 +139,7 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
 def solve_ik(
     kin: ArmKinematics,
     target_p: Array,
-    attitude: ToolAttitude = UPRIGHT,
+    attitude: ToolAttitude | Array = UPRIGHT,
     tool_yaw: Array | float | None = None,
     q_seed: Array | None = None,
     joint_margin: float = 0.0,
@@ -136,9 +148,10 @@ def solve_ik(
 ) -> IkSolution:
     """Return for each target the posture with the largest joint margin, from several starts.
 
-    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; tool_yaw: [rad] scalar or (m,), None: free.
+    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with tool_yaw [rad] scalar
+    or (m,), None: free; or of each target its own, as axes (m, 3) or rotations R_WT (m, 3, 3).
     q_seed: (n,), (s, n) or (m, s, n), None: ``default_seeds``; joint_margin: [rad] to keep from every limit;
-    best_margin False stops as soon as all targets are met, without improving the margin.
+    best_margin False takes the first posture found for a target, without improving its margin.
     """
     p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
     m, n = len(p), kin.facts.size
@@ -151,29 +164,38 @@ def solve_ik(
         )
     s = seeds.shape[1]
     q, P = seeds.reshape(m * s, n).copy(), np.repeat(p, s, axis=0)
-    axis = attitude.axis
     R = None
-    if tool_yaw is not None:
-        yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
-        R = np.repeat(attitude.rotation(yaws), s, axis=0)
+    if isinstance(attitude, ToolAttitude):
+        axis = np.broadcast_to(attitude.axis, (m * s, 3))
+        if tool_yaw is not None:
+            yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
+            R = np.repeat(attitude.rotation(yaws), s, axis=0)
+    elif attitude.ndim == 3:
+        axis, R = np.repeat(attitude[..., 2], s, axis=0), np.repeat(attitude, s, axis=0)
+    else:
+        axis = np.repeat(attitude, s, axis=0)
     room = 0.5 * (kin.facts.upper - kin.facts.lower)
     inset = np.minimum(joint_margin, 0.99 * room)
     lower, upper = kin.facts.lower + inset, kin.facts.upper - inset
-    if best_margin:
-        climbing = np.where(np.arange(iterations) < iterations - 8, 0.15, 0.0)
-    else:
-        climbing = np.zeros(iterations)
-    for gain in climbing:
-        e, J = task_error(kin, q, P, R, axis)
-        if not best_margin and _solved(e).reshape(m, s).any(axis=1).all():
-            break
-        dq = damped_step(J, e, gain * limit_gradient(kin, q))
+    climbing = max(iterations - POLISHING, 0) if best_margin else 0
+    e, J = task_error(kin, q, P, R, axis)
+    errors, open_ = e, np.arange(m * s)
+    for i in range(iterations):
+        if not best_margin:
+            met = np.repeat(_solved(errors).reshape(m, s).any(axis=1), s)
+            keep = ~met[open_]
+            if not keep.any():
+                break
+            open_, e, J = open_[keep], e[keep], J[keep]
+        free = 0.15 * limit_gradient(kin, q[open_]) if i < climbing else np.zeros((len(open_), n))
+        dq = damped_step(J, e, free)
         dq *= LARGEST_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP)
-        q = np.clip(q + dq, lower, upper)
-    e, _ = task_error(kin, q, P, R, axis)
-    angle, distance = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+        q[open_] = np.clip(q[open_] + dq, lower, upper)
+        e, J = task_error(kin, q[open_], P[open_], None if R is None else R[open_], axis[open_])
+        errors[open_] = e
+    angle, distance = np.linalg.norm(errors[:, :3], axis=-1), np.linalg.norm(errors[:, 3:], axis=-1)
     margin = kin.joint_margin(q)
-    ok = _solved(e) & (margin >= joint_margin - 1e-9)
+    ok = _solved(errors) & (margin >= joint_margin - 1e-9)
     score = np.where(ok, margin, -10.0 - angle - distance).reshape(m, s)
     best = np.arange(m) * s + score.argmax(axis=1)
     return IkSolution(q[best], distance[best], angle[best], margin[best], ok[best])

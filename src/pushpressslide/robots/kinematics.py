@@ -7,7 +7,7 @@ defined in ``tool.py``; for an upright tool it is the angle of T's x axis in the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,54 +38,76 @@ class ArmKinematics:
     tip_radius: float = 0.02  # [m]
 
     @cached_property
-    def _chain(self) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
-        """Of each joint, in the frame before it: R, p, axis, K, K^2, whether it slides; last: the tip."""
-        R, p = rotation_from_rpy((0.0, 0.0, self.base_yaw)), np.array(self.base, dtype=np.float64)
-        rotations, positions, axes = [], [], []
+    def _chain(self) -> tuple[Array, Array, Array, Array]:
+        """Of each joint (n, 1, 4, 4): its frame in the one before it, as constant + sin + cos + slide parts;
+        the tip's (4, 4) in the last one; axes (n, 1, 1, 3); which joints slide (n, 1).
+        """
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = rotation_from_rpy((0.0, 0.0, self.base_yaw)), self.base
+        parts = []
         for joint in self.facts.joints:
-            p = p + R @ np.array(joint.xyz)
-            R = R @ rotation_from_rpy(joint.rpy)
+            step = np.eye(4)
+            step[:3, :3], step[:3, 3] = rotation_from_rpy(joint.rpy), joint.xyz
+            T = T @ step
             if joint.kind != "fixed":
-                rotations.append(R)
-                positions.append(p)
-                axes.append(np.array(joint.axis))
-                R, p = np.eye(3), np.zeros(3)
-        p = p + R @ np.array([0.0, 0.0, self.tip_length])
-        K = np.stack([_skew(a) for a in axes])
-        slides = np.array([j.kind == "prismatic" for j in self.facts.moving])
-        tip = np.concatenate([R, p[:, None]], axis=1)
-        return (
-            np.stack(rotations),
-            np.stack(positions),
-            np.stack(axes),
-            K,
-            K @ K,
-            slides.astype(np.float64),
-            tip,
-        )
+                constant, sine, cosine, slide = T.copy(), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
+                if joint.kind == "prismatic":
+                    slide[:3, 3] = T[:3, :3] @ joint.axis
+                else:
+                    K = _skew(np.array(joint.axis))
+                    sine[:3, :3], cosine[:3, :3] = T[:3, :3] @ K, -T[:3, :3] @ K @ K
+                    constant -= cosine
+                parts.append((constant, sine, cosine, slide))
+                T = np.eye(4)
+        T[:3, 3] += self.tip_length * T[:3, 2]
+        slides = np.array([[float(j.kind == "prismatic")] for j in self.facts.moving])
+        axes = np.array([j.axis for j in self.facts.moving])
+        return np.array(parts).swapaxes(0, 1)[:, :, None], T, axes[:, None, None], slides
 
-    def _frames(self, q: Array) -> tuple[list[Array], list[Array]]:
-        """Rotations and origins of the n moved joint frames, and of the tip, in the world."""
-        R0, p0, axes, K, KK, slides, tip = self._chain
-        turn = q * (1.0 - slides)
-        local = np.eye(3) + np.sin(turn)[..., None, None] * K + (1.0 - np.cos(turn))[..., None, None] * KK
-        local = R0 @ local
-        shift = p0 + (R0 @ axes[..., None])[..., 0] * (q * slides)[..., None]
-        R, p = local[..., 0, :, :], shift[..., 0, :]
-        rotations, origins = [R], [p]
-        for i in range(1, self.facts.size):
-            p = p + (R @ shift[..., i, :, None])[..., 0]
-            R = R @ local[..., i, :, :]
-            rotations.append(R)
-            origins.append(p)
-        rotations.append(R @ tip[:, :3])
-        origins.append(p + R @ tip[:, 3])
-        return rotations, origins
+    @cached_property
+    def span(self) -> tuple[Array, float, float]:
+        """The shoulder (3,) [m] in the world, a fixed point of the first axis; how far [m] along the tool the
+        tip is from the wrist, a point of the last axis; and the most [m] that wrist and shoulder can be
+        apart, whatever the joints' limits: infinite for an arm with slides, or a tool beside its last axis.
+        """
+        (constant, _, cosine, _), tip, axes, slides = self._chain
+        T, axis = (constant + cosine)[:, 0], axes[:, 0, 0]
+        out = T[0, :3, :3] @ axis[0]
+        shoulder = T[0, :3, 3] + out * (axis[0] @ T[1, :3, 3])
+        beside = np.linalg.norm(np.cross(axis[-1], tip[:3, 3])) + np.linalg.norm(
+            np.cross(axis[-1], tip[:3, 2])
+        )
+        if slides.any() or beside > 1e-9:
+            return shoulder, 0.0, np.inf
+        # the links from each axis to the next, and where it is shorter over two of them at once, the one
+        # between turned so that they reach farthest
+        links = [T[1, :3, 3] - axis[0] * (axis[0] @ T[1, :3, 3]), *T[2:, :3, 3]]
+        longest = [0.0, float(np.linalg.norm(links[0]))]
+        for i in range(1, len(links)):
+            way = longest[i] + float(np.linalg.norm(links[i]))
+            a, b = T[i, :3, :3].T @ links[i - 1], links[i]
+            along, across = axis[i] @ (a + b), [np.linalg.norm(np.cross(axis[i], v)) for v in (a, b)]
+            longest.append(min(way, longest[i - 1] + float(np.hypot(along, sum(across)))))
+        return shoulder, float(tip[:3, 3] @ tip[:3, 2]), longest[-1]
+
+    def _frames(self, q: Array) -> Array:
+        """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q (m, n)."""
+        (constant, sine, cosine, slide), tip, _, slides = self._chain
+        turns = q.T[:, :, None, None]
+        frames = np.empty((len(constant) + 1, len(q), 4, 4))
+        frames[:-1] = constant + np.sin(turns) * sine + np.cos(turns) * cosine
+        if slides.any():
+            frames[:-1] += turns * slide
+        for i in range(1, len(constant)):
+            np.matmul(frames[i - 1], frames[i].copy(), out=frames[i])
+        np.matmul(frames[-2], tip, out=frames[-1])
+        return frames
 
     def tip_pose(self, q: Array) -> tuple[Array, Array]:
         """Return R_WT (..., 3, 3) and p_WT (..., 3) of the tip frame."""
-        rotations, origins = self._frames(np.asarray(q, dtype=np.float64))
-        return rotations[-1], origins[-1]
+        q = np.asarray(q, dtype=np.float64)
+        T = self._frames(q.reshape(-1, q.shape[-1]))[-1].reshape(*q.shape[:-1], 4, 4)
+        return T[..., :3, :3], T[..., :3, 3]
 
     def jacobian(self, q: Array) -> Array:
         """Return J (..., 6, n): [angular; linear] velocity of the tip frame, world axes, per joint speed."""
@@ -93,25 +115,27 @@ class ArmKinematics:
 
     def tip_and_jacobian(self, q: Array) -> tuple[Array, Array, Array]:
         """Return R_WT (..., 3, 3), p_WT (..., 3) and J (..., 6, n) at once."""
-        rotations, origins = self._frames(np.asarray(q, dtype=np.float64))
-        axes, slides = self._chain[2], self._chain[5]
-        direction = (np.stack(rotations[:-1], axis=-3) @ axes[..., None])[..., 0]  # (..., n, 3)
-        arm = origins[-1][..., None, :] - np.stack(origins[:-1], axis=-2)
-        turning = (1.0 - slides)[:, None]
-        J = np.concatenate(
-            [direction * turning, np.cross(direction, arm) * turning + direction * slides[:, None]], axis=-1
-        )
-        return rotations[-1], origins[-1], np.swapaxes(J, -1, -2)
+        q = np.asarray(q, dtype=np.float64)
+        lead, n = q.shape[:-1], q.shape[-1]
+        frames = self._frames(q.reshape(-1, n))
+        _, _, axes, slides = self._chain
+        T = frames[-1].reshape(*lead, 4, 4)
+        dx, dy, dz = (frames[:-1, :, :3, :3] * axes).sum(axis=-1).transpose(2, 0, 1)  # (n, m) each
+        ax, ay, az = (frames[-1, :, :3, 3] - frames[:-1, :, :3, 3]).transpose(2, 0, 1)
+        J = np.array([dx, dy, dz, dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax])
+        if slides.any():
+            J = np.where(slides, np.concatenate([np.zeros_like(J[:3]), J[:3]]), J)
+        return T[..., :3, :3], T[..., :3, 3], J.transpose(2, 0, 1).reshape(*lead, 6, n)
 
     def link_poses(self, q: Array) -> dict[str, tuple[Array, Array]]:
         """Return rotation (..., 3, 3) and origin (..., 3) of every link from base to flange, and of "tip"."""
         q = np.asarray(q, dtype=np.float64)
-        rotations, origins = self._frames(q)
         lead = q.shape[:-1]
+        frames = self._frames(q.reshape(-1, q.shape[-1])).reshape(-1, *lead, 4, 4)
         R = np.broadcast_to(rotation_from_rpy((0.0, 0.0, self.base_yaw)), (*lead, 3, 3))
         p = np.broadcast_to(np.array(self.base, dtype=np.float64), (*lead, 3))
         out = {self.facts.base: (R, p)}
-        moved = iter(zip(rotations, origins, strict=True))
+        moved = iter((T[..., :3, :3], T[..., :3, 3]) for T in frames)
         for joint in self.facts.joints:
             if joint.kind == "fixed":
                 R, p = out[joint.parent]
@@ -138,9 +162,15 @@ def arm_kinematics(robot: Robot) -> ArmKinematics:
     Raises PushPressSlideError for a model that is not in ``facts.MODELS`` nor a readable URDF or SDF file.
     """
     if robot.model in MODELS:
-        facts, tip_length = load_facts(robot.model), robot.tip_length
-    else:
-        from pushpressslide.robots.description import read_description
+        return _known(robot)
+    from pushpressslide.robots.description import read_description
 
-        facts, tip_length = read_description(robot.model, robot.tip_frame), 0.0
-    return ArmKinematics(facts, robot.base, robot.base_yaw, tip_length, robot.tip_radius)
+    facts = read_description(robot.model, robot.tip_frame)
+    return ArmKinematics(facts, robot.base, robot.base_yaw, 0.0, robot.tip_radius)
+
+
+@lru_cache(maxsize=32)
+def _known(robot: Robot) -> ArmKinematics:
+    return ArmKinematics(
+        load_facts(robot.model), robot.base, robot.base_yaw, robot.tip_length, robot.tip_radius
+    )

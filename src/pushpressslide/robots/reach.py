@@ -22,7 +22,8 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 """Of the structured starts of ``default_seeds``: the home posture turned, other wrists, other elbows."""
 
 QUICK_ITERATIONS = 30
-HOPELESS = 0.08  # [m] by which the tip may stay short, besides its tool's length, for a tilt to be tried
+HOPELESS = 0.08  # [m] by which the first look stays short of a point for which there is no second one
+FIRST_SEEDS, FIRST_ITERATIONS = [0, 3, 6], 12  # of the first look at a point, which most within reach pass
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 
@@ -97,26 +98,76 @@ def held_somehow_problem(
     any one of ``holds``, attitudes with tool yaws (m,) [rad] or None for any; or None.
 
     The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the
-    farthest.
+    farthest. Where the first hold misses one of them, all others are tried there at once.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
-    problem = None
-    for attitude, yaws in holds:
-        there = None if yaws is None else yaws[hardest]
-        found = reachable(kin, p[hardest], attitude, there, REACH_MARGIN, quick=yaws is not None)
-        if not found.ok.all():
-            problem = problem or _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
-            if attitude.tilt == 0.0 and found.miss.max() > robot.tip_length + HOPELESS:
-                break  # no tilt makes up for that
-            continue
-        found = reachable(kin, p, attitude, yaws, REACH_MARGIN)
+    first, *others = (_held(hold, yaws, len(p)) for hold, yaws in holds)
+    found = _found(kin, p[hardest], first[hardest])
+    if found.ok.all():
+        found = _all_along(kin, p, first, hardest, found)
         if found.ok.all():
             return None
-        problem = problem or _problem(kin, robot, points, found, REACH_MARGIN)
+        worst, problem = _worst(found), _problem(kin, robot, points, found, REACH_MARGIN)
+    else:
+        worst = hardest[_worst(found)]
+        problem = _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
+    for alike in (_alike(others, 2), _alike(others, 3)):
+        axes = np.array([_axes(held)[worst] for held in alike]).reshape(-1, 3)
+        able = _found(kin, np.broadcast_to(p[worst], axes.shape), axes).ok
+        for held in (held for held, ok in zip(alike, able, strict=True) if ok):
+            found = _found(kin, p[hardest], held[hardest])
+            if found.ok.all() and _all_along(kin, p, held, hardest, found).ok.all():
+                return None
     return problem
+
+
+def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
+    """Return the tool's axes (count, 3) for any yaw, or with ``yaws`` its rotations (count, 3, 3)."""
+    return np.broadcast_to(hold.axis, (count, 3)) if yaws is None else hold.rotation(yaws)
+
+
+def _alike(held: Sequence[Array], ndim: int) -> list[Array]:
+    return [one for one in held if one.ndim == ndim]
+
+
+def _axes(held: Array) -> Array:
+    return held if held.ndim == 2 else held[..., 2]
+
+
+def _worst(found: Reach) -> int:
+    return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
+
+
+def _found(kin: ArmKinematics, p: Array, held: Array) -> Reach:
+    """Return which points (m, 3) are reached, with tool axes (m, 3) or rotations (m, 3, 3)."""
+    starts = default_seeds(kin, p)[:, FIRST_SEEDS]
+    return _retried(kin, p, held, solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+
+
+def _all_along(kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], there: Reach) -> Reach:
+    """Return which points are reached, searched from the postures ``there`` at the points ``known``."""
+    nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
+    starts = there.q[nearest][:, None]
+    return _retried(kin, p, held, solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+
+
+def _retried(kin: ArmKinematics, p: Array, held: Array, found: IkSolution) -> Reach:
+    """Return what was found, after another search, which keeps off the limits, for what failed but is not
+    farther from the shoulder than the stretched links are long.
+    """
+    shoulder, wrist, span = kin.span
+    near = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) <= span
+    near &= found.position_residual < HOPELESS
+    again = np.flatnonzero(~found.converged & near)
+    if len(again) and near[~found.converged].all():
+        starts = default_seeds(kin, p[again])[:, QUICK_SEEDS]
+        better = solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN, QUICK_ITERATIONS)
+        for name in ("q", "position_residual", "angle_residual", "joint_margin", "converged"):
+            getattr(found, name)[again] = getattr(better, name)
+    return _reach(found)
 
 
 def _problem(
@@ -126,7 +177,7 @@ def _problem(
     found: Reach,
     joint_margin: float,
 ) -> str:
-    worst = int(np.argmax(np.where(found.ok, -1.0, found.miss)))
+    worst = _worst(found)
     x, y, z = (float(v) for v in points[worst])
     far = float(np.hypot(x - robot.base[0], y - robot.base[1]))
     missed = int((~found.ok).sum())
