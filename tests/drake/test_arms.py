@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Obstacle, Robot, Task
 from pushpressslide.pipeline.controller import RETREAT
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim import arms
-from pushpressslide.sim.arms import ArmPath, drawn_back, joint_paths
-from pushpressslide.sim.clearance import ClearanceModel
+from pushpressslide.sim import joint_path
+from pushpressslide.sim.arms import APART, ArmPath, drawn_back, joint_paths
+from pushpressslide.sim.clearance import LOOK, ClearanceModel
 from pushpressslide.sim.joint_path import CLEARANCE
+from pushpressslide.sim.outline import Outline, least_distance
 
 
 def check(
@@ -43,8 +45,9 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
         np.column_stack([np.interp(times, path.approach_time, column) for column in path.approach.T])
         for path in (left, right)
     ]
-    assert arms._Pair(plan).least(*ways) > arms.APART - 2e-3
-    assert arms._Pair(plan).least(left.move, right.move) >= arms.APART
+    one, other = (Outline(robot, i) for i, robot in enumerate(plan.task.robots))
+    assert least_distance(one, other, *ways, LOOK) > APART - 2e-3
+    assert least_distance(one, other, left.move, right.move, LOOK) >= APART
 
 
 def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
@@ -90,7 +93,9 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
 
 
 def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paper's third experiment: the right arm turns with the face, then both go round to the rear."""
+    """The paper's third experiment: the right arm turns with the face, which only refinement makes possible,
+    then both go round to the rear.
+    """
     start, point = Pose2(0.38, -0.26, 0.0), (-0.11, 0.205)
     goal = turned(start, point, 90.0)
     size = (0.6, 0.8, 0.7)
@@ -114,6 +119,10 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.M
             motion=Motion(contact_height=0.45),
         )
     )
+    with monkeypatch.context() as grid_alone:
+        grid_alone.setattr(joint_path, "REFINED", 0)
+        with pytest.raises(InfeasibleTaskError, match="inside its limit"):
+            joint_paths(turn)
     first = joint_paths(turn)
     keep_apart(turn, first)
     postures = drawn_back(turn, first)

@@ -94,9 +94,9 @@ def test_a_reach_check_takes_milliseconds(far):
     reach_problem(robot, points)
     times = []
     for _ in range(5):
-        start = time.perf_counter()
+        start = time.process_time()
         problem = reach_problem(robot, points)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     assert (problem is None) == (far < 0.8)
     assert min(times) < 0.05
 

@@ -51,7 +51,8 @@ class _Drag:
     surface: DraggedSurface  # the limit surface near that twist
     forces: Allocation
     use: float  # share of the press's friction
-    room: float  # half widths of the centre of pressure from the base's edge
+    cop: Point  # [m] in B, centre of pressure
+    room: float  # half widths of it from the base's edge
 
 
 class PressAndPush:
@@ -146,7 +147,8 @@ class PressAndPush:
             f"path {path.length:.3f} m, {drag.use:.2f} of the press's friction used"
         )
         parameters = {
-            **_figures(drag), "radius": radius, "lever": lever.length, "face": float(lever.face.index),
+            **_figures(drag, lever.point, lever.face.normal), "radius": radius, "lever": lever.length,
+            "face": float(lever.face.index),
             "contact_height": height, "press_force": load, "speed": speed,
         }  # fmt: skip
         time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + OVERHEAD
@@ -203,7 +205,7 @@ class PressAndPush:
         given = forces(wanted)
         lost = hypot(*given.residual[:2], given.residual[2] / surface.rho) / surface.max_force
         use = hypot(*given.forces[0]) / (mu * press.load) / max(1.0 - lost, 1e-3)
-        return _Drag(surface, given, use, room_inside(task.object, cop))
+        return _Drag(surface, given, use, cop, room_inside(task.object, cop))
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the pressed point, axes along B's."""
@@ -265,7 +267,7 @@ class PressAndPush:
             return None
         choice = replace(
             plan.choice, contacts=contacts, path=path, path_length=path.length,
-            parameters={**figures, **_figures(drag)},
+            parameters={**figures, **_figures(drag, touched[1], contacts[1].normal)},
         )  # fmt: skip
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
@@ -301,12 +303,17 @@ def _pin(task: Task) -> Point:
     return pin
 
 
-def _figures(drag: _Drag) -> dict[str, float]:
-    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre."""
-    surface = drag.surface
+def _figures(drag: _Drag, push: Point, normal: Point) -> dict[str, float]:
+    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre. The virtual axle is
+    where the push alone would turn the object, under a press that weighs on it but does not hold it.
+    """
+    surface, (x, y), (nx, ny) = drag.surface, drag.surface.center, normal
+    reach = surface.rho**2 / ((push[0] - x) * ny - (push[1] - y) * nx)
     return {
-        "cop_x": surface.center[0], "cop_y": surface.center[1], "rho": surface.rho,
-        "push_force": surface.max_force, "side_force": drag.forces.normals[1], "friction_use": drag.use,
+        "cop_x": x, "cop_y": y, "rho": surface.rho, "push_force": surface.max_force,
+        "side_force": drag.forces.normals[1], "friction_use": drag.use,
+        "pressure_x": drag.cop[0], "pressure_y": drag.cop[1],
+        "axle_x": x - ny * reach, "axle_y": y + nx * reach,
     }  # fmt: skip
 
 

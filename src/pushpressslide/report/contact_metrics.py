@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 
 Array = NDArray[np.float64]
@@ -75,3 +78,36 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
 
 def _mean(values: Array) -> float | None:
     return float(values.mean()) if values.size else None
+
+
+def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
+    """Return of each grasp that pins a point about which point the object really turned, in B [m].
+
+    Beside it: the pinned point, the centre of pressure, and the virtual axle about which the object would
+    turn if the press did not hold it, as the plan has them.
+    """
+    out = []
+    for grasp, record in grasps:
+        figures, at = grasp.choice.parameters, np.flatnonzero(series.contact_phase(record))
+        if "pressure_x" not in figures or len(at) == 0:
+            continue
+        first, last = (Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1]))
+        vx, vy, w = screw(first.compose(task.object.X_GB), last.compose(task.object.X_GB))
+        turned, pinned = (-vy / w, vx / w), grasp.choice.contacts[0].point
+        others = {
+            "center_of_pressure": (figures["pressure_x"], figures["pressure_y"]),
+            "virtual_axle": (figures["axle_x"], figures["axle_y"]),
+        }
+        out.append(
+            {
+                "leg": grasp.choice.leg,
+                "turn": w,
+                "turned_about": turned,
+                "pressed": pinned,
+                **others,
+                "distance": {
+                    name: math.dist(turned, point) for name, point in {"pressed": pinned, **others}.items()
+                },
+            }
+        )
+    return out

@@ -17,7 +17,7 @@ from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.report import series
-from pushpressslide.report.contact_metrics import contact_figures
+from pushpressslide.report.contact_metrics import contact_figures, pivots
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 Array = NDArray[np.float64]
@@ -62,6 +62,7 @@ def result(
     if known:
         grasps = series.by_grasp(plan, record)
         out |= _motion_figures(task, grasps, record) | contact_figures(task, grasps)
+        out["pivots"] = pivots(task, grasps)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
         "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,

@@ -9,9 +9,6 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
@@ -20,8 +17,8 @@ from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.clearance import LOOK
 from pushpressslide.sim.joint_path import ArmPath, ArmSearch
+from pushpressslide.sim.outline import Outline, least_distance
 from pushpressslide.sim.postures import Miss, Move
-from pushpressslide.sim.robot_models import add_robot
 
 Array = NDArray[np.float64]
 Found = tuple[Move, JointPath]
@@ -92,8 +89,9 @@ class _Together:
     """The search for two joint paths that keep apart."""
 
     def __init__(self, plan: Plan, searches: list[ArmSearch], force: bool) -> None:
-        self.plan, self.searches, self.force, self.pair = plan, searches, force, _Pair(plan)
+        self.plan, self.searches, self.force = plan, searches, force
         self.nearest = (0, "", -math.inf)
+        self._outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
 
     def paths(self) -> tuple[ArmPath, ...]:
         """Return the arms' own best paths where they keep apart, else the pair that does with the best of the
@@ -127,11 +125,16 @@ class _Together:
     def _along(self, found: Sequence[Found]) -> float:
         """Return the arms' least distance [m] along the contacts, by a glance where that is too small."""
         left, right = (move.posture.q for move, _ in found)
-        least = self.pair.least(left[::GLANCE], right[::GLANCE])
+        least = self._least(left[::GLANCE], right[::GLANCE])
         if least >= APART:
-            least = self.pair.least(left, right)
+            least = self._least(left, right)
         self.nearest = max(self.nearest, (0, "along the contacts", least))
         return least
+
+    def _least(self, left: Array, right: Array) -> float:
+        """Return the arms' least distance [m], at most LOOK, over postures (k, n) of each."""
+        one, other = self._outlines
+        return least_distance(one, other, left, right, LOOK)
 
     def _waiting(self, found: Sequence[Found]) -> tuple[ArmPath, ...] | None:
         """Return both paths, one waiting for the other where need be."""
@@ -168,7 +171,7 @@ class _Together:
         """Return both paths, each begun after its delay [s], where the arms keep apart on the way."""
         waiting = [_after(path, delay) for (_, path), delay in zip(found, delays, strict=True)]
         times = np.linspace(0.0, max(float(path.approach_time[-1]) for path in waiting), SAMPLES)
-        clear = self.pair.least(*(_sampled(path, times) for path in waiting))
+        clear = self._least(*(_sampled(path, times) for path in waiting))
         self.nearest = max(self.nearest, (1, "on the way to the object", clear))
         if clear < APART and not force:
             return None
@@ -189,36 +192,3 @@ def _after(path: JointPath, delay: float) -> JointPath:
 def _sampled(path: JointPath, times: Array) -> Array:
     """Postures (m, n) of the approach at ``times`` (m,)."""
     return np.column_stack([np.interp(times, path.approach_time, column) for column in path.approach.T])
-
-
-class _Pair:
-    """Two arms with collision capsules, and nothing else."""
-
-    def __init__(self, plan: Plan) -> None:
-        builder = DiagramBuilder()
-        self._plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-        self._arms = [
-            add_robot(self._plant, robot, i, collision=True) for i, robot in enumerate(plan.task.robots[:2])
-        ]
-        self._plant.Finalize()
-        manager = scene_graph.collision_filter_manager()
-        for arm in self._arms:
-            shapes = GeometrySet()
-            for index in self._plant.GetBodyIndices(arm.model_instance):
-                shapes.Add(self._plant.GetCollisionGeometriesForBody(self._plant.get_body(index)))
-            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))
-        self._diagram = builder.Build()
-        self._context = self._diagram.CreateDefaultContext()
-        self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
-        self._query = self._plant.get_geometry_query_input_port()
-
-    def least(self, left: Array, right: Array) -> float:
-        """Return the least distance [m] of the arms, at most LOOK, over postures (k, n) of each."""
-        least = LOOK
-        for q_left, q_right in zip(left, right, strict=True):
-            for arm, q in zip(self._arms, (q_left, q_right), strict=True):
-                self._plant.SetPositions(self._plant_context, arm.model_instance, q)
-            query = self._query.Eval(self._plant_context)
-            found = query.ComputeSignedDistancePairwiseClosestPoints(LOOK)
-            least = min([least, *(pair.distance for pair in found)])
-        return float(least)

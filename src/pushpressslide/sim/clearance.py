@@ -19,6 +19,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.surfaces import object_shape
 
@@ -38,7 +39,10 @@ class ClearanceModel:
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
         self._instance = add_robot(plant, task.robots[arm], arm, collision=True)
-        still = {i: add_robot(plant, task.robots[i], i, collision=True) for i in others or ()}
+        self._still = [
+            (Outline(task.robots[arm], arm), Outline(task.robots[i], i), q[None])
+            for i, q in (others or {}).items()
+        ]
         self._object = plant.AddRigidBody(
             "object", default_model_instance(), SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
         )
@@ -69,10 +73,7 @@ class ClearanceModel:
             plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links
         ]
         self._base_shapes = {g for body in base for g in plant.GetCollisionGeometriesForBody(body)}
-        arm_bodies, *still_bodies = (
-            [plant.get_body(i) for i in plant.GetBodyIndices(robot.model_instance)]
-            for robot in (self._instance, *still.values())
-        )
+        arm_bodies = [plant.get_body(i) for i in plant.GetBodyIndices(self._instance.model_instance)]
         manager = scene_graph.collision_filter_manager()
 
         def shapes(bodies: Sequence[object]) -> GeometrySet:
@@ -86,15 +87,9 @@ class ClearanceModel:
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(base), world))
         manager.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(shape_id), world))
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(arm_bodies)))
-        world.Add(shape_id)
-        for bodies in still_bodies:
-            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(bodies)))
-            manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(bodies), world))
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
-        for i, robot in still.items():
-            plant.SetPositions(self._plant_context, robot.model_instance, (others or {})[i])
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
 
@@ -112,6 +107,10 @@ class ClearanceModel:
                     pair = " and ".join(
                         self._inspector.GetName(g).split("::")[-1] for g in (found.id_A, found.id_B)
                     )
+        for own, outline, q_still in self._still:
+            apart = least_distance(own, outline, postures, q_still, LOOK)
+            if apart < least:
+                least, pair = apart, "the arms"
         return float(least), pair
 
     def smooth_least(self, q: Array, object_pose: Pose2, *, touching: bool) -> tuple[float, Array]:

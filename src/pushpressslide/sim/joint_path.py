@@ -104,6 +104,8 @@ class ArmSearch:
         self.normal = self.contact.direction(bodies[0])
         middle = len(bodies) // 2
         azimuths = tool_azimuths(self.contact, bodies[middle], robot.base)
+        if self.contact.kind == "side":  # aside only with the tools that turn, which come last
+            azimuths = azimuths[:1]
         self.attitudes = [(ToolAttitude(0.0, azimuths[0]), np.zeros(1))]
         if self.kin.facts.size >= POSE:
             self.attitudes = attitudes(azimuths, float(yaws[middle]))

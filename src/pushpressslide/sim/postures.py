@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
 CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+HELD = 0.1  # [rad] of any joint of an arm that holds on, from where its contact is
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
 YAW_APART = 0.6  # [rad] between the yaws of tools that are not held alike
@@ -116,7 +117,13 @@ def held_at(kin: ArmKinematics, q: Array) -> tuple[ToolAttitude, float]:
 def held_on(kin: ArmKinematics, tip: TipPath, q: Array, *, force: bool) -> tuple[list[Move], list[Miss]]:
     """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
     attitude, yaw = held_at(kin, q)
-    return _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
+    found, misses = _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
+    posture = [*(move.posture for move in found), *(miss.posture for miss in misses)][0]
+    off = float(np.abs(posture.q[0] - q).max())
+    if off > HELD and not force:
+        why = f"the arm that holds on is elsewhere: a joint is {off:.2f} rad off, allowed {HELD:g}"
+        return [], [Miss(off, why, posture)]
+    return found, misses
 
 
 def moves(

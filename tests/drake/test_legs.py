@@ -1,0 +1,29 @@
+"""Tasks in several legs, in Drake: one continuous run with arms that let go and take other contacts."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from pushpressslide.experiments.run import simulate
+from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.report.metrics import result
+
+TIGHT = ["obstacles.0.pose.y=0.665", "obstacles.1.pose.y=-0.555"]  # 10 mm a side in place of 20
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("overrides", [[], TIGHT], ids=["20mm", "10mm"])
+def test_pivot_and_move_puts_the_box_into_its_slot(overrides: list[str]) -> None:
+    task = load_task("pivot-and-move", overrides)
+    plan, record, _ = simulate(task)
+    found = result(task, plan, record, {})
+    assert found["success"]
+    assert found["modes"] == ["press_and_push", "parallel_push"]
+    assert found["final_position_error"] < 0.010
+    assert math.degrees(found["final_yaw_error"]) < 1.0
+    assert found["torque_limit_violation_fraction"] == 0.0
+    for name in ("left", "right"):
+        assert found["bodies"][name]["displacement"] < 0.002
+    assert found["pivots"][0]["distance"]["pressed"] < 0.01
