@@ -192,7 +192,8 @@ def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(
             wanted, figures = guidance.wrench, stretch.choice.parameters
             surface = EllipsoidLimitSurface(figures["push_force"], figures["rho"], wanted.about)
             allocate = allocator(mode, stretch.choice, friction)
-            assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
+            if "turn" not in figures:  # a manoeuvre's turns are on the exact surface
+                assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
             allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
             assert allocation.status == "ok"
             assert allocation.margin >= -1e-9
@@ -219,6 +220,8 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
         for _ in range(10):
             guidance, stretch = guided(mode, made, rng)
             figures, yaw, about = stretch.choice.parameters, stretch.X_BV.yaw, guidance.wrench.about
+            if "turn" in figures:
+                continue  # on the exact surface, see tests/planning/test_pressed_turns.py
             surface = EllipsoidLimitSurface(figures["push_force"], figures["rho"], about)
             forward, shift = (math.cos(yaw), math.sin(yaw)), figures.get("height_shift", 0.0)
             if "lift" in figures:  # along the force, whichever way that is

@@ -10,7 +10,7 @@ from pushpressslide.experiments.run import simulate
 from pushpressslide.pipeline.task_file import load_task
 from pushpressslide.report.metrics import result
 
-TIGHT = ["obstacles.0.pose.y=0.665", "obstacles.1.pose.y=-0.555"]  # 10 mm a side in place of 20
+TIGHT = ["obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"]  # 10 mm a side in place of 20
 
 
 @pytest.mark.long

@@ -1,6 +1,7 @@
 """The paper's experiments are lists of tasks, and whatever comes out of them is on one page."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,8 +9,12 @@ import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.experiments import paper, reproduce
-from pushpressslide.experiments.paper import EXPERIMENTS, JOINT_TRACKING, Experiment, Variant, chosen
-from pushpressslide.experiments.reproduce_page import FIGURES, Outcome, findings
+from pushpressslide.experiments.evidence import Evidence, Outcome
+from pushpressslide.experiments.experiment import Experiment, Variant
+from pushpressslide.experiments.figures import FIGURES
+from pushpressslide.experiments.paper import AWAITED, AXLE, EXPERIMENTS, chosen
+from pushpressslide.experiments.paper_one_arm import JOINT_TRACKING
+from pushpressslide.experiments.reproduce_table import findings
 from pushpressslide.pipeline.task_file import load_task
 
 VARIANTS = [(e.name, v) for e in EXPERIMENTS.values() for v in e.variants]
@@ -21,12 +26,21 @@ def test_every_variant_is_a_shipped_task_with_overrides_that_load(name: str, var
     assert set(variant.paper) <= {key for _, key, *_ in FIGURES}
 
 
-@pytest.mark.parametrize("experiment", EXPERIMENTS.values(), ids=lambda e: e.name)
-def test_names_are_unique_and_comparisons_name_variants(experiment: Experiment) -> None:
+@pytest.mark.parametrize("experiment", [*EXPERIMENTS.values(), *AWAITED], ids=lambda e: e.name)
+def test_names_are_unique_and_what_is_compared_or_shown_is_a_variant(experiment: Experiment) -> None:
     names = [variant.name for variant in experiment.variants]
     assert len(set(names)) == len(names)
     for comparison in experiment.comparisons:
         assert {comparison.base, comparison.changed} <= set(names)
+    assert {*experiment.pictured, *(experiment.plotted or ()), experiment.axle} <= {*names, ""}
+    assert experiment.pictured
+
+
+@pytest.mark.parametrize("experiment", AWAITED, ids=lambda e: e.name)
+def test_what_is_awaited_is_run_once_its_task_is_shipped(experiment: Experiment) -> None:
+    tasks = Path(paper.__file__).parents[1] / "tasks"
+    shipped = all((tasks / f"{variant.task}.yaml").is_file() for variant in experiment.variants)
+    assert shipped == (experiment.name in EXPERIMENTS)
 
 
 def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None:
@@ -38,12 +52,15 @@ def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None
 
 
 def test_all_are_chosen_by_default_and_each_but_once() -> None:
-    assert chosen(None) == tuple(EXPERIMENTS.values())
-    assert chosen(["rear-push-left", "rear-push-left"]) == (EXPERIMENTS["rear-push-left"],)
+    assert chosen(None) == (tuple(EXPERIMENTS.values()), True)
+    assert chosen(["tool-use", "tool-use"]) == ((EXPERIMENTS["tool-use"],), False)
+    assert chosen([AXLE]) == ((), True)
 
 
 def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -> None:
-    with pytest.raises(PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: .*left"):
+    with pytest.raises(
+        PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: rear-push, .*virtual-axle"
+    ):
         reproduce.reproduce(["press"], out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -59,8 +76,8 @@ def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
         for variant in JOINT_TRACKING.variants
     }
     outcomes[JOINT_TRACKING.name, "servo"] = Outcome(Path(), made_up(10.0))
-    outcomes[JOINT_TRACKING.name, "force-joint"] = Outcome(Path(), made_up(41.0, success=False))
-    slow, fast, worse = findings(JOINT_TRACKING, outcomes)
+    outcomes[JOINT_TRACKING.name, "less-joint"] = Outcome(Path(), made_up(41.0, success=False))
+    slow, _, _, fast, worse = findings(JOINT_TRACKING, Evidence(outcomes))
     assert "Time 40.0 to 41.0 s (alike)" in slow
     assert slow.endswith("It ends with: time is over.")
     assert "Time 40.0 to 10.0 s (× 0.25)" in fast
@@ -72,30 +89,41 @@ def test_findings_are_silent_about_what_could_not_be_run() -> None:
         (JOINT_TRACKING.name, variant.name): Outcome(Path(), None, "no")
         for variant in JOINT_TRACKING.variants
     }
-    assert findings(JOINT_TRACKING, outcomes) == []
+    assert findings(JOINT_TRACKING, Evidence(outcomes)) == []
 
 
 def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     variants = (
-        replace(EXPERIMENTS["rear-push-rear"].variants[0], name="reached"),
+        replace(EXPERIMENTS["rear-push"].variants[0], name="reached"),
         Variant("missed", "Hard to please", "rear-push-rear", ("tolerance.position=1e-5",)),
         Variant("refused", "Not possible", "rear-push-rear", ("contact.friction=0.01",)),
     )
-    experiment = replace(EXPERIMENTS["rear-push-rear"], name="mixed", variants=variants)
+    experiment = replace(
+        EXPERIMENTS["rear-push"], name="mixed", variants=variants, pictured=("reached", "refused")
+    )
     monkeypatch.setitem(paper.EXPERIMENTS, "mixed", experiment)
-    seen: list[tuple[float, float]] = []
+    seen: list[tuple[int, int]] = []
     page = reproduce.reproduce(
-        ["mixed"], out=tmp_path, engine="planar", progress=lambda done, total: seen.append((done, total))
+        ["mixed", AXLE],
+        out=tmp_path,
+        engine="planar",
+        progress=lambda done, total: seen.append((done, total)),
     )
     assert page == tmp_path / "report.html"
-    assert seen[-1] == (3, 3)
+    assert seen == [(1, 3), (2, 3), (3, 3)]
     text = page.read_text("utf-8")
     assert "≤ 15.0 mm" in text
-    assert 'href="mixed/reached/report.html"' in text
+    for file in ("replay.html", "report.html"):
+        assert f'href="mixed/reached/{file}"' in text
+        assert (tmp_path / "mixed" / "reached" / file).is_file()
     assert "goal missed" in text
     assert "not run: " in text
+    assert "0.82 m" in text  # of the corrections
+    assert text.count("data:image/png") == 2  # one picture, one plot
+    for target in re.findall(r'(?:href|src)="([^"]+)"', text):
+        assert target.startswith(("#", "data:", "mixed/")), "self-contained, links relative"
     result = json.loads((tmp_path / "result.json").read_text("utf-8"))
     reached, missed, refused = result["experiments"]["mixed"]["variants"]
     assert reached["measured"]["success"]
@@ -103,24 +131,35 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
     assert missed["measured"]["reason"]["code"] == "goal_missed"
     assert refused["measured"] is None
     assert refused["failure"]
+    judged = {claim["words"]: claim["reproduced"] for claim in result["claims"]}
+    assert judged["By the rear face: distance from the goal"] is True
+    assert judged["Hard to please: the goal is reached"] is False
+    assert judged["Not possible: the goal is reached"] is None
+    assert len(result["corrections"]) == 15
     assert "| paper |" in (tmp_path / "table.md").read_text("utf-8")
-    for name in ("reached", "missed"):
-        assert (tmp_path / "mixed" / name / "report.html").is_file()
 
 
 @pytest.mark.long
-def test_joint_term_and_servo_are_faster_and_tighter_than_the_force_alone(tmp_path: Path) -> None:
+def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> None:
+    """Three per cent below friction the force alone does not arrive in time; with the term it does, and takes
+    as long as with three per cent more.
+    """
     reproduce.reproduce(["joint-tracking"], out=tmp_path)
     result = json.loads((tmp_path / "result.json").read_text("utf-8"))
     rows = result["experiments"]["joint-tracking"]["variants"]
     measured = {row["variant"]: row["measured"] for row in rows}
-    force, spring, servo = (measured[name] for name in ("force", "force-joint", "servo"))
-    for better in (spring, servo):
+    less, joined, servo = (measured[name] for name in ("less", "less-joint", "servo"))
+    assert less["motion_duration"] > 100.0
+    for better in (joined, servo):
         assert better["success"]
-        assert better["motion_duration"] < 0.6 * force["motion_duration"]
+        assert better["motion_duration"] < 0.3 * less["motion_duration"]
         for key in ("rms_position_error", "rms_end_effector_error", "rms_yaw_error"):
-            assert better[key] < 0.2 * force[key]
-    assert servo["rms_position_error"] < spring["rms_position_error"]
-    for name in ("servo-joint-10", "servo-joint-30"):
-        assert measured[name]["success"]
-        assert abs(measured[name]["motion_duration"] - servo["motion_duration"]) < 2.0
+            assert better[key] < 0.2 * less[key]
+    assert servo["rms_position_error"] < 0.5 * joined["rms_position_error"]
+    times = [measured[name]["motion_duration"] for name in ("less-joint", "force-joint", "more-joint")]
+    assert max(times) - min(times) < 1.0
+    claims = {claim["words"]: claim for claim in result["claims"]}
+    assert claims["With the joint term a push is faster"]["reproduced"]
+    figures = [claim for claim in result["claims"] if claim["figure"]]
+    assert figures
+    assert all(claim["reproduced"] for claim in figures)

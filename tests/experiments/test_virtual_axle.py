@@ -10,6 +10,7 @@ import pytest
 from pushpressslide.experiments.virtual_axle import (
     ANGLES,
     HEIGHTS,
+    LIGHT,
     LOADS,
     TASK,
     VARIANTS,
@@ -107,3 +108,9 @@ def test_the_error_of_the_paper_is_that_of_its_formula_not_of_its_sign() -> None
     (row,) = result["rows"]
     assert result["summary"]["paper"]["max"] == pytest.approx(row["measured"] - (-0.5231), abs=1e-4)
     assert math.isclose(result["curves"][0]["paper_printed"], 0.8155, abs_tol=1e-4)
+
+
+def test_the_light_form_has_the_papers_press_pulled_and_pushed_at_both_heights() -> None:
+    assert {(case.load, case.height) for case in LIGHT} == {(8.0, height) for height in HEIGHTS}
+    assert min(case.angle for case in LIGHT) < 90 < max(case.angle for case in LIGHT)
+    assert not any(predict(load_task(TASK), case)["skipped"] for case in LIGHT)

@@ -65,6 +65,7 @@ def reproduce(
     only: Annotated[
         list[str] | None, typer.Option("--only", metavar="NAME", help="This experiment; repeatable.")
     ] = None,
+    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")] = 2,
     seed: Seed = 0,
     out: Out = None,
     quiet: Quiet = False,
@@ -74,7 +75,7 @@ def reproduce(
     work = part("experiments.reproduce", "reproduce", "reproduce")
     folder = results_folder(out, "reproduce", force)
     with progress_bar("experiments of the paper", not quiet) as progress:
-        page = work(only or None, seed=seed, out=folder, progress=progress)
+        page = work(only or None, seed=seed, out=folder, jobs=jobs, progress=progress)
     typer.echo(page)
 
 

@@ -3,28 +3,37 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.experiments.paper import Experiment, Variant, chosen
-from pushpressslide.experiments.reproduce_page import Outcome, Outcomes, write_page, write_table
+from pushpressslide.experiments.claims import claims
+from pushpressslide.experiments.corrections import corrections
+from pushpressslide.experiments.evidence import Evidence, Outcome
+from pushpressslide.experiments.experiment import Experiment, Variant
+from pushpressslide.experiments.identified_rho import identified_rho
+from pushpressslide.experiments.paper import AWAITED, AXLE, EXPERIMENTS, chosen
+from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO
+from pushpressslide.experiments.parallel import Progress, in_parallel
+from pushpressslide.experiments.pictures import write_pictures
+from pushpressslide.experiments.reproduce_page import write_page
+from pushpressslide.experiments.reproduce_table import write_table
 from pushpressslide.experiments.run import Engine, run_task, versions
+from pushpressslide.experiments.virtual_axle import LIGHT, TASK, result_of, work_of
 from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.report.files import load_run
 
-SCHEMA = 1
+SCHEMA = 2
 JOBS = 2
 KEPT = (
     "success", "reason", "motion_duration", "duration", "rms_position_error", "rms_end_effector_error",
     "rms_yaw_error", "final_position_error", "final_yaw_error", "path_rms_error", "slip_distance",
     "contact_loss_time",
 )  # fmt: skip
-
-Progress = Callable[[float, float], None]
 
 
 def reproduce(
@@ -38,55 +47,67 @@ def reproduce(
 ) -> Path:
     """Run the paper's experiments and return the path of the page; ``only`` names some of them.
 
-    Each variant leaves the files of a run in ``out``/<experiment>/<variant>; beside the page are table.md and
+    ``jobs`` runs go on at a time. Each variant leaves the files of a run in ``out``/<experiment>/<variant>,
+    the axle's analysis (Drake only) its own in ``out``/virtual-axle; beside the page are table.md and
     result.json. A variant that misses its goal, or cannot be run at all, is reported like any other. Raises
     PushPressSlideError for a name that is not an experiment.
     """
-    experiments = chosen(only)
-    todo = [(experiment, variant) for experiment in experiments for variant in experiment.variants]
-    outcomes: Outcomes = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(todo)), mp_context=context) as pool:
-        waiting = {}
-        for experiment, variant in todo:
-            folder = out / experiment.name / variant.name
-            work = pool.submit(run_variant, variant, folder, seed, engine)
-            waiting[work] = (experiment.name, variant.name)
-        try:
-            for work in as_completed(waiting):
-                outcomes[waiting[work]] = work.result()
-                if progress is not None:
-                    progress(len(outcomes), len(todo))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    page = write_page(experiments, outcomes, out)
-    write_table(experiments, outcomes, out / "table.md")
+    experiments, with_axle = chosen(only)
+    variants = {(e.name, v.name): (e, v) for e in experiments for v in e.variants}
+    work: dict[Any, Callable[[], Any]] = {
+        (experiment.name, variant.name): partial(
+            run_variant, experiment, variant, out / experiment.name / variant.name, seed, engine
+        )
+        for experiment, variant in variants.values()
+    }
+    task, cases = load_task(TASK), LIGHT if with_axle and engine == "drake" else ()
+    done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
+    axle = result_of(task, [done[case] for case in cases]) if cases else None
+    if axle is not None:
+        write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
+    evidence = Evidence({key: done[key] for key in variants}, axle)
+    missing = () if only else [e for e in AWAITED if e.name not in EXPERIMENTS]
+    judged, corrected = claims([*experiments, *missing], evidence), corrections()
+    made_by = versions()
+    told = ", ".join(f"{name} {version}" for name, version in made_by.items())
+    page = write_page(experiments, evidence, judged, corrected, out, f"Engine {engine}, seed {seed}; {told}.")
+    write_table(experiments, evidence, judged, out / "table.md")
     summary = {
         "schema": SCHEMA,
         "engine": engine,
         "seed": seed,
-        "experiments": {experiment.name: _summary(experiment, outcomes) for experiment in experiments},
-        "versions": versions(),
+        "experiments": {experiment.name: _summary(experiment, evidence) for experiment in experiments},
+        "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
+        "corrections": [asdict(row) for row in corrected],
+        AXLE: None if axle is None else axle["summary"],
+        "versions": made_by,
     }
     write_whole(out / "result.json", json.dumps(summary, indent=2) + "\n")
     return page
 
 
-def run_variant(variant: Variant, folder: Path, seed: int, engine: Engine) -> Outcome:
-    """Run one variant and leave its files in ``folder``; what cannot be run comes back as words."""
+def run_variant(experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine) -> Outcome:
+    """Run one variant and leave its files in ``folder``, with pictures where they are asked for; what cannot
+    be run comes back as words.
+    """
     try:
         task = load_task(variant.task, variant.overrides)
-        return Outcome(folder, run_task(task, engine=engine, seed=seed, out=folder))
+        result = run_task(task, engine=engine, seed=seed, out=folder)
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
+    if engine == "drake" and variant.name in experiment.pictured:
+        write_pictures(folder)
+    if experiment.name != IDENTIFIED_RHO.name:
+        return Outcome(folder, result)
+    run = load_run(folder)
+    return Outcome(folder, result, rho=identified_rho(run.plan, run.record))
 
 
-def _summary(experiment: Experiment, outcomes: Outcomes) -> Mapping[str, Any]:
+def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
     """What result.json holds of one experiment."""
     rows = []
     for variant in experiment.variants:
-        outcome = outcomes[experiment.name, variant.name]
+        outcome = evidence.outcomes[experiment.name, variant.name]
         measured = outcome.result
         rows.append(
             {
@@ -96,6 +117,7 @@ def _summary(experiment: Experiment, outcomes: Outcomes) -> Mapping[str, Any]:
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
                 "measured": None if measured is None else {key: measured[key] for key in KEPT},
                 "failure": outcome.failure or None,
+                "identified_rho": None if outcome.rho is None else asdict(outcome.rho),
             }
         )
     return {"title": experiment.title, "source": experiment.source, "variants": rows}

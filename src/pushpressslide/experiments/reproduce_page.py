@@ -1,176 +1,183 @@
-"""The page of the paper's experiments: its figures beside the measured ones, and what they say."""
+"""The page of the paper's experiments: claims, figures, pictures and plots, corrections."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.experiments.paper import Comparison, Experiment, PaperFigure, Variant
+from pushpressslide.experiments import corrections
+from pushpressslide.experiments.claims import Claim
+from pushpressslide.experiments.correction import Correction
+from pushpressslide.experiments.evidence import Evidence, Outcome
+from pushpressslide.experiments.experiment import Experiment, Variant
+from pushpressslide.experiments.figures import FIGURES, figure_of, paper_figure
+from pushpressslide.experiments.paper import AXLE
+from pushpressslide.experiments.pictures import CAPTION, NAME
+from pushpressslide.experiments.reproduce_table import LEGEND, ending, findings, summary
 from pushpressslide.report import style
-from pushpressslide.report.files import load_run
+from pushpressslide.report.axle_figures import axle_over_time, directions_figure
+from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page import document, image
-from pushpressslide.report.page_tables import Row, comparison_table, shown, table
+from pushpressslide.report.page_tables import comparison_table, table
+from pushpressslide.report.plane import path_figure
 from pushpressslide.report.plots import comparison_plot
+from pushpressslide.report.virtual_axle import page_body, write_virtual_axle
 
-FIGURES: tuple[Row, ...] = (
-    ("Time", "motion_duration", 1.0, "s", 1),
-    ("RMS box", "rms_position_error", 1e3, "mm", 1),
-    ("RMS tip", "rms_end_effector_error", 1e3, "mm", 1),
-    ("RMS yaw", "rms_yaw_error", 57.29577951308232, "°", 2),
-    ("End, position", "final_position_error", 1e3, "mm", 1),
-    ("End, yaw", "final_yaw_error", 57.29577951308232, "°", 2),
+TITLE = "The paper's experiments"
+INTRODUCTION = (
+    "Push, Press, Slide: Mode-Aware Planar Contact Manipulation via Reduced-Order Models. Every experiment "
+    "of the paper, run anew; its figures beside the measured ones, and what its text needs corrected."
 )
-LEGEND = (
-    "Time: contact phase, from the first push to the release, in simulated seconds. RMS: over the contact "
-    "phase, against the reference at the same time; who is late is far from it. End: distance from the goal."
+AXLE_TITLE = "Where a pressed object turns about"
+AXLE_CLAIM = (
+    "Section IV-B. The paper's bar, pressed and dragged in a constant direction, open loop: measured, "
+    "predicted by the exact model, and by the paper's formula."
 )
-SIGNS = {"over": "> ", "about": "≈ ", "within": "≤ ", "": ""}
-TOLD = ("motion_duration", "rms_position_error", "rms_yaw_error", "final_position_error")  # in sentences
-ALIKE = 0.03  # share by which two figures may differ and still be called alike
+CORRECTIONS_TEXT = (
+    "What the paper's text claims or its formula gives, and what holds for the same case, both computed when "
+    "this page was made. K is rho² / d; friction is 0.3 under the object and 0.9 at the tip where nothing "
+    "else is said. Sections are those of the mechanics."
+)
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What came of one variant."""
-
-    folder: Path
-    result: Mapping[str, Any] | None  # contents of its result.json; None where it could not be run
-    failure: str = ""
-
-
-Outcomes = dict[tuple[str, str], Outcome]
-"""By the names of experiment and variant."""
-
-
-def write_page(experiments: Sequence[Experiment], outcomes: Outcomes, out: Path) -> Path:
-    """Write ``out``/report.html and return its path."""
+def write_page(
+    experiments: Sequence[Experiment],
+    evidence: Evidence,
+    judged: Sequence[Claim],
+    corrected: Sequence[Correction],
+    out: Path,
+    made_by: str,
+) -> Path:
+    """Write ``out``/report.html, and the axle's own page where it was analysed; return the former's path."""
     page = out / "report.html"
-    body = ["<h1>The paper's experiments</h1>", f"<p>{escape(LEGEND)}</p>"]
-    body += [_section(experiment, outcomes, page) for experiment in experiments]
-    return write_whole(page, document("The paper's experiments", "".join(body)))
-
-
-def write_table(experiments: Sequence[Experiment], outcomes: Outcomes, path: Path) -> Path:
-    """Write the figures as a Markdown file and return its path."""
-    parts = [LEGEND + "\n"]
-    for experiment in experiments:
-        head = ["", "figures", *(label for label, *_ in FIGURES), "outcome"]
-        lines = [head, ["---"] * 2 + ["---:"] * len(FIGURES) + ["---"]]
-        for variant in experiment.variants:
-            outcome = outcomes[experiment.name, variant.name]
-            if variant.paper:
-                lines.append([variant.title, "paper", *_paper_cells(variant), ""])
-            title = "" if variant.paper else variant.title
-            lines.append([title, "measured", *_measured_cells(outcome), _verdict(outcome)])
-        rows = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-        said = " ".join([*findings(experiment, outcomes), experiment.why])
-        parts.append(f"## {experiment.title}\n\n{rows}\n\n{said}\n")
-    return write_whole(path, "\n".join(parts))
-
-
-def findings(experiment: Experiment, outcomes: Outcomes) -> list[str]:
-    """Return sentences that compare the measured figures of the experiment."""
-    said = [_compared(experiment, comparison, outcomes) for comparison in experiment.comparisons]
-    return [sentence for sentence in said if sentence]
-
-
-def _compared(experiment: Experiment, comparison: Comparison, outcomes: Outcomes) -> str:
-    """Say what a change did to time, RMS error and end; nothing where a run is missing."""
-    base = outcomes[experiment.name, comparison.base].result
-    changed = outcomes[experiment.name, comparison.changed].result
-    if base is None or changed is None:
-        return ""
-    told = []
-    for label, key, factor, unit, decimals in FIGURES:
-        before, after = base[key], changed[key]
-        if key not in TOLD or before is None or after is None:
-            continue
-        values = f"{factor * before:.{decimals}f} to {shown(changed, key, factor, unit, decimals)}"
-        told.append(f"{label} {values}{_ratio(before, after)}")
-    words = comparison.words[0].upper() + comparison.words[1:]
-    end = "" if changed["success"] else f" It ends with: {changed['reason']['text']}."
-    return f"{words}: {'; '.join(told)}.{end}"
-
-
-def _ratio(before: float, after: float) -> str:
-    if before <= 0.0 or after <= 0.0:
-        return ""
-    if abs(after / before - 1.0) <= ALIKE:
-        return " (alike)"
-    ratio = after / before
-    return f" (× {ratio:.2f})" if ratio < 10.0 else f" (× {ratio:.0f})"
-
-
-def _section(experiment: Experiment, outcomes: Outcomes, page: Path) -> str:
-    done: dict[str, Outcome] = {}
-    titles = []
-    for variant in experiment.variants:
-        outcome = outcomes[experiment.name, variant.name]
-        if outcome.result is not None:
-            done[variant.name] = outcome
-            titles.append(variant.title)
-    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, outcomes))
+    sections = [("claims", "Claims", _claims(judged))]
+    sections += [(e.name, e.title, _experiment(e, evidence, page)) for e in experiments]
+    if evidence.axle is not None:
+        write_virtual_axle(evidence.axle, out / AXLE)
+        png = style.png(directions_figure(evidence.axle))
+        body = f"<p>{escape(AXLE_CLAIM)}</p>{page_body(evidence.axle, png, 'h3')}"
+        sections.append((AXLE, AXLE_TITLE, body))
+    body = f"<p>{escape(CORRECTIONS_TEXT)}</p>{corrections.html(corrected)}"
+    sections.append(("corrections", "Corrections to the paper", body))
+    links = "".join(f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections)
     parts = [
-        f"<h2>{escape(experiment.title)}</h2>",
+        f"<h1>{TITLE}</h1>",
+        f"<p>{escape(INTRODUCTION)}</p>",
+        f'<p class="verdict good"><strong>{escape(summary(judged))}</strong></p>',
+        f'<nav><ul class="contents">{links}</ul></nav>',
+    ]
+    parts += [
+        f'<section id="{name}"><h2>{escape(title)}</h2>{body}</section>' for name, title, body in sections
+    ]
+    parts.append(f"<footer><p>{escape(made_by)}</p></footer>")
+    return write_whole(page, document(TITLE, "".join(parts)))
+
+
+def _claims(judged: Sequence[Claim]) -> str:
+    """Return the claims as a table, a group for each experiment."""
+    rows, marks, source = [], [], ""
+    for claim in judged:
+        if claim.source != source:
+            source = claim.source
+            rows.append([f'<th colspan="5" scope="rowgroup">{escape(source)}</th>'])
+            marks.append(' class="group"')
+        css = {True: "ok", False: "no", None: ""}[claim.reproduced]
+        rows.append(
+            [
+                f'<th scope="row">{escape(claim.words)}</th>',
+                f"<td>{escape(_unbroken(claim.paper))}</td>",
+                f"<td>{escape(_unbroken(claim.measured))}</td>",
+                f'<td class="{css}">{escape(claim.status)}</td>',
+                f'<td class="why">{escape(claim.why)}</td>',
+            ]
+        )
+        marks.append("")
+    text = (
+        "Every error and time that the paper gives, met or beaten or missed, and what it states of its "
+        "experiments. What it derives is judged in the corrections."
+    )
+    told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
+    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{told}</div>'
+
+
+def _unbroken(text: str) -> str:
+    """Return ``text`` with every number kept on one line with its unit."""
+    return re.sub(r"(?<=[\d≤≈>]) (?=[^ \d]{1,2}\b|\d|%)", "\u00a0", text)
+
+
+def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
+    runs: dict[str, Run] = {}
+    for variant in experiment.variants:
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        if outcome.result is not None:
+            runs[variant.name] = load_run(outcome.folder)
+    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, evidence))
+    titles = {variant.name: variant.title for variant in experiment.variants}
+    parts = [
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
-        _paper_table(experiment, outcomes, page),
+        *(_picture(runs[name], titles[name]) for name in experiment.pictured if name in runs),
+        _figures(experiment, evidence, page),
         "<h3>What comes out</h3>" + (f"<ul>{said}</ul>" if said else "") + f"<p>{escape(experiment.why)}</p>",
     ]
-    runs = [load_run(outcome.folder) for outcome in done.values()]
-    curves = [(title, run.record, run.task, run.plan) for title, run in zip(titles, runs, strict=True)]
-    if runs:
+    wanted = tuple(runs) if experiment.plotted is None else experiment.plotted
+    plotted = [name for name in wanted if name in runs]
+    if plotted:
+        curves = [(titles[name], runs[name].record, runs[name].task, runs[name].plan) for name in plotted]
         parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
+    if experiment.axle in runs:
+        run = runs[experiment.axle]
+        made = axle_over_time(run.task, run.plan, run.record)
+        if made is not None:
+            caption = f"{titles[experiment.axle]}: the virtual axle over time, and tracking errors."
+            parts.append(image(style.png(made), "virtual axle over time", caption))
     if len(runs) > 1:
-        parts.append("<h3>All figures</h3>" + comparison_table(list(done), [run.result for run in runs]))
-    return f"<section>{''.join(parts)}</section>"
+        rest = comparison_table([titles[name] for name in runs], [run.result for run in runs.values()])
+        parts.append(f"<details><summary>All figures of these runs</summary>{rest}</details>")
+    return "".join(parts)
 
 
-def _paper_table(experiment: Experiment, outcomes: Outcomes, page: Path) -> str:
+def _picture(run: Run, title: str) -> str:
+    """Return the pictures of a run on its way, or where none could be rendered, the run from above."""
+    pictures = run.folder / NAME
+    if pictures.is_file():
+        return image(pictures.read_bytes(), f"{title}, on its way", f"{title}, {CAPTION}")
+    return image(style.png(path_figure(run.task, run.plan, run.record)), f"{title}, from above", title)
+
+
+def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
     """Paper's figures and measured ones, a group of rows for each variant."""
     rows, marks = [], []
     width = len(FIGURES) + 2
     for variant in experiment.variants:
-        outcome = outcomes[experiment.name, variant.name]
-        settings = " ".join(f"<code>{escape(text)}</code>" for text in variant.overrides)
-        rows.append([f'<th colspan="{width}" scope="rowgroup">{escape(variant.title)} {settings}</th>'])
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        rows.append([f'<th colspan="{width}" scope="rowgroup">{_named(variant, outcome, page)}</th>'])
         if variant.paper:
-            cells = [f'<td class="n">{escape(cell)}</td>' for cell in _paper_cells(variant)]
+            cells = _cells(paper_figure(variant.paper, key) for _, key, *_ in FIGURES)
             rows.append(['<th scope="row">Paper</th>', *cells, "<td></td>"])
-        name = "Measured"
-        if outcome.result is not None:
-            target = Path(os.path.relpath(outcome.folder.resolve(), page.resolve().parent)) / "report.html"
-            name = f'<a href="{escape(target.as_posix())}">Measured</a>'
-        cells = [f'<td class="n">{escape(cell)}</td>' for cell in _measured_cells(outcome)]
+        cells = _cells(figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES)
         good = outcome.result is not None and bool(outcome.result["success"])
-        verdict = f'<td class="n {"ok" if good else "no"}">{escape(_verdict(outcome))}</td>'
-        rows.append([f'<th scope="row">{name}</th>', *cells, verdict])
+        css = "n ok" if good else "no" if outcome.result is None else "n no"
+        verdict = f'<td class="{css}">{escape(ending(outcome))}</td>'
+        rows.append(['<th scope="row">Measured</th>', *cells, verdict])
         marks += [' class="group"', *[""] * (2 if variant.paper else 1)]
     head = ("", *(label for label, *_ in FIGURES), "Outcome")
     return table(head, rows, marks, numbers=len(FIGURES) + 1)
 
 
-def _paper_cells(variant: Variant) -> list[str]:
-    cells = []
-    for _, key, factor, unit, decimals in FIGURES:
-        figure: PaperFigure | None = variant.paper.get(key)
-        value = None if figure is None else figure.value
-        text = shown({key: value}, key, factor, unit, decimals)
-        cells.append(text if figure is None else SIGNS[figure.about] + text)
-    return cells
+def _cells(texts: Iterable[str]) -> list[str]:
+    return [f'<td class="n">{escape(text)}</td>' for text in texts]
 
 
-def _measured_cells(outcome: Outcome) -> list[str]:
-    return [
-        shown(outcome.result or {}, key, factor, unit, decimals) for _, key, factor, unit, decimals in FIGURES
-    ]
-
-
-def _verdict(outcome: Outcome) -> str:
-    if outcome.result is None:
-        return f"not run: {outcome.failure}"
-    return str(outcome.result["reason"]["code"]).replace("_", " ")
+def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
+    """Return a variant's title with links to its replay and report, and what it sets otherwise."""
+    parts = [f"<strong>{escape(variant.title)}</strong>"]
+    folder = Path(os.path.relpath(outcome.folder.resolve(), page.resolve().parent)).as_posix()
+    for file, label in (("replay.html", "replay"), ("report.html", "report")):
+        if (outcome.folder / file).is_file():
+            parts.append(f'<a href="{escape(folder)}/{file}">{label}</a>')
+    settings = " ".join(escape(text) for text in (variant.task, *variant.overrides))
+    return " · ".join([*parts, f"<code>{settings}</code>"])

@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import json
 import math
-import multiprocessing
 import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.task import Box, Task
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.experiments.interrupt import blocked_for_children
+from pushpressslide.experiments.parallel import Progress, in_parallel
 from pushpressslide.experiments.run import versions
 from pushpressslide.mechanics.press_axle import PAPER_C, PressedObject
 from pushpressslide.mechanics.pressing import friction_use
@@ -35,7 +34,6 @@ TOLERANCE = 0.010  # [m] within which measured and predicted are to agree
 ANGLES = (5, 15, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 175)  # [deg] of the force from CoM to contact
 LOADS = (4.0, 8.0, 16.0)  # [N]
 HEIGHTS = (0.05, 0.10)  # [m] of the object, and so of the contact on top of it
-QUICK = ((15, 8.0, 0.10), (75, 8.0, 0.10), (165, 8.0, 0.10))  # angle, load, height
 CURVE = range(2, 179, 4)  # [deg] where the predicted lines are computed
 MOST_USE = 0.95  # of the tip's friction, above which the contact is not expected to stick
 
@@ -50,8 +48,6 @@ VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
 }
 """What is changed: fields of the probe, and the time step [s]."""
 
-Progress = Callable[[int, int], None]
-
 
 @dataclass(frozen=True, slots=True)
 class Case:
@@ -63,12 +59,16 @@ class Case:
     variant: str = ""
 
 
+LIGHT = tuple(Case(angle, 8.0, height) for height in HEIGHTS for angle in (5, 45, 90, 135, 175))
+"""The paper's press, in few directions."""
+
+
 def virtual_axle(
     out: Path, jobs: int = 0, quick: bool = False, progress: Progress | None = None
 ) -> dict[str, Any]:
     """Run the probes and return the result; ``out`` gets result.json, table.md, axles.png and report.html.
 
-    ``jobs``: processes, 0 for one per core. ``quick``: three probes only. Where the contact is predicted to
+    ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. Where the contact is predicted to
     slip or the object to tip, nothing is run and the row says so.
     """
     from pushpressslide.report.virtual_axle import write_virtual_axle
@@ -76,11 +76,17 @@ def virtual_axle(
     task = load_task(TASK)
     table = [Case(angle, load, height) for height in HEIGHTS for load in LOADS for angle in ANGLES]
     checks = [Case(*case, variant) for variant in VARIANTS for case in CHECKED]
-    cases = [Case(*case) for case in QUICK] if quick else [*table, *checks]
-    result = result_of(task, _run_all(task, cases, jobs or os.cpu_count() or 1, progress))
+    cases = LIGHT if quick else [*table, *checks]
+    rows = in_parallel(work_of(task, cases), jobs or os.cpu_count() or 1, progress)
+    result = result_of(task, list(rows.values()))
     write_whole(out / "result.json", json.dumps(result, indent=1) + "\n")
     write_virtual_axle(result, out)
     return result
+
+
+def work_of(task: Task, cases: Sequence[Case]) -> dict[Case, Callable[[], dict[str, Any]]]:
+    """Return what measures each case."""
+    return {case: partial(run_case, task, case) for case in cases}
 
 
 def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -149,26 +155,6 @@ def run_case(task: Task, case: Case) -> dict[str, Any]:
         return {**row, "measured": None, "skipped": str(error)}
     figures = asdict(measured)
     return {**row, "measured": figures.pop("axle"), **{f"measured_{key}": v for key, v in figures.items()}}
-
-
-def _run_all(task: Task, cases: Sequence[Case], jobs: int, progress: Progress | None) -> list[dict[str, Any]]:
-    """Run the cases in processes of their own; the rows come back in the order of the cases."""
-    rows: dict[Case, dict[str, Any]] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(cases)), mp_context=context) as pool:
-        with blocked_for_children():
-            waiting = {pool.submit(run_case, task, case): case for case in cases}
-        try:
-            for future in as_completed(waiting):
-                rows[waiting[future]] = future.result()
-                if progress is not None:
-                    progress(len(rows), len(cases))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
-    return [rows[case] for case in cases]
 
 
 def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

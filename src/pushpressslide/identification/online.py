@@ -50,14 +50,18 @@ class AxleState(NamedTuple):
 class AxleIdentifier:
     """Least squares with forgetting about a prediction; its state goes in and out."""
 
-    def __init__(self, yaw: float, predicted: Identified, lever: float) -> None:
+    def __init__(
+        self, yaw: float, predicted: Identified, lever: float, stiffness: float | None = None
+    ) -> None:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
-        ``lever`` [m] is the contact's signed distance ahead of the centre of pressure along that axis.
+        ``lever`` [m] is the contact's signed distance ahead of the centre of pressure along that axis. The
+        force at an angle from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given.
         """
         self._axis = (math.cos(yaw), math.sin(yaw))
         self._predicted = predicted
-        self._sign, self._ratio = math.copysign(1.0, lever), abs(lever) / predicted.reach
+        self._sign = math.copysign(1.0, lever)
+        self._stiffness = abs(lever) / predicted.reach if stiffness is None else stiffness
 
     def step(self, state: AxleState, time: float, X_WB: Pose2, force: Point) -> AxleState:
         """Return the next state; ``force`` [N] is the tip's on the object, along the support, in B."""
@@ -79,7 +83,7 @@ class AxleIdentifier:
             turned = w * sum_e / size
             fw, gg = keep * fw + self._sign * sum_t / size * along * turned, keep * gg + turned * turned
         if math.hypot(along, across) > LEAST_SPEED and size > 0.0:
-            level = size / ticks * math.sqrt(1.0 + self._ratio * (sum_t / size) ** 2)
+            level = size / ticks * math.sqrt(1.0 + self._stiffness * (sum_t / size) ** 2)
             drag = level if drag is None else keep * drag + (1.0 - keep) * level
         return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
 

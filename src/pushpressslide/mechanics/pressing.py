@@ -137,7 +137,8 @@ class Press:
         """How far straight drag at the contact's height moves the CoP along the force [m]: h mu_s."""
         return self.body.shape.height * self.mu
 
-    def _along(self, angle: float) -> Point:
+    def along(self, angle: float) -> Point:
+        """Return the unit vector in B at ``angle`` [rad] from the heading axis."""
         (ex, ey), c, s = self.axis, math.cos(angle), math.sin(angle)
         return (c * ex - s * ey, s * ex + c * ey)
 
@@ -148,7 +149,7 @@ class Press:
         """Return how far the CoP stays inside the base under drag at ``angle`` [rad], in half widths; < 0: it
         tips.
         """
-        u = self._along(angle)
+        u = self.along(angle)
         return room_inside(self.body, (self.cop[0] + self.shift * u[0], self.cop[1] + self.shift * u[1]))
 
     def twist(self, angle: float) -> Twist:
@@ -156,7 +157,7 @@ class Press:
         direction counts. Raises ValueError where the object tips.
         """
         return pressed_twist(
-            self._pressure, self.mu, self.cop, self.contact, self.body.shape.height, self._along(angle)
+            self._pressure, self.mu, self.cop, self.contact, self.body.shape.height, self.along(angle)
         )
 
     def axle(self, angle: float, backward: bool) -> tuple[float, float]:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
 
@@ -37,12 +40,18 @@ def room_inside(body: ObjectModel, point: Point) -> float:
     """Return how far ``point`` [m] is inside the outline, in half widths across the nearest edge; < 0
     outside.
     """
+    return float(rooms_inside(body, np.array([point]))[0])
+
+
+def rooms_inside(body: ObjectModel, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the same of ``points`` (m, 2)."""
     if isinstance(body.shape, Cylinder):
-        com = body.center_of_mass
-        return 1.0 - math.hypot(point[0] + com[0], point[1] + com[1]) / body.shape.radius
-    return min(
-        2.0 * (inside + point[0] * nx + point[1] * ny) / width for nx, ny, inside, width in _edges(body)
-    )
+        x, y = (points + np.array(body.center_of_mass)).T
+        round_room: NDArray[np.float64] = 1.0 - np.hypot(x, y) / body.shape.radius
+        return round_room
+    nx, ny, inside, width = np.array(_edges(body)).T
+    room: NDArray[np.float64] = (2.0 * (inside + points @ np.stack([nx, ny])) / width).min(1)
+    return room
 
 
 def top_places(body: ObjectModel, margin: float) -> list[Point]:

@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import ArcPath, SpeedProfile
+from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
@@ -24,17 +25,20 @@ from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
+from pushpressslide.planning.pressed_turns import STEERED, steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
     LOOP,
     PLANNED,
     RUN_INS,
     SHORT_RUN_INS,
-    STEEPEST,
     SWING,
-    PressedVehicle,
+    after_backing_up,
     axle_ahead,
+    car_of,
     figures,
+    press_of,
     pressed_vehicle,
     turns,
     way_back,
@@ -43,15 +47,15 @@ from pushpressslide.planning.pressed_vehicle import (
 from pushpressslide.planning.run_in import gentlest
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
-from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
+from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
 GRAVITY = 9.81
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
-# share of the vehicle's length by which the virtual axle may move between straight and a plan's turns
-AXLE_PLAY = 0.45
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 OVERHEAD = 4.0  # [s] approach and release
+TRIED = 40  # manoeuvres that are looked at for the arm's reach
+SAME = 1e-3  # [m] between places that are one
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -67,10 +71,10 @@ class PressSlide:
     cop_steering = True
 
     def choices(self, task: Task) -> list[Choice]:
-        """Return one choice per contact and direction, feasible ones first, the quickest first.
+        """Return choices, feasible and quick ones first: manoeuvres where the contact is free, else one per
+        direction.
 
-        Where a believed rho leads every path out of bounds, the rho of the object's shape is planned with,
-        and what is true is found out on the way.
+        Where a believed rho leads every path out of bounds, that of the object's shape is planned with.
         """
         judged = self._judged(task)
         told = task.believed.rho
@@ -88,55 +92,72 @@ class PressSlide:
         )  # fmt: skip
         if problem is not None:
             return [Choice(self.name, False, problem)]
-        directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
+        kind, free = task.motion.vehicle or "unicycle", not (task.motion.vehicle or task.tool)
+        manoeuvres = self._manoeuvres(task, places, loads) if free and not given else []
+        if manoeuvres and manoeuvres[0].feasible:
+            return manoeuvres
         drafts = []
-        for arm in range(len(task.robots)):
-            for place in places:
-                for backward in directions:
-                    for load in loads:  # a lighter press tips less
-                        contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
-                        draft = self._draft(task, contact, backward)
-                        if draft.feasible:
-                            break
-                    drafts.append(draft)
+        for arm, place, backward in product(range(len(task.robots)), places, DIRECTIONS[kind]):
+            for load in loads:  # a lighter press tips less
+                contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
+                draft = self._draft(task, contact, backward)
+                if draft.feasible:
+                    break
+            drafts.append(draft)
         out, found = [], 0
         for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
             if choice.feasible and found == ENOUGH:
-                what = choice.reason.split(" with ")[0]
-                choice = replace(choice, feasible=False, reason=f"{what}: slower than {ENOUGH} others")
+                choice = _refused(choice, f"slower than {ENOUGH} others")
             elif choice.feasible:
                 choice = self._within_reach(task, choice)
                 found += choice.feasible
             out.append(choice)
+        out += self._manoeuvres(task, places, loads) if not found and free and given else manoeuvres
         return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
     def _within_reach(self, task: Task, choice: Choice) -> Choice:
-        """Return a draft planned with the axle of its turns' force angle; infeasible out of the arm's
-        reach.
-        """
+        """Return a draft planned with its turns' axle; infeasible where the unicycle or the arm cannot."""
         (contact,) = choice.contacts
         if task.believed.rho is None and task.motion.vehicle != "pivot":
             before = choice.stretches[-1].parameters
             choice = self._draft(task, contact, before["backward"] > 0.0, PLANNED * before["steepest"])
             if not choice.feasible:
                 return choice
-            after = choice.stretches[-1].parameters
-            moved = math.dist((after["axle_x"], after["axle_y"]), (before["axle_x"], before["axle_y"]))
-            length = math.dist((before["axle_x"], before["axle_y"]), contact.point)
-            if moved > AXLE_PLAY * length:
-                what = choice.reason.split(" with ")[0]
+            least = 0.0 if task.tool else min(before["steepest"], STEERED)
+            free = steering_of(press_of(task, contact), before["backward"] > 0.0)
+            if free < least:
+                free, least = math.degrees(free), math.degrees(least)
                 why = (
-                    f"the virtual axle moves by {moved * 1e3:.0f} mm between straight and turning, allowed "
-                    f"{AXLE_PLAY:g} of the {length * 1e3:.0f} mm to the contact"
+                    f"it moves like a unicycle only up to {free:.0f} deg of steering, needed {least:.0f} deg"
                 )
-                return replace(choice, feasible=False, reason=f"{what}: {why}")
+                return _refused(choice, why)
+        return self._judged_for_reach(task, choice)
+
+    def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
         problem = next((problem for problem in problems if problem is not None), None)
-        if problem is None:
-            return choice
-        return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {problem}")
+        return choice if problem is None else _refused(choice, problem)
+
+    def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
+        """Return one manoeuvre per contact, up to the first feasible one: that of the safest press."""
+        X_WB, height, out = (
+            task.start.compose(task.object.X_GB),
+            task.object.shape.height,
+            dict[Contact, Choice](),
+        )
+        inside = [place for place in places if inside_top(task.object, place, EDGE)]
+        for arm, load in product(range(len(task.robots)), loads):
+            contacts = (Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside)
+            found = pressed_manoeuvres(task, X_WB, tuple(contacts))
+            first = {m.contact.point: m for m in reversed(found)}
+            found.sort(key=lambda m: (m is not first[m.contact.point], m.time))
+            for manoeuvre in found[:TRIED]:
+                out[manoeuvre.contact] = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                if out[manoeuvre.contact].feasible:
+                    return sorted(out.values(), key=lambda choice: not choice.feasible)
+        return list(out.values())
 
     def _draft(
         self,
@@ -196,10 +217,11 @@ class PressSlide:
             run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
             way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
             path = way.path
-            if way.too_long > LOOP:
+            most = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
+            if way.too_long > most:
                 return refused(
                     f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too long, allowed "
-                    f"{LOOP:g} m"
+                    f"{most:g} m"
                 )
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
@@ -212,24 +234,7 @@ class PressSlide:
         )
         margin = atan(mu) - atan(use * mu)
         made = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        if way is None or way.back_up == 0.0:
-            return made
-        return self._after_backing_up(task, vehicle, made, way.back_up)
-
-    @staticmethod
-    def _after_backing_up(task: Task, vehicle: PressedVehicle, then: Choice, way: float) -> Choice:
-        """Return the choice to drive ``way`` [m] straight the other way first, and then as ``then`` does."""
-        car = way_back(task, vehicle.press, not vehicle.car.backward)
-        assert car is not None
-        path = ArcPath(task.start.compose(task.object.X_GB).compose(car.X_BV), ((0.0, way),))
-        goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
-        time = SpeedProfile(way, then.parameters["speed"], task.motion.acceleration).duration
-        parameters = {**then.parameters, **figures(car, car.X_BV, then.parameters["push_force"])}
-        parameters |= {"curvature": 1.0 / car.length, "run_in": way, "steepest": STEEPEST[0]}
-        return replace(
-            then, reason=f"{then.reason}, {way:g} m back first", path_length=way + (then.path_length or 0.0),
-            time=time + (then.time or 0.0), parameters=parameters, path=path, goal=goal, following=then,
-        )  # fmt: skip
+        return after_backing_up(task, vehicle, made, way.back_up) if way and way.back_up else made
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
@@ -238,19 +243,15 @@ class PressSlide:
 
     def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a plan, or that of a turn on the spot."""
-        planned, car = plan.choice.parameters, _car(plan.choice)
+        planned, car = plan.choice.parameters, car_of(plan.choice)
         if isinstance(plan.path, TwistPath):
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
-        law = LookAheadAlignment(planned["look_ahead"], math.tan(planned["steepest"]) / abs(car.reach), fixed)
-        return UnicycleTracker(law, car, planned["push_force"])
+        law = LookAheadAlignment(planned["look_ahead"], math.inf, fixed)
+        return UnicycleTracker(law, _steering(plan.choice, car))
 
     def allocator(
-        self,
-        contacts: Sequence[Contact],
-        friction: float,
-        rho: float | None = None,
-        cop: Point = (0.0, 0.0),
+        self, contacts: Sequence[Contact], friction: float, rho: float | None = None, cop: Point = (0.0, 0.0)
     ) -> Callable[[float, float, float], Allocation]:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque errors (default: half
         the lever).
@@ -261,13 +262,13 @@ class PressSlide:
 
     def identifier(self, plan: Plan) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
-        car = _car(plan.choice)
+        car = car_of(plan.choice)
         predicted = Identified(axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
-        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever)
+        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness"))
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return a plan that goes back straight and then to the goal; None for a turn on the spot, or where
-        the object would tip.
+        """Return a plan that goes back and then to the goal; None for a turn on the spot, or where the object
+        would tip.
         """
         planned, (contact,) = plan.choice.parameters, plan.choice.contacts
         if isinstance(plan.path, TwistPath):
@@ -275,8 +276,11 @@ class PressSlide:
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
         contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
         choice = self._draft(task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:])
-        if not choice.feasible:
-            return None
+        if not choice.feasible or "manoeuvre" in planned:
+            found = pressed_manoeuvres(task, X_WB, [contact])
+            if not found:
+                return None
+            choice = found[0].choice(task, self.name)
         made = None
         for stretch in reversed(choice.stretches):
             assert stretch.path is not None
@@ -300,8 +304,11 @@ class PressSlide:
         contact, level = replace(plan.choice.contacts[0], point=touched[0]), planned["push_force"]
         if contact.point == (0.0, 0.0):
             return None
+        if planned.get("manoeuvre"):  # a turn is driven as planned, or not at all
+            off = math.dist(X_WB.compose(plan.X_BV).position, plan.path.start.position)
+            return plan if off < SAME and plan.path.length <= longest else None
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
-        car, X_BV = replace(_car(plan.choice), contact=contact.point, cop=cop), plan.X_BV
+        car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:
             if identified is not None:
                 car = replace(car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0)
@@ -325,10 +332,18 @@ class PressSlide:
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
-def _car(choice: Choice) -> Unicycle:
-    """The vehicle of a choice."""
-    p, (contact,) = choice.parameters, choice.contacts
-    return Unicycle(contact.point, (p["cop_x"], p["cop_y"]), p["rho"], p["backward"] > 0.0, p["height_shift"])
+def _refused(choice: Choice, why: str) -> Choice:
+    return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+
+
+def _steering(choice: Choice, car: Unicycle) -> Steering:
+    """How the vehicle of a choice is steered."""
+    p, steepest = choice.parameters, choice.parameters["steepest"]
+    return Steering(
+        Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
+        p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact, car.cop,
+        p["push_force"], p.get("stiffness", car.lever / car.reach),
+    )  # fmt: skip
 
 
 MODE = PressSlide()

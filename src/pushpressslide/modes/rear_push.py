@@ -12,7 +12,7 @@ from pushpressslide.allocation.one_contact import Allocator, one_contact_allocat
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
@@ -288,10 +288,12 @@ class RearPush:
         The car's own length is kept: what changes is its heading axis, from the true contact through the CoM.
         """
         task, figures, old = plan.task, plan.choice.parameters, plan.choice.contacts[0]
+        normal = old.normal
+        if isinstance(task.object.shape, Cylinder):  # a tip that rolls round it takes its face along
+            x, y = (c - p for c, p in zip(task.object.X_GB.inverse().position, touched[0], strict=True))
+            normal = (x / math.hypot(x, y), y / math.hypot(x, y))
         try:
-            car = RearSteerCar(
-                touched[0], old.normal, (0.0, 0.0), figures["rho"], figures["effective_friction"]
-            )
+            car = RearSteerCar(touched[0], normal, (0.0, 0.0), figures["rho"], figures["effective_friction"])
         except ValueError:
             return None
         low, high = car.curvature_limits
@@ -306,7 +308,7 @@ class RearPush:
                 if path.length <= longest:
                     choice = replace(
                         plan.choice,
-                        contacts=(replace(old, point=touched[0]),),
+                        contacts=(replace(old, point=touched[0], normal=normal),),
                         path=path,
                         path_length=path.length,
                         parameters={

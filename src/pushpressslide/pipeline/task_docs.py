@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pushpressslide.pipeline.task_field import REQUIRED, Field
-from pushpressslide.pipeline.task_schema import SCHEMA
+from pushpressslide.pipeline.task_schema import MOTION, SCHEMA
 
 BEGIN, END = "<!-- fields: begin (generated) -->", "<!-- fields: end -->"
 
@@ -29,7 +29,8 @@ def _rows(field: Field, path: str) -> Iterator[tuple[str, str, str, str]]:
         words = inner.allowed.split(" with the fields")[0] if inner.fields else inner.allowed
         words += " or null" if inner.fields and inner.default is None else ""
         yield name, words, default, inner.help
-        yield from _rows(inner, name + ("[i]" if inner.kind == "sections" else ""))
+        if not (path and inner.fields is MOTION):  # in a leg: the same fields again
+            yield from _rows(inner, name + ("[i]" if inner.kind == "sections" else ""))
 
 
 def field_table() -> str:

@@ -99,7 +99,7 @@ _OBSTACLE = {
 
 _DEFAULT = Motion()
 
-_MOTION = {
+MOTION = {
     "speed": _number("along the path of the tracking point", "m/s", 0, 0.2, _DEFAULT.speed, "("),
     "acceleration": _number("of the ramps of the speed", "m/s^2", 0, 2, _DEFAULT.acceleration, "("),
     "tracking_gain": _number(
@@ -161,7 +161,7 @@ _MOTION = {
 _LEG = {
     "mode": Field("name", "contact mode"),
     "pose": _section("pose of G at its end; null for the last leg: the goal", _pose(), None),
-    "motion": _section("fields of `motion` that are otherwise in this leg", _MOTION, {}),
+    "motion": _section("fields of `motion` that are otherwise in this leg", MOTION, {}),
 }
 
 SCHEMA = _section(
@@ -256,7 +256,7 @@ SCHEMA = _section(
             },
             {},
         ),
-        "motion": _section("how the motion is to be done", _MOTION, {}),
+        "motion": _section("how the motion is to be done", MOTION, {}),
         "legs": Field(
             "sections", "parts of the task in order, in place of `modes`: arms that have other contacts in "
             "the next one let go and take them, all others hold on; null: one mode does it all",

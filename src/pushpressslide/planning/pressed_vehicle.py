@@ -10,16 +10,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pushpressslide.core.path import ArcPath, advance
-from pushpressslide.core.plan import Contact
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import Press
+from pushpressslide.planning.pressed_turns import TIPPING_ROOM
 from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.unicycle import Unicycle
 
 GRAVITY = 9.81
-TIPPING_ROOM = 0.2  # half widths that the centre of pressure stays inside the base's edge
 # force angles from the motion that steering may be bounded by: the steepest that does not tip the object
 STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
 CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
@@ -154,3 +154,24 @@ def axle_ahead(car: Unicycle) -> float:
     """Return the coordinate of the virtual axle on the heading axis, from the CoM [m]."""
     X_BV, (ex, ey) = car.X_BV, car.axis
     return X_BV.x * ex + X_BV.y * ey
+
+
+def car_of(choice: Choice) -> Unicycle:
+    """Return the vehicle of a choice."""
+    p, (contact,) = choice.parameters, choice.contacts
+    return Unicycle(contact.point, (p["cop_x"], p["cop_y"]), p["rho"], p["backward"] > 0.0, p["height_shift"])
+
+
+def after_backing_up(task: Task, vehicle: PressedVehicle, then: Choice, way: float) -> Choice:
+    """Return the choice to drive ``way`` [m] straight the other way first, and then as ``then`` does."""
+    car = way_back(task, vehicle.press, not vehicle.car.backward)
+    assert car is not None
+    path = ArcPath(task.start.compose(task.object.X_GB).compose(car.X_BV), ((0.0, way),))
+    goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
+    time = SpeedProfile(way, then.parameters["speed"], task.motion.acceleration).duration
+    parameters = {**then.parameters, **figures(car, car.X_BV, then.parameters["push_force"])}
+    parameters |= {"curvature": 1.0 / car.length, "run_in": way, "steepest": STEEPEST[0]}
+    return replace(
+        then, reason=f"{then.reason}, {way:g} m back first", path_length=way + (then.path_length or 0.0),
+        time=time + (then.time or 0.0), parameters=parameters, path=path, goal=goal, following=then,
+    )  # fmt: skip

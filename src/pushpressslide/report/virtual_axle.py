@@ -33,29 +33,34 @@ CHECK_COLUMNS = ("changed", "measured", "predicted", "error")
 def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
     """Write ``out``/report.html, table.md and axles.png from a result; return the page's path."""
     png = style.png(directions_figure(result))
+    write_whole(out / "axles.png", png)
+    write_whole(out / "table.md", markdown(result))
+    page = f"<h1>Virtual axle of a pressed object</h1>{page_body(result, png, 'h2')}"
+    return write_whole(out / "report.html", document("Virtual axle", page))
+
+
+def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
+    """Return verdict, figure ``png`` and tables as HTML, under headings of the level ``heading``."""
     tolerance = 1e3 * result["tolerance"]
 
     def judged(row: Sequence[str]) -> str:
         return "" if not row[4] else "ok" if abs(float(row[4])) <= tolerance else "no"
 
-    write_whole(out / "axles.png", png)
-    write_whole(out / "table.md", markdown(result))
+    def titled(text: str) -> str:
+        return f"<{heading}>{text}</{heading}>"
+
     parts = [
-        "<h1>Virtual axle of a pressed object</h1>",
         f'<p class="verdict {"good" if _all_within(result) else "bad"}">{escape(verdict(result))}</p>',
         image(png, "axle over force angle", "Dots: measured. Lines: predicted, for each press and height."),
-        "<h2>The paper's figures, recomputed</h2>",
+        titled("The paper's figures, recomputed"),
         _html(FIGURE_COLUMNS, (("", row) for row in _figure_rows(result)), numbers=3),
-        "<h2>Every probe</h2>",
+        titled("Every probe"),
         f"<p>{escape(LEGEND)}</p>",
         _html(COLUMNS, _probe_rows(result), numbers=len(COLUMNS) - 2, judge=judged),
     ]
     if result["checks"]:
-        parts += [
-            "<h2>What the figures depend on</h2>",
-            _html(CHECK_COLUMNS, _check_rows(result), numbers=3),
-        ]
-    return write_whole(out / "report.html", document("Virtual axle", "".join(parts)))
+        parts += [titled("What the figures depend on"), _html(CHECK_COLUMNS, _check_rows(result), numbers=3)]
+    return "".join(parts)
 
 
 def markdown(result: Mapping[str, Any]) -> str:

@@ -5,12 +5,13 @@ and 4).
 from __future__ import annotations
 
 import math
-from math import atan, cos, remainder, sin, sqrt
+from dataclasses import dataclass
+from math import atan, cos, remainder, sin, sqrt, tan
 
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import MotionPath
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.rom.unicycle import Unicycle
@@ -21,39 +22,67 @@ PIVOT_GAIN = 2.0  # [1/s] pull on the axle along the axis while turning on the s
 PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
 
 
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """Which force turns a pressed object how: tan(force angle - angle) = gain (curvature - planned one)."""
+
+    X_BV: Pose2  # at the axle, x along its motion
+    angle: float  # [rad] in B, of the force on the planned curvature
+    curvature: float  # [1/m] that one
+    gain: float  # [m]
+    right: float  # [rad] < 0, that the force may be turned from ``angle``
+    left: float  # [rad] > 0
+    contact: Point  # [m] in B
+    cop: Point  # [m] in B, without drag
+    level: float  # [N] mu_s N
+    stiffness: (
+        float  # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the axis
+    )
+
+
 class UnicycleTracker:
     """Look-ahead alignment, and the wrench on the limit surface that turns so."""
 
-    def __init__(self, law: LookAheadAlignment, car: Unicycle, level: float) -> None:
-        """Bind the law to a vehicle; ``level`` mu_s N [N]."""
-        self._curvature, X_BV = law.curvature, car.X_BV
-        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, *car.axis)
-        self._figures = (level, car.reach, car.lever / car.reach, car.lever, car.cop)
+    def __init__(self, law: LookAheadAlignment, steering: Steering) -> None:
+        """Bind the law to a vehicle."""
+        s = steering
+        self._curvature, X_BV = law.curvature, s.X_BV
+        rx, ry = s.contact[0] - s.cop[0], s.contact[1] - s.cop[1]
+        self._axle = (X_BV.x, X_BV.y, X_BV.yaw, math.cos(X_BV.yaw), math.sin(X_BV.yaw))
+        self._force = (s.angle, s.curvature, s.gain, s.right, s.left)
+        self._press = (rx, ry, 1.0 / math.hypot(rx, ry), s.cop, s.level, s.stiffness)
 
     def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s]."""
+        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s].
+
+        ``grip`` has no part: a turn takes less of the press's friction than straight sliding.
+        """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
-        level, reach, ratio, lever, cop = self._figures
+        planned, turning, gain, right, left_most = self._force
+        rx, ry, inverse, cop, level, stiffness = self._press
         yaw = X_WB.yaw
         c, s = cos(yaw), sin(yaw)
         x, y = X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy
         progress, left, heading, curvature = path.nearest(x, y, progress)
         heading_error = remainder(heading - yaw - axis, TURN)
-        turn, saturated = self._curvature((x, y, yaw + axis), left, heading_error, curvature, grip)
-        steering = atan(turn * reach)
-        along, across = cos(steering), sin(steering)
-        # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2), d^2 / rho^2 = d / reach
-        size = level / sqrt(1.0 + ratio * across * across)
-        fx, fy = size * (along * ex - across * ey), size * (across * ex + along * ey)
+        turn, _ = self._curvature((x, y, yaw + axis), left, heading_error, curvature, 1.0)
+        wanted = atan(gain * (turn - turning))
+        steering = min(max(wanted, right), left_most)
+        if steering != wanted:
+            turn = turning + tan(steering) / gain
+        fx, fy = cos(planned + steering), sin(planned + steering)
+        lever = rx * fy - ry * fx
+        # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2)
+        size = level / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
         w = speed * turn
         return Guidance(
             progress,
-            Wrench(fx, fy, lever * size * across, cop),
+            Wrench(size * fx, size * fy, size * lever, cop),
             Twist(speed * ex + w * qy, speed * ey - w * qx, w),
             steering,
             (0.0, left, heading_error),
-            saturated,
+            steering != wanted,
         )
 
 

@@ -1,0 +1,31 @@
+"""A statement of the paper beside what holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """One quantity: as the paper's text or formula has it, and as it is."""
+
+    what: str
+    paper: float
+    holds: float
+    unit: str = ""
+    decimals: int = 2
+
+    def shown(self, value: float) -> str:
+        """Return ``value``, one of the two, with its unit."""
+        text = f"{value:.{self.decimals}f}"
+        return f"{text}{'' if self.unit in ('', '°') else ' '}{self.unit}"
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """A statement of the paper, what is wrong with it in one line, and the figures that show it."""
+
+    claim: str
+    section: str  # of docs/mechanics.md
+    why: str
+    figures: tuple[Compared, ...]

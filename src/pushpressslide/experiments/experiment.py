@@ -1,0 +1,51 @@
+"""What an experiment of the paper consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class PaperFigure:
+    """A figure that the paper gives."""
+
+    value: float  # SI units, radians
+    about: str = ""  # how the paper qualifies it: "over", "about", "within"
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """One run: a shipped task, and the fields of it that are set otherwise."""
+
+    name: str  # of its folder
+    title: str
+    task: str  # of a shipped task
+    overrides: tuple[str, ...] = ()  # a.b=c each, as of `pps run --set`
+    paper: Mapping[str, PaperFigure] = field(default_factory=dict)  # by key of result.json
+    why: str = ""  # what makes it come out so, in a line
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A claim of the paper: ``changed`` does better than ``base``."""
+
+    base: str  # name of a variant
+    changed: str
+    words: str  # what the change is, as the subject of a sentence
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """Several runs that belong to one claim of the paper."""
+
+    name: str
+    title: str
+    source: str  # where in the paper
+    claim: str  # what the paper says
+    variants: tuple[Variant, ...]
+    why: str  # what decides the outcome, whatever the figures
+    comparisons: tuple[Comparison, ...] = ()
+    pictured: tuple[str, ...] = ()  # variants that are shown by pictures on the way
+    plotted: tuple[str, ...] | None = None  # variants whose errors are plotted over time; None for all
+    axle: str = ""  # variant whose virtual axle is plotted over time

@@ -1,0 +1,92 @@
+"""What is identified of rho on the way, in a run, beside what the exact model gives for that motion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.identification.online import AxleState
+from pushpressslide.mechanics.pressing import Press
+from pushpressslide.modes import MODES
+from pushpressslide.modes.press_slide import PressSlide
+from pushpressslide.report import series
+
+GRAVITY = 9.81  # [m/s^2]
+ANGLE, WITHIN = math.radians(60.0), math.radians(10.0)  # of the force from the heading axis
+LEAST_TURN_RATE = 0.05  # [rad/s]
+LEAST_TIME = 3.0  # [s]
+WINDOW = 0.2  # [s] over which force and turn rate are averaged
+
+
+@dataclass(frozen=True, slots=True)
+class IdentifiedRho:
+    """The longest stretch of a run with steep steering and fast turning, and rho there."""
+
+    time: float  # [s] that it lasted
+    force_angle: float  # [rad] mean
+    predicted: float  # [m] rho that the motion was planned with
+    identified: float  # [m] rho at its end
+    exact: float  # [m] rho of the exact surface for this force angle, load and height
+    axle: float  # [m] identified virtual axle, from the CoM on the line to the contact
+    exact_axle: float  # [m]
+
+
+def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
+    """Run the identifier over the longest exciting stretch of a pressed object's run: force angle within
+    10 degrees of 60, turn rate above 0.05 rad/s, for 3 s; None where there is none, or nothing contradicted
+    the plan.
+
+    As in ``Controller``, from measured poses and contact force alone, starting at the stretch. The exact
+    model is given the true mass and friction, the mean load and the mean force angle.
+    """
+    mode, (contact,) = MODES[plan.choice.mode], plan.choice.contacts
+    assert isinstance(mode, PressSlide)
+    arrays = record.arrays
+    time, pose = arrays["time"], arrays["object_pose"]
+    normals, tangents = series.contact_forces(plan, record)
+    size = math.hypot(*contact.point)
+    ex, ey = contact.point[0] / size, contact.point[1] / size
+    fx, fy = tangents[:, 0].T
+    width = max(1, round(WINDOW / float(time[1] - time[0])))
+    along, across, turn = (
+        np.convolve(v, np.full(width, 1.0 / width), mode="same")
+        for v in (ex * fx + ey * fy, ex * fy - ey * fx, arrays["object_twist"][:, 2])
+    )
+    angle = np.abs(np.arctan2(across, along))
+    exciting = series.in_phase(record, "move") & (np.abs(angle - ANGLE) < WITHIN)
+    first, stop = _longest(exciting & (np.abs(turn) > LEAST_TURN_RATE))
+    if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
+        return None
+    identifier, state = mode.identifier(plan), AxleState()
+    for k in range(first, stop):
+        X_WB = Pose2(*(float(v) for v in pose[k])).compose(plan.task.object.X_GB)
+        state = identifier.step(state, float(time[k]), X_WB, (float(fx[k]), float(fy[k])))
+    found = identifier.identified(state)
+    if found is None:
+        return None
+    task = plan.task
+    load, mean = float(np.mean(normals[first:stop, 0])), float(np.mean(angle[first:stop]))
+    press = Press(task.object, contact.point, load, task.object.mass * GRAVITY, task.support.friction)
+    ahead, reach = press.axle(mean, backward=False)
+    return IdentifiedRho(
+        time=float(time[stop - 1] - time[first]),
+        force_angle=mean,
+        predicted=plan.choice.parameters["rho"],
+        identified=math.sqrt(found.reach * press.lever),
+        exact=math.sqrt(reach * press.lever),
+        axle=found.axle,
+        exact_axle=math.hypot(*press.cop) + ahead,
+    )
+
+
+def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the first index of the longest run of True, and the one after its last; (0, 0) for none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    runs = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    return max(runs, key=lambda run: run[1] - run[0], default=(0, 0))

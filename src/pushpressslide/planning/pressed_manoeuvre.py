@@ -1,0 +1,162 @@
+"""Manoeuvres of a pressed object: up to three turns, each by a force at one angle, and a straight run-in on
+which what error there is decays. For goals that no path of one vehicle leads to.
+
+Source: docs/mechanics.md, sections 1.2, 2 and 4.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.planning.manoeuvre import words
+from pushpressslide.planning.pressed_turns import PressedTurn, pressed_turns
+from pushpressslide.planning.pressed_vehicle import GRAVITY, SWING, figures, press_of
+from pushpressslide.rom.unicycle import Unicycle
+
+RUN_INS = (3.0, 2.0)  # look-aheads
+CORRECTING = math.radians(14.0)  # that a force must be free to turn, on a run-in and better on all turns
+CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
+LOOK_AHEAD = (0.04, 0.10)  # [m]
+STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
+PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
+NARROW = 3.0  # [s] that a turn has to save to be taken that leaves little steering to correct it
+OVERHEAD = 4.0  # [s] approach and release
+SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
+LONGEST = 0.75  # of limits.time: the rest is for another attempt
+COUNT = 3  # words per run-in that are handed on
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """One turn of a manoeuvre."""
+
+    turn: PressedTurn
+    path: ArcPath  # of the turn's axle
+    end: Pose2  # X_WB
+    speed: float  # [m/s]
+
+    @property
+    def look_ahead(self) -> float:
+        """A third of the vehicle's length, more where all steering corrects little [m]."""
+        gain, most = abs(self.turn.gain), min(self.turn.left, -self.turn.right)
+        least = math.sqrt(4.0 * CORRECTED * gain / math.tan(most))
+        return min(max(0.35 * (gain + self.turn.press.lever), least, LOOK_AHEAD[0]), LOOK_AHEAD[1])
+
+    def parameters(self, level: float) -> dict[str, float]:
+        """Return what a choice remembers of it; ``level`` mu_s N [N]."""
+        turn = self.turn
+        X_BV, gain, (ex, ey), cop = turn.X_BV, abs(turn.gain), turn.press.axis, turn.press.cop
+        backward = abs(turn.angle) > 0.5 * math.pi
+        ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
+        shift = -ahead - gain if backward else ahead + gain
+        car = Unicycle(turn.press.contact, cop, math.sqrt(gain * turn.press.lever), backward, shift)
+        across = math.sin(turn.angle) ** 2
+        stiffness = turn.press.lever / gain if across < 1e-3 else (1.0 / turn.share**2 - 1.0) / across
+        return figures(car, X_BV, level) | {
+            "look_ahead": self.look_ahead, "press_force": turn.press.load, "speed": self.speed,
+            "steepest": min(-turn.right, turn.left), "right": turn.right, "left": turn.left,
+            "angle": math.atan2(ey, ex) + turn.angle, "turn": self.path.curvature(0.0), "gain": turn.gain,
+            "stiffness": stiffness, "curvature": abs(turn.curvature),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """Stretches, the last one the run-in, and how long they take."""
+
+    contact: Contact
+    stretches: tuple[Stretch, ...]
+    time: float  # [s]
+
+    def choice(self, task: Task, mode: str) -> Choice:
+        """Return it as a choice of ``mode``, a stretch for each turn."""
+        belief, contact, X_BG = task.believed, self.contact, task.object.X_GB.inverse()
+        weight = belief.mass * GRAVITY
+        use = friction_use(contact.load, weight, belief.support_friction, belief.contact_friction)
+        margin = math.atan(belief.contact_friction) - math.atan(use * belief.contact_friction)
+        turns = ", ".join(
+            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg" for s in self.stretches
+        )
+        reason = (
+            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with {contact.load:.1f} N: "
+            f"{turns}; {use:.2f} of the tip's friction used"
+        )
+        length, time, following = 0.0, 0.0, None
+        for stretch in reversed(self.stretches):
+            length += stretch.path.length
+            time += (
+                SpeedProfile(stretch.path.length, stretch.speed, task.motion.acceleration).duration + PAUSE
+            )
+            parameters = stretch.parameters(belief.support_friction * (weight + contact.load))
+            parameters |= {"friction_use": use, "manoeuvre": float(following is not None)}
+            goal = None if following is None else stretch.end.compose(X_BG)
+            path, seconds = stretch.path, time + OVERHEAD
+            following = Choice(
+                mode, True, reason, (contact,), length, seconds, margin, parameters, path, goal, following
+            )
+        assert following is not None
+        return following
+
+
+def pressed_manoeuvres(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> list[Manoeuvre]:
+    """Return manoeuvres from ``X_WB`` to the task's goal, the quickest first, by a press at one of
+    ``contacts``.
+    """
+    pressed = [(contact, press_of(task, contact)) for contact in contacts if contact.point != (0.0, 0.0)]
+    goal, out = task.goal.compose(task.object.X_GB), []
+    turns = pressed_turns([press for _, press in pressed])
+    for (contact, _), of_press in zip(pressed, turns, strict=True):
+        if of_press:
+            out += _of_press(task, X_WB, goal, contact, of_press)
+    return sorted(out, key=lambda manoeuvre: manoeuvre.time)
+
+
+def _of_press(
+    task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
+) -> list[Manoeuvre]:
+    turns = [*turns, *(replace(t, curvature=-t.curvature) for t in turns if abs(t.curvature) < STRAIGHT)]
+    speeds = [
+        task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM) for turn in turns
+    ]
+    bent = np.array([_bent(turn.curvature) for turn in turns])
+    axles = np.array([complex(*turn.X_BV.position) for turn in turns])
+    normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
+    centers, times = axles + normals / bent, 1.0 / (np.abs(bent) * np.array(speeds))
+    narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
+    pauses = PAUSE + NARROW * narrow
+    out = []
+    for turn, speed in zip(turns, speeds, strict=True):
+        if abs(math.remainder(turn.angle, math.pi)) > 1e-6 or min(-turn.right, turn.left) < CORRECTING:
+            continue
+        X_BV, look_ahead = turn.X_BV, Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+        for run_in in RUN_INS:
+            length = run_in * look_ahead
+            staging = goal.compose(Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0))
+            ahead = X_WB.inverse().compose(staging)
+            ahead = Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
+            for word in words(centers, np.sign(bent), times, pauses, ahead, COUNT):
+                stretches, X = [], X_WB
+                for index, angle in zip(word.turns, word.angles, strict=True):
+                    by = turns[index]
+                    path = ArcPath(X.compose(by.X_BV), ((float(bent[index]), float(angle / bent[index])),))
+                    X = path.end.compose(by.X_BV.inverse())
+                    stretches.append(Stretch(by, path, X, speeds[index]))
+                path = ArcPath(advance(goal.compose(X_BV), 0.0, -length), ((0.0, length),))
+                stretches.append(Stretch(turn, path, goal, speed))
+                time = word.time + length / speed + PAUSE
+                if time < LONGEST * task.limits.time:
+                    out.append(Manoeuvre(contact, tuple(stretches), time))
+    return out
+
+
+def _bent(curvature: float) -> float:
+    return math.copysign(max(abs(curvature), STRAIGHT), curvature)

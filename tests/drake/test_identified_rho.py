@@ -1,0 +1,24 @@
+"""rho identified on the way in Drake, on an exciting motion, against the exact model."""
+
+from pathlib import Path
+
+import pytest
+
+from pushpressslide.experiments.identified_rho import LEAST_TIME, identified_rho
+from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO
+from pushpressslide.experiments.run import run_task
+from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.report.files import load_run
+
+
+@pytest.mark.long
+def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(tmp_path: Path) -> None:
+    (variant,) = IDENTIFIED_RHO.variants
+    run_task(load_task(variant.task, variant.overrides), out=tmp_path)
+    run = load_run(tmp_path)
+    found = identified_rho(run.plan, run.record)
+    assert found is not None
+    assert found.time >= LEAST_TIME
+    assert found.predicted == 0.05  # so that the run has to find it
+    assert found.identified == pytest.approx(found.exact, rel=0.1)
+    assert found.axle == pytest.approx(found.exact_axle, abs=0.01)

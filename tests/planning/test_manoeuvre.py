@@ -1,0 +1,40 @@
+"""Three turns about points of the body: every word leads to the goal, none the wrong way round."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.planning.manoeuvre import words
+
+CENTERS = np.array([0.1j, -0.1j, 20j, 0.05 + 0.2j, 0.05 - 0.2j, -0.02 + 0.03j])
+SENSES = np.array([1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
+coordinate = st.floats(-0.5, 0.5)
+
+
+@given(coordinate, coordinate, st.floats(-3.0, 3.0))
+def test_every_word_leads_to_the_goal_the_way_that_can_be_driven(x: float, y: float, yaw: float) -> None:
+    found = words(CENTERS, SENSES, np.abs(CENTERS), np.full(6, 0.1), Pose2(x, y, yaw), 5)
+    assert found
+    for word in found:
+        position, turned = 0j, 0.0
+        for turn, angle in zip(word.turns, word.angles, strict=True):
+            assert angle * SENSES[turn] > 0.0
+            position += cmath.exp(1j * turned) * (1.0 - cmath.exp(1j * angle)) * CENTERS[turn]
+            turned += angle
+        assert abs(position - complex(x, y)) < 1e-3  # turns by less than round-off are left out
+        assert math.remainder(turned - yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
+    assert [word.time for word in found] == sorted(word.time for word in found)
+
+
+def test_with_the_turns_of_a_car_the_quickest_word_is_as_long_as_dubins_path() -> None:
+    centers, radius = np.array([0.1j, -0.1j, 50j]), np.array([0.1, 0.1, 50.0])
+    for x, y, yaw in ((0.6, 0.2, 0.5), (0.4, -0.3, -1.0), (0.7, 0.0, 1.5)):
+        best = words(centers, np.array([1.0, -1.0, 1.0]), radius, np.zeros(3), Pose2(x, y, yaw), 1)[0]
+        wanted = shortest_path(Pose2(), Pose2(x, y, yaw), 10.0, 10.0).length
+        assert best.time == pytest.approx(wanted, rel=0.01)
