@@ -187,7 +187,7 @@ def test_too_little_friction_or_force_is_refused_with_the_number_that_decides() 
 def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_slip() -> None:
     task = slide(Pose2(0.55, 0.2, 0.0), SIDES)
     held = replace_press(task, 7.5)
-    why = refusal(replace_press(task, 6.5))
+    why = refusal(replace_press(task, 6.2))
     use = float(why.split("takes ")[1].split()[0])
     assert USE[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4

@@ -37,7 +37,7 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 COP: Cop = "balanced"
 GRAVITY = 9.81  # [m/s^2]
-USE = (0.7, 0.8, 0.9)  # shares of the tips' friction that a motion may take, the best first
+USE = (0.7, 0.8, 0.9, 0.95)  # shares of the tips' friction that a motion may take, the best first
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 ROUNDING = 1e-6  # [m] by which it may be nearer
