@@ -24,7 +24,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import path_problem, tool_load
+from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
 from pushpressslide.planning.pressed_manoeuvre import pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import STEERED, steering_of
 from pushpressslide.planning.pressed_vehicle import (
@@ -49,7 +49,6 @@ from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
-GRAVITY = 9.81
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
@@ -69,6 +68,7 @@ class PressSlide:
     reduced_model = "unicycle / car / forklift"
     tracking_point = "virtual axle"
     cop_steering = True
+    walls = False
 
     def choices(self, task: Task) -> list[Choice]:
         """Return choices, feasible and quick ones first: manoeuvres where the contact is free, else one per

@@ -72,6 +72,7 @@ class RearPush:
     reduced_model = "rear-steer car"
     tracking_point = "virtual front axle"
     cop_steering = False
+    walls = False
 
     def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
         """Return the reduced model of a push on ``face`` at ``height`` [m], and how far ahead of the CoM its
