@@ -84,13 +84,28 @@ def test_no_load_is_lighter_than_can_be_felt_and_a_ratio_is_kept_for_it() -> Non
         assert loads[0] / loads[1] == pytest.approx(least[0] / least[1])
 
 
+def test_a_fraction_stays_where_it_is_when_its_loads_are_raised_to_be_felt() -> None:
+    light = TwoPresses(LEFT, RIGHT, 3.0, 0.3, 1.2, RHO, 60.0)
+    for twist in TWISTS:
+        loads = safe_loads(lambda _: light, 0.42, twist, USES, 2.0)
+        assert loads is not None
+        assert min(least_loads(light, 0.42, twist)) < 2.0
+        assert min(loads) == pytest.approx(2.0)
+        assert (loads[1] + 1.5) / (3.0 + sum(loads)) == pytest.approx(0.42)
+        assert light.at(loads, twist).status == "ok"
+
+
 def test_a_fraction_that_needs_a_pull_has_no_loads_and_the_possible_ones_are_an_interval() -> None:
     twist = TWISTS[2]
-    low, high = possible_fractions(presses(), twist)
+    low, high = possible_fractions(presses, twist, (1.0,), 2.0)
     assert 0.0 < low < 0.5 < high < 1.0
     assert low == pytest.approx(1.0 - high)
     for cop in (0.0, low - 0.02, high + 0.02):
         assert least_loads(presses(), cop, twist) is None
         assert safe_loads(presses, cop, twist, USES, 2.0) is None
-    assert math.isclose(fraction(least_loads(presses(), low, twist)), low)
-    assert min(loads_with(presses(), 0.05, 40.0)) < 0.0
+    assert math.isclose(fraction(safe_loads(presses, low, twist, (1.0,), 2.0)), low)
+    for cop in (0.0, 0.05, 1.0):
+        normals = loads_with(presses(), cop, 40.0)
+        assert min(normals) < 0.0
+        assert max(normals) == pytest.approx(40.0)
+        assert fraction(normals) == pytest.approx(cop)

@@ -76,6 +76,8 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "number for a section": (put("start", 3), "start:", "a section with the fields x, y"),
     "list for a section": (put("goal", [0.6, 0.1, 0]), "goal:", "a section"),
     "section for a list": (put("robots", {"model": "panda"}), "robots:", "a list of 1 to 2"),
+    "a side that there is not": (put("motion.cop", "middle"), "motion.cop:", "balanced, left, right"),
+    "a cop beyond the contacts": (put("motion.cop", 1.2), "motion.cop:", "[0, 1]"),
     "half a face": (put("motion.face", 1.5), "motion.face:", "whole number"),
     "face that the box lacks": (put("motion.face", 4), "motion.face:", "0 to 3"),
     "negative size": (put("object.shape.box", [0.1, -0.1, 0.1]), "object.shape.box[1]:", "(0, 10]"),

@@ -38,8 +38,12 @@ def turned(point: tuple[float, float], degrees: float) -> Pose2:
     return Pose2(cx - x, cy - y, yaw)
 
 
-def best(task: Task, cop="balanced") -> Choice:
-    choice = MODE.choices(task, cop)[0]
+def with_cop(task: Task, cop) -> Task:
+    return replace(task, motion=replace(task.motion, cop=cop))
+
+
+def best(task: Task, cop=None) -> Choice:
+    choice = MODE.choices(with_cop(task, cop))[0]
     assert choice.feasible, choice.reason
     return choice
 
@@ -139,8 +143,8 @@ def test_the_arms_do_not_cross() -> None:
                 assert [c.arm for c in choice.contacts] == [0, 1]
 
 
-def refusal(task: Task, cop="balanced") -> str:
-    choices = MODE.choices(task, cop)
+def refusal(task: Task, cop=None) -> str:
+    choices = MODE.choices(with_cop(task, cop))
     assert not any(choice.feasible for choice in choices)
     return choices[0].reason
 
@@ -153,7 +157,17 @@ def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that
         assert 0.0 < low < 0.5 < high < 1.0
         assert not low <= cop <= high
     assert best(task, round(low + 0.02, 2)).feasible
-    assert "allowed from 2 N" in refusal(replace_press(task, 60.0), 0.02)
+    assert "allowed from 4 N" in refusal(replace_press(task, 60.0), 0.02)
+
+
+def test_the_strategy_of_the_task_file_is_the_one_that_is_planned() -> None:
+    fractions = {}
+    for cop in ("balanced", "left", "right", "0.55", "null"):
+        task = pps.load_task("bimanual-slide", [f"motion.cop={cop}"])
+        fractions[cop] = best(task, task.motion.cop).parameters["cop_fraction"]
+    assert fractions["left"] < 0.45 < 0.5 < fractions["right"]
+    assert fractions["balanced"] == fractions["null"] == pytest.approx(0.5)
+    assert fractions["0.55"] == pytest.approx(0.55)
 
 
 def replace_press(task: Task, force: float) -> Task:
@@ -173,7 +187,7 @@ def test_too_little_friction_or_force_is_refused_with_the_number_that_decides() 
 def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_slip() -> None:
     task = slide(Pose2(0.55, 0.2, 0.0), SIDES)
     held = replace_press(task, 7.5)
-    why = refusal(replace_press(task, 6.5))
+    why = refusal(replace_press(task, 6.2))
     use = float(why.split("takes ")[1].split()[0])
     assert USE[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4

@@ -53,7 +53,7 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
 @pytest.mark.parametrize(
     ("overrides", "says"),
     [
-        (["contact.friction=0.22", "support.friction=0.2"], "must exceed the wall's, 0.20"),
+        (["contact.friction=0.21", "support.friction=0.2"], "must exceed the wall's, 0.20"),
         (["limits.normal_force=5"], "to hold 19.6 N on the wall"),
         (["limits.normal_force=40"], "65.4 N of each arm; limits.normal_force is 40 N"),
         (["support.friction=0.7", "contact.friction=1.5"], "tip"),

@@ -6,14 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.press_loads import SPARE, Side, TwoPresses
+from pushpressslide.allocation.press_loads import SPARE, TwoPresses
 from pushpressslide.core.pose import Point
+from pushpressslide.core.task import Cop
 from pushpressslide.core.wrench import Twist
-
-Cop = Side | float
-"""Where the centre of pressure goes: "balanced" (equal presses); as far "left" or "right" as a turn on the
-spot allows at the press that the motion takes; or a fraction in (0, 1) of the way from left to right contact.
-"""
 
 FRACTIONS = [0.01 * i for i in range(1, 100)]
 OPPOSITE = 1e-6  # [m] within which two contacts are opposite each other about the CoM
@@ -26,7 +22,8 @@ def safe_loads(
     shares ``uses`` of the contact friction that the cap allows; None if it allows none.
 
     For every twist where the contacts are opposite each other and balanced, else the least for ``twist``.
-    ``presses(use)`` are those with that share of the friction.
+    Loads that have to be raised keep their ratio, or the fraction. ``presses(use)`` are those with that share
+    of the friction.
     """
     left, right = presses(1.0).left, presses(1.0).right
     if cop == "balanced" and math.dist(left, (-right[0], -right[1])) < OPPOSITE:
@@ -38,9 +35,11 @@ def safe_loads(
         loads = least_loads(presses(use), cop, twist)
         if loads is None or not min(loads) > 0.0:
             continue
-        more = max(1.0, lightest / min(loads))
-        if more == 1.0 or (isinstance(cop, str) and more * max(loads) <= presses(use).cap):
-            return (more * loads[0], more * loads[1])
+        shares = loads if isinstance(cop, str) else (1.0 - cop, cop)
+        more = max(0.0, *((lightest - load) / share for load, share in zip(loads, shares, strict=True)))
+        raised = (loads[0] + more * shares[0], loads[1] + more * shares[1])
+        if max(raised) <= presses(use).cap:
+            return raised
     return None
 
 
@@ -65,13 +64,16 @@ def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
         return (lighter, heavier) if cop == "right" else (heavier, lighter)
     line = ContactLine(presses.left, presses.right)
     own = line.in_axes((-presses.left[0], -presses.left[1]))[0] / line.length * weight
-    load = min((heavier + own) / cop, (heavier + weight - own) / (1.0 - cop))
+    parts = ((heavier + own, cop), (heavier + weight - own, 1.0 - cop))
+    load = min(load / part for load, part in parts if part > 0.0)
     return ((1.0 - cop) * load - (weight - own), cop * load - own)
 
 
-def possible_fractions(presses: TwoPresses, twist: Twist) -> tuple[float, float] | None:
-    """Return the least and the greatest fraction, to 0.01, at which the centre of pressure can be for
-    ``twist``; None if there is none.
+def possible_fractions(
+    presses: Callable[[float], TwoPresses], twist: Twist, uses: Sequence[float], lightest: float
+) -> Point | None:
+    """Return the least and the greatest fraction, to 0.01, for which there are ``safe_loads``; None if there
+    is none.
     """
-    good = [fraction for fraction in FRACTIONS if least_loads(presses, fraction, twist) is not None]
+    good = [f for f in FRACTIONS if safe_loads(presses, f, twist, uses, lightest) is not None]
     return (good[0], good[-1]) if good else None

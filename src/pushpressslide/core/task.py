@@ -56,6 +56,11 @@ Shape = Box | Prism | Cylinder
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
 GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
+Cop = Literal["balanced", "left", "right"] | float
+"""Where two presses put the centre of pressure: "balanced" (equal presses); as far "left" or "right" as a
+turn on the spot allows at the press that the motion takes; or a fraction in [0, 1] of the way from left to
+right contact.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +200,7 @@ class Motion:
     face: int | None = None  # index of the pushed edge of the footprint; None: chosen
     contacts: tuple[Point, ...] | None = None  # [m] in G, of top contacts; None: chosen
     press_force: float | None = None  # [N] of a top contact; None: chosen by the mode
+    cop: Cop | None = None  # of two top contacts; None: chosen by the mode
     vehicle: Vehicle | None = None  # how a pressed object is driven; None: as a unicycle
     look_ahead: float | None = None  # [m] of the alignment with the path; None: chosen by the mode
     fixed_target: bool = False  # the paper's literal target beyond the goal, for comparison

@@ -91,6 +91,7 @@ def random_task(base: Task, index: int, seed: int) -> Task:
     return replace(
         base,
         name=f"{base.name}-random-{seed}-{index:03d}",
+        source="",
         object=ObjectModel(shape, mass, center),
         start=start,
         goal=goal,

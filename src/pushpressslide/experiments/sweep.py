@@ -19,6 +19,7 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.experiments.interrupt import blocked_for_children
 from pushpressslide.experiments.run import Engine, simulate, versions
 from pushpressslide.experiments.sampling import random_task, varied_task
+from pushpressslide.experiments.two_arm_sampling import random_two_arm_task
 
 Vary = Literal["truth", "tasks"]
 Progress = Callable[[int, int], None]
@@ -26,7 +27,8 @@ Progress = Callable[[int, int], None]
 
 def sample_task(task: Task, vary: Vary, index: int, seed: int) -> Task:
     """Return sample ``index`` of a sweep over ``task``."""
-    return varied_task(task, index, seed) if vary == "truth" else random_task(task, index, seed)
+    draw = random_task if len(task.robots) == 1 else random_two_arm_task
+    return varied_task(task, index, seed) if vary == "truth" else draw(task, index, seed)
 
 
 def run_sample(task: Task, vary: Vary, index: int, seed: int, engine: Engine, anyway: bool) -> dict[str, Any]:
@@ -76,8 +78,10 @@ def sweep(
 
     ``vary``: "truth" keeps the task and changes what is true of it, "tasks" draws new tasks for the same
     robots. The first ``check_refusals`` refused samples are run all the same: a refusal is true if that run
-    misses the goal. Samples that are already there are not run again, unless ``force``.
+    misses the goal. Samples that are already there are not run again, unless ``force``. Raises TaskError
+    where no new tasks can be drawn for ``task``.
     """
+    sample_task(task, vary, 0, seed)
     folder = out / "samples"
     folder.mkdir(parents=True, exist_ok=True)
     settings = {"task": task.name, "samples": samples, "seed": seed, "engine": engine, "vary": vary}

@@ -15,7 +15,7 @@ from functools import partial
 from math import atan, hypot, inf
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.cop_strategy import Cop, loads_with, possible_fractions, safe_loads
+from pushpressslide.allocation.cop_strategy import loads_with, possible_fractions, safe_loads
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.wall_presses import wall_loads
@@ -23,7 +23,7 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Cop, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.identification.online import Identified
@@ -39,8 +39,8 @@ from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
 
 COP: Cop = "balanced"
-USE = (0.7, 0.8, 0.9)  # shares of the tips' friction that a motion may take, the best first
-LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
+USE = (0.7, 0.8, 0.9, 0.95)  # shares of the tips' friction that a motion may take, the best first
+LEAST_PRESS = 4.0  # [N] below which a tip bounces on the object
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 ROUNDING = 1e-6  # [m] by which it may be nearer
 APART = 0.10  # [m] between the contacts, so that the arms have room
@@ -70,8 +70,9 @@ class BimanualPressSlide:
     cop_steering = True
     walls = True
 
-    def choices(self, task: Task, cop: Cop = COP) -> list[Choice]:
+    def choices(self, task: Task) -> list[Choice]:
         """Return one choice per pair of contacts, feasible ones first, those with the shortest arms first."""
+        cop = COP if task.motion.cop is None else task.motion.cop
         drafts = [self._draft(task, points, cop) for points in self._pairs(task)]
         if not drafts:
             return [Choice(self.name, False, f"the top has no two places {APART * 1e3:.0f} mm apart")]
@@ -206,7 +207,7 @@ class BimanualPressSlide:
             normals = loads_with(presses(), cop, cap)
             use = presses().at(normals, twist).needed / sum(normals)
             return f"{_slipping(normals, use)}; limits.normal_force is {cap:g} N", normals
-        can = possible_fractions(presses(USE[-1]), twist)
+        can = possible_fractions(presses, twist, USE[-1:], LEAST_PRESS)
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}" if can else "and so does any other"
         raise ValueError(
             f"a centre of pressure {cop:g} of the way from left to right needs a contact that does not "

@@ -44,10 +44,12 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 ORIGIN = (0.0, 0.0)
 GRAVITY = 9.81  # [m/s^2]
-HALF_WIDTHS = (0.12, 0.09, 0.07, 0.05)  # [m] of the contacts from the line through the CoM that are tried
+HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)  # [m] of the contacts from the CoM's line that are tried
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
 DRIVES = {"differential": ("differential",), "synchronised": ("synchronised",), "mixed": ("mixed",)}
-EITHER = ("differential", "mixed")  # in this order, where motion.vehicle is none of these
+# in this order, where motion.vehicle is none of these: both mixed correct an error any way at once, a car
+# takes some look-aheads of straight way for it
+EITHER = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
 SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: of a plan, and of one made anew

@@ -27,7 +27,7 @@ class Field:
     open_low: bool = False  # the bound itself is not allowed
     open_high: bool = False
     default: Any = REQUIRED
-    choices: tuple[str, ...] = ()  # of a text
+    choices: tuple[str, ...] = ()  # of a text; words in place of a number
     count: tuple[int, float] = (0, math.inf)  # least and most items of a list
     fields: Mapping[str, Field] | None = None  # of a section, or of each section in a list
 
@@ -56,7 +56,7 @@ class Field:
         number = " ".join(filter(None, (f"[{self.unit}]" if self.unit else "", self.interval)))
         match self.kind:
             case "number":
-                words = f"a finite number {number}"
+                words = f"{', '.join((*self.choices, 'a finite number'))} {number}"
             case "integer":
                 words = f"a whole number {number}"
             case "boolean":

@@ -39,7 +39,7 @@ def read(field: Field, value: Any, path: str, source: str) -> Any:
             items = _list(field, value, path, source)
             return [_section(field, item, f"{path}[{i}]", source) for i, item in enumerate(items)]
         case "number" | "integer":
-            return _number(field, value, path, source)
+            return value if value in field.choices else _number(field, value, path, source)
         case "numbers":
             items = _list(field, value, path, source)
             return tuple(_number(field, item, f"{path}[{i}]", source) for i, item in enumerate(items))

@@ -146,6 +146,12 @@ MOTION = {
     "press_force": _number(
         "normal force of a top contact; null: chosen by the mode", "N", 0, 1000, _DEFAULT.press_force, "("
     ),
+    "cop": Field(
+        "number", "where two top contacts put the centre of pressure on a table: balanced (alike), as "
+        "far left or right as a turn on the spot allows, or a part of the way from the left contact to the "
+        "right one; null: balanced",
+        low=0, high=1, default=_DEFAULT.cop, choices=("balanced", "left", "right"),
+    ),
     "vehicle": Field(
         "text", "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), forklift "
         "(pushed), "
