@@ -95,7 +95,10 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "contact friction two": (put("contact.friction", 2), "contact.friction:", "in (0, 2)"),
     "believed friction zero": (put("belief.support_friction", 0), "belief.support_friction:", "in (0, 2)"),
     "support of another kind": (put("support.kind", "floor"), "support.kind:", "table, wall"),
-    "wall": (put("support.kind", "wall"), "support.kind:", "not supported yet"),
+    "wall without a pose": (put("support.kind", "wall"), "support.pose:", "it is missing"),
+    "opening in a table": (
+        put("support.opening", {"size": [0.1, 0.1], "depth": 0.1}), "support.opening:", "only a wall",
+    ),
     "pose of a table": (put("support.pose", {"x": 1}), "support.pose:", "only a wall"),
     "legs beside modes": (put("legs", [{"mode": "rear_push"}]), "modes:", "one of the two"),
     "a leg to nowhere": (put_legs({"mode": "rear_push"}, {"mode": "rear_push"}), "legs[0].pose:", "missing"),

@@ -12,7 +12,7 @@ from pushpressslide.experiments import paper, reproduce
 from pushpressslide.experiments.evidence import Evidence, Outcome
 from pushpressslide.experiments.experiment import Experiment, Variant
 from pushpressslide.experiments.figures import FIGURES
-from pushpressslide.experiments.paper import AWAITED, AXLE, EXPERIMENTS, chosen
+from pushpressslide.experiments.paper import AXLE, EXPERIMENTS, chosen
 from pushpressslide.experiments.paper_one_arm import JOINT_TRACKING
 from pushpressslide.experiments.reproduce_table import findings
 from pushpressslide.pipeline.task_file import load_task
@@ -26,7 +26,7 @@ def test_every_variant_is_a_shipped_task_with_overrides_that_load(name: str, var
     assert set(variant.paper) <= {key for _, key, *_ in FIGURES}
 
 
-@pytest.mark.parametrize("experiment", [*EXPERIMENTS.values(), *AWAITED], ids=lambda e: e.name)
+@pytest.mark.parametrize("experiment", EXPERIMENTS.values(), ids=lambda e: e.name)
 def test_names_are_unique_and_what_is_compared_or_shown_is_a_variant(experiment: Experiment) -> None:
     names = [variant.name for variant in experiment.variants]
     assert len(set(names)) == len(names)
@@ -34,13 +34,6 @@ def test_names_are_unique_and_what_is_compared_or_shown_is_a_variant(experiment:
         assert {comparison.base, comparison.changed} <= set(names)
     assert {*experiment.pictured, *(experiment.plotted or ()), experiment.axle} <= {*names, ""}
     assert experiment.pictured
-
-
-@pytest.mark.parametrize("experiment", AWAITED, ids=lambda e: e.name)
-def test_what_is_awaited_is_run_once_its_task_is_shipped(experiment: Experiment) -> None:
-    tasks = Path(paper.__file__).parents[1] / "tasks"
-    shipped = all((tasks / f"{variant.task}.yaml").is_file() for variant in experiment.variants)
-    assert shipped == (experiment.name in EXPERIMENTS)
 
 
 def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None:

@@ -1,14 +1,12 @@
 """Tips and object over time: free flight, touch, slip, presses, loads, and the exact surface as truth."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from pushpressslide.core.control import TipCommand
-from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2, cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, Support, Task
@@ -307,9 +305,3 @@ def test_half_the_tick_ends_at_the_same_place():
         ends.append(states(made, drive, round(4.0 / dt))[-1].X_WB)
     assert math.dist(ends[0].position, ends[1].position) < 2e-4
     assert ends[0].yaw == pytest.approx(ends[1].yaw, abs=2e-3)
-
-
-def test_an_object_on_a_wall_is_refused():
-    task = replace(world(BOX, (REAR,)).task, support=Support("wall", 0.3))
-    with pytest.raises(PushPressSlideError, match=r"support\.kind 'wall'"):
-        World(task, (REAR,), DT)

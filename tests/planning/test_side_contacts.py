@@ -7,7 +7,7 @@ import pytest
 from pushpressslide import load_task
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Robot
+from pushpressslide.core.task import Box
 from pushpressslide.mechanics.faces import faces
 from pushpressslide.planning.side_contacts import (
     assignments,
@@ -23,24 +23,24 @@ TASK = load_task(
     ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
 )
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
-ROBOTS = (Robot("hand", (0.0, 0.5, 0.0)), Robot("hand", (0.0, -0.5, 0.0)))
+BASES = ((0.0, 0.5, 0.0), (0.0, -0.5, 0.0))
 
 
 def test_each_arm_takes_the_contact_on_its_own_side_where_they_would_cross_else() -> None:
     points = ((-0.2, 0.1), (-0.2, -0.1))  # left, right
-    assert assignments(ROBOTS, points, [Pose2(0.6, 0.0, 0.0)]) == [(0, 1)]
-    assert assignments(ROBOTS, points[::-1], [Pose2(0.6, 0.0, 0.0)]) == [(1, 0)]
+    assert assignments(BASES, points, [Pose2(0.6, 0.0, 0.0)]) == [(0, 1)]
+    assert assignments(BASES, points[::-1], [Pose2(0.6, 0.0, 0.0)]) == [(1, 0)]
 
 
 def test_contacts_in_line_away_from_the_arms_go_either_way_nearest_first() -> None:
     near, far = (-0.2, 0.05), (0.2, 0.0)
-    assert assignments(ROBOTS, (near, far), [Pose2(0.6, 0.0, 0.0)]) == [(0, 1), (1, 0)]
+    assert assignments(BASES, (near, far), [Pose2(0.6, 0.0, 0.0)]) == [(0, 1), (1, 0)]
 
 
 def test_a_motion_on_which_either_way_crosses_has_no_assignment() -> None:
     points = ((-0.2, 0.1), (-0.2, -0.1))
     turned = [Pose2(0.6, 0.0, 0.0), Pose2(0.6, 0.0, 3.1)]
-    assert assignments(ROBOTS, points, turned) == []
+    assert assignments(BASES, points, turned) == []
 
 
 def test_given_contacts_are_in_the_order_of_their_arms() -> None:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import MODELS, load_facts
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
@@ -101,10 +102,16 @@ def test_the_tool_yaw_is_that_of_its_projected_x_axis_at_any_tilt(yaw, tilt, azi
 
 
 def test_on_a_wall_the_upright_tool_points_into_the_wall():
-    wall = ((0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0))  # z_S towards the robots: -x of the world
-    attitude = ToolAttitude(R_WS=wall)
+    wall = SupportFrame.of_wall((0.9, 0.0, 0.5), math.pi)  # its normal along -x of the world
+    attitude = ToolAttitude(axes=wall.axes)
     np.testing.assert_allclose(attitude.axis, [1.0, 0.0, 0.0], atol=1e-15)
-    assert attitude.yaw(attitude.rotation(0.7)) == pytest.approx(0.7)
+    R = ToolAttitude(0.3, 1.1, wall.axes).rotation(0.7)
+    np.testing.assert_allclose(R, ToolAttitude(0.3, 1.1, wall.axes).rotation_at(0.7), atol=1e-15)
+    assert np.linalg.det(R) == pytest.approx(1.0)
+    assert attitude.yaw(R) == pytest.approx(0.7)
+    # a quarter turn from "left" to "up"
+    np.testing.assert_allclose(attitude.rotation(0.0)[:, 0], [0.0, 1.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(attitude.rotation(0.5 * math.pi)[:, 0], [0.0, 0.0, 1.0], atol=1e-15)
 
 
 def test_a_tilt_of_a_quarter_turn_is_refused():

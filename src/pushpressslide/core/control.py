@@ -14,8 +14,9 @@ PHASES: tuple[Phase, ...] = ("approach", "touch", "move", "release", "done")
 
 @dataclass(frozen=True, slots=True)
 class TipState:
-    """One arm's tip: position [m] and velocity [m/s] of its centre in the world; force [N] of the tip ON the
-    object.
+    """One arm's tip: position [m] and velocity [m/s] of its centre; force [N] of the tip ON the object.
+
+    All along x, y and height of the support's frame, on a table the world.
     """
 
     position: Vector3
@@ -37,20 +38,20 @@ class TipCommand:
     """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
 
     Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last
-    two per axis of the contact frame (n: horizontal at ``normal_yaw``; t: left of n; z: up).
+    two per axis of the contact frame (n: in the plane at ``normal_yaw``; t: left of n; z: height).
     """
 
-    force: Vector3  # [N] world, feed-forward, ON the object
-    position: Vector3  # [m] world, reference of the tip's centre
-    velocity: Vector3  # [m/s] world
+    force: Vector3  # [N] of the support's frame, feed-forward, ON the object
+    position: Vector3  # [m], reference of the tip's centre
+    velocity: Vector3  # [m/s]
     stiffness: Vector3  # [N/m] along n, t, z
     damping: Vector3  # [N s/m] along n, t, z
-    normal_yaw: float  # [rad] in the world
-    tool_yaw: float  # [rad] wanted yaw of the tool in the world, less the joint path's offset
+    normal_yaw: float  # [rad] in the plane
+    tool_yaw: float  # [rad] wanted yaw of the tool in the plane, less the joint path's offset
     tool_yaw_rate: float  # [rad/s]
-    servo_cap: float  # [N] bound on the horizontal impedance force
+    servo_cap: float  # [N] bound on the in-plane impedance force
     progress: float  # [m] arc length on the planned path, for the joint reference
-    acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] world, of the reference
+    acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] of the reference
 
 
 @dataclass(frozen=True, slots=True)

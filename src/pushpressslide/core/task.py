@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,29 @@ class Cylinder:
 
 
 Shape = Box | Prism | Cylinder
+FIT = 1e-6  # [m] by which what just fits an opening may be larger
+GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A rectangular opening in a wall, closed at its back."""
+
+    size: tuple[float, float]  # [m] along x and y
+    center: Point  # [m] in the wall's plane
+    depth: float  # [m] of the back behind the wall's face
+
+    def holds(self, pose: Pose2, shape: Shape) -> bool:
+        """Return whether a shape at ``pose`` lies within the opening's outline, and so goes in."""
+        if isinstance(shape, Cylinder):
+            r = shape.radius
+            corners: tuple[Point, ...] = ((-r, 0.0), (r, 0.0), (0.0, -r), (0.0, r))
+            corners = tuple((pose.x + x, pose.y + y) for x, y in corners)
+        else:
+            corners = tuple(pose.apply(corner) for corner in shape.footprint)
+        (w, h), (cx, cy) = self.size, self.center
+        return all(abs(x - cx) <= 0.5 * w + FIT and abs(y - cy) <= 0.5 * h + FIT for x, y in corners)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +84,8 @@ class Support:
 
     kind: Literal["table", "wall"] = "table"
     friction: float = 0.3  # coefficient of the pair object/support, in (0, 2)
+    frame: SupportFrame = TABLE  # of all poses, in the world
+    opening: Opening | None = None  # in a wall
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +239,28 @@ class Task:
         if self.belief is not None:
             return self.belief
         return Belief(self.support.friction, self.contact_friction, self.object.mass)
+
+    @property
+    def weight_in_plane(self) -> Point:
+        """What of the weight, as believed, acts along the support [N]: none on a table."""
+        x, y, _ = self.support.frame.components((0.0, 0.0, -GRAVITY * self.believed.mass))
+        return (x, y)
+
+    @property
+    def weight_on_support(self) -> float:
+        """What of the weight, as believed, presses the object on its support [N]: none on a wall."""
+        return -self.support.frame.components((0.0, 0.0, -GRAVITY * self.believed.mass))[2]
+
+    @property
+    def bases(self) -> tuple[tuple[float, float, float], ...]:
+        """Where the robots' bases are: x, y and height about the support [m]."""
+        return tuple(self.support.frame.coordinates(robot.base) for robot in self.robots)
+
+    @property
+    def enters(self) -> bool:
+        """Whether the goal lies in an opening of the support."""
+        opening = self.support.opening
+        return opening is not None and opening.holds(self.goal, self.object.shape)
 
     @property
     def parts(self) -> tuple[Task, ...]:

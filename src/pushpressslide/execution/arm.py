@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import TipCommand, Vector3
+from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
 from pushpressslide.execution.torque import inertia_torque, joint_torque, limited, task_torque
 
@@ -51,6 +52,7 @@ class ArmExecutor:
     yaw_offset: float  # [rad] tool yaw minus object yaw
     joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
     dt: float  # [s]
+    frame: SupportFrame = TABLE  # of the commands
 
     def free(self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None) -> tuple[Array, float]:
         """Return torque (n,) and the share of the effort limit asked for, tracking joints in free space."""
@@ -62,9 +64,11 @@ class ArmExecutor:
         self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None
     ) -> tuple[Array, float]:
         """Return torque (n,) and the share of the effort limit asked for, executing a tip command."""
-        force = np.array(tip_force(command, arm.position, arm.velocity))
+        frame = self.frame
+        place, velocity = frame.coordinates(arm.position), frame.components(arm.velocity)
+        force = np.array(frame.direction(tip_force(command, place, velocity)))
         R_wanted = self.rotation(command.tool_yaw + self.yaw_offset)
-        w_wanted = np.array([0.0, 0.0, command.tool_yaw_rate])
+        w_wanted = command.tool_yaw_rate * np.array(frame.spin_axis)
         moment = tip_moment(
             R_wanted, arm.rotation, w_wanted, arm.angular_velocity, ROTATION_STIFFNESS, ROTATION_DAMPING
         )
@@ -72,7 +76,8 @@ class ArmExecutor:
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         if any(command.acceleration):
-            tau += inertia_torque(arm.J, arm.M, np.array((0.0, 0.0, 0.0, *command.acceleration)))
+            acceleration = frame.direction(command.acceleration)
+            tau += inertia_torque(arm.J, arm.M, np.array((0.0, 0.0, 0.0, *acceleration)))
         if self.joint_stiffness > 0.0:
             damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - damping * arm.v

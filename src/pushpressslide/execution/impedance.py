@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
-    """Return the force [N], world axes, that the tip is to exert on what it touches.
+    """Return the force [N] that the tip is to exert on what it touches, in the command's axes as all else.
 
     Feed-forward plus stiffness and damping about the moving reference along n, t, z of the contact frame. The
     feed-forward is inside the friction cone already; the horizontal impedance part may leave it, since it

@@ -91,7 +91,7 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
         words, result = f"{title}: the goal is reached", evidence.result(experiment.name, variant.name)
         if result is None:
             outcome = evidence.outcomes.get((experiment.name, variant.name))
-            why = "Not part of this version." if outcome is None else outcome.failure
+            why = "Not run." if outcome is None else outcome.failure
             yield Claim(experiment.title, words, "", "", None, why)
             continue
         measured = f"{figure_of(result, 'final_position_error')}, {figure_of(result, 'final_yaw_error')}"

@@ -14,12 +14,11 @@ from pushpressslide.experiments.paper_one_arm import (
 from pushpressslide.experiments.paper_two_arms import PIVOT_AND_MOVE, PRESS_FIT, TWO_ARMS
 
 AXLE = "virtual-axle"  # the analysis of experiments/virtual_axle.py, in its light form
-AWAITED = (PRESS_FIT,)  # whose tasks are not shipped yet
 EXPERIMENTS: dict[str, Experiment] = {
     experiment.name: experiment
     for experiment in (
         REAR_PUSH, JOINT_TRACKING, PRESS_SLIDE, IDENTIFIED_RHO, TOOL_USE, TWO_ARMS, PIVOT_AND_MOVE,
-        # *AWAITED,
+        PRESS_FIT,
     )
 }  # fmt: skip
 

@@ -50,6 +50,13 @@ PIVOT_AND_MOVE = Experiment(
             "pivot-and-move",
             why="The right arm pushes a face: by friction on top the load could hardly be shifted.",
         ),
+        Variant(
+            "tight",
+            "10 mm a side in place of 20",
+            "pivot-and-move",
+            ("obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"),
+            why="Planned anew from where the box is at the second touch.",
+        ),
     ),
     why="Masses and friction are not in the paper; box, arms, their distance and the slot are the paper's. "
     "Here both arms push the box into the slot, in the paper the left one, the other holding on.",
@@ -62,7 +69,21 @@ PRESS_FIT = Experiment(
     source="Section IV-D, bimanual press-fit",
     claim="Two arms press an object of 25 x 25 x 80 cm to a wall, slide it along, turn it until it is "
     "horizontal, and press it into its place in the wall. No figure is given.",
-    variants=(Variant("run", "The object into its place", "press-fit"),),
+    variants=(
+        Variant(
+            "run",
+            "The object into its place",
+            "press-fit",
+            why="The normal forces carry the weight by friction; yaw and place are fed back.",
+        ),
+        Variant(
+            "tight",
+            "10 mm a side in place of 15",
+            "press-fit",
+            ("support.opening.size=[0.82, 0.27]", "goal.y=-0.01"),
+            why="As above.",
+        ),
+    ),
     why="Against a wall the weight acts in the plane and only the arms press: they hold it by friction on "
     "both sides. Masses and friction are not in the paper.",
     pictured=("run",),

@@ -16,7 +16,7 @@ from pushpressslide.experiments.corrections import corrections
 from pushpressslide.experiments.evidence import Evidence, Outcome
 from pushpressslide.experiments.experiment import Experiment, Variant
 from pushpressslide.experiments.identified_rho import identified_rho
-from pushpressslide.experiments.paper import AWAITED, AXLE, EXPERIMENTS, chosen
+from pushpressslide.experiments.paper import AXLE, chosen
 from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO
 from pushpressslide.experiments.parallel import Progress, in_parallel
 from pushpressslide.experiments.pictures import write_pictures
@@ -66,8 +66,7 @@ def reproduce(
     if axle is not None:
         write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
     evidence = Evidence({key: done[key] for key in variants}, axle)
-    missing = () if only else [e for e in AWAITED if e.name not in EXPERIMENTS]
-    judged, corrected = claims([*experiments, *missing], evidence), corrections()
+    judged, corrected = claims(experiments, evidence), corrections()
     made_by = versions()
     told = ", ".join(f"{name} {version}" for name, version in made_by.items())
     page = write_page(experiments, evidence, judged, corrected, out, f"Engine {engine}, seed {seed}; {told}.")

@@ -54,6 +54,13 @@ def rooms_inside(body: ObjectModel, points: NDArray[np.float64]) -> NDArray[np.f
     return room
 
 
+def half_width(body: ObjectModel) -> float:
+    """Return half of the least width of the outline [m]."""
+    if isinstance(body.shape, Cylinder):
+        return body.shape.radius
+    return 0.5 * min(width for _, _, _, width in _edges(body))
+
+
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
     """Return places to press [m], ``margin`` [m] inside the outline: in all directions from the CoM."""
     out = []

@@ -18,7 +18,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
-from pushpressslide.robots.tool import SIDES, TOOL_TILTS, UPRIGHT, ToolAttitude
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 GRAVITY, TURN = 9.81, 2.0 * math.pi
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried, nor is more
@@ -50,6 +50,7 @@ class Mode(Protocol):
     reduced_model: str
     tracking_point: str
     cop_steering: bool
+    walls: bool  # whether it can hold an object on a wall
 
     def choices(self, task: Task) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each judged feasible or
@@ -141,17 +142,18 @@ def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
 
 def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | None:
     """Return why the arm of a contact cannot follow it along the body poses X_WB; None if it can."""
-    robot = task.robots[contact.arm]
+    robot, frame = task.robots[contact.arm], task.support.frame
     point, height = contact.tip_place(robot.tip_radius)
-    points = [(*X_WB.apply(point), height) for X_WB in bodies]
-    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], robot.base)
-    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = [(UPRIGHT, None)]
-    holds += [(ToolAttitude(tilt, azimuth), None) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
+    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], task.bases[contact.arm])
+    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
+    tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
     yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
     if contact.kind == "side" and np.ptp(yaws) > TURNING:
         behind = math.atan2(contact.normal[1], contact.normal[0])
         holds += [
-            (ToolAttitude(TOOL_TILTS[-1], side, turns=True), yaws + behind + lean - side)
+            (ToolAttitude(TOOL_TILTS[-1], side, frame.axes, turns=True), yaws + behind + lean - side)
             for lean in LEANS
             for side in SIDES
         ]

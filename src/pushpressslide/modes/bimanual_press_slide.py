@@ -3,7 +3,7 @@
 
 The friction discs under two tips give every planar wrench, so that the object is holonomic: it is led along
 one constant twist from start to goal, whatever that is. Where the centre of pressure goes is a matter of how
-the load is shared.
+the load is shared. On a wall the presses alone press the object on, and carry its weight.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.cop_strategy import Cop, loads_with, possible_fractions, safe_loads
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.presses import two_press_allocator
+from pushpressslide.allocation.wall_presses import wall_loads
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Plan
@@ -30,13 +31,13 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, touching_ellipsoid
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
+from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
 from pushpressslide.modes.base import path_problem
 from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
-from pushpressslide.tracking.holonomic import HolonomicTracker
 
 COP: Cop = "balanced"
-GRAVITY = 9.81  # [m/s^2]
 USE = (0.7, 0.8, 0.9)  # shares of the tips' friction that a motion may take, the best first
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
@@ -67,6 +68,7 @@ class BimanualPressSlide:
     reduced_model = "quasi-holonomic"
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
+    walls = True
 
     def choices(self, task: Task, cop: Cop = COP) -> list[Choice]:
         """Return one choice per pair of contacts, feasible ones first, those with the shortest arms first."""
@@ -94,13 +96,14 @@ class BimanualPressSlide:
             com = body.center_of_mass
             first, second = ((x - com[0], y - com[1]) for x, y in given)
             return [(first, second)]
+        dx, dy = lean(task, task.motion.press_force or lean_press(task))
         pairs: list[Pair] = []
         for p in top_places(body, EDGE):
             q = (-p[0], -p[1])
             new = all(min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs)
             if new and inside_top(body, q, EDGE - ROUNDING) and math.dist(p, q) >= APART:
                 pairs.append((p, q))
-        return pairs
+        return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
 
     def _draft(self, task: Task, points: Pair, cop: Cop) -> Choice:
         """Judge one pair of contacts but for the arms' reach."""
@@ -109,7 +112,8 @@ class BimanualPressSlide:
         radius = max(hypot(*p) for p in (*top_places(body, EDGE), *points))
         path = TwistPath.between((start, goal), radius)
         poses = [path.pose(0.25 * i * path.length) for i in range(5)]
-        arms = next(iter(assignments(task.robots, points, poses)), None)
+        ways = assignments(task.bases, points, poses)
+        arms = (0, 1) if motion.contacts and (0, 1) in ways else next(iter(ways), None)
         if arms == (1, 0):
             points = (points[1], points[0])
         what = "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
@@ -130,16 +134,15 @@ class BimanualPressSlide:
             return refused("the arms would cross, whichever takes which contact")
         if path.length == 0.0:
             return refused("the goal is the start")
-        twist = _twist(path, (0.0, 0.0))
         try:
-            problem, normals = self._loads(task, points, twist, cop)
+            problem, normals = self._loads(task, points, path, cop)
         except ValueError as error:
             return refused(str(error))
         pressed = contacts(normals)
-        point = _tracking_point(task, pressed, twist)
+        point = _tracking_point(task, pressed, _twist(path, (0.0, 0.0)))
         path = TwistPath.between((start.compose(Pose2(*point)), goal.compose(Pose2(*point))), radius)
         try:
-            drag = self._drag(task, pressed, _twist(path, point))
+            drag = self._drag(task, pressed, path, point)
         except ValueError as error:
             return refused(f"the object would tip: {error}")
         if problem is None and drag.room < TIPPING_ROOM:
@@ -155,8 +158,9 @@ class BimanualPressSlide:
             f"{fraction:.2f} of the way from left to right, {drag.use:.2f} of the tips' friction used"
         )
         parameters = {
-            **_figures(drag), "track_x": point[0], "track_y": point[1], "radius": radius,
-            "speed": motion.speed, "press_left": left, "press_right": right, "cop_fraction": fraction,
+            **_figures(drag), "lever": lever(task, sum(normals)), "radius": radius, "speed": motion.speed,
+            "track_x": point[0], "track_y": point[1], "press_left": left, "press_right": right,
+            "cop_fraction": fraction,
         }  # fmt: skip
         time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + OVERHEAD
         margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
@@ -165,14 +169,15 @@ class BimanualPressSlide:
             path.length, round(time, 3), margin, parameters, path,
         )  # fmt: skip
 
-    def _loads(self, task: Task, points: Pair, twist: Twist, cop: Cop) -> tuple[str | None, Point]:
-        """Return what stands against the loads, and the loads [N] for ``twist``: the largest where none do.
+    def _loads(self, task: Task, points: Pair, path: TwistPath, cop: Cop) -> tuple[str | None, Point]:
+        """Return what stands against the loads, and the loads [N] for ``path``: the largest where none do.
 
         Raises ValueError where no two tips can press so.
         """
         belief, cap, given = task.believed, task.limits.normal_force, task.motion.press_force
-        weight, mu_s, mu_a = belief.mass * GRAVITY, belief.support_friction, belief.contact_friction
-        resting = pressures(task)((0.0, 0.0)).scaled_to(weight)
+        twist = _twist(path, (0.0, 0.0))
+        weight, mu_s, mu_a = task.weight_on_support, belief.support_friction, belief.contact_friction
+        resting = pressures(task)((0.0, 0.0))
         rho = touching_ellipsoid(resting, mu_s, twist).rho
 
         def presses(use: float = 1.0) -> TwoPresses:
@@ -188,6 +193,9 @@ class BimanualPressSlide:
                     "that does not press holds nothing"
                 )
             return None, normals
+        if weight == 0.0:
+            steps = [(twist, along) for along in weights(task, path)]
+            return None, wall_loads(presses, steps, USE, max(LEAST_PRESS, lean_press(task)))
         found = safe_loads(presses, cop, twist, USE, LEAST_PRESS)
         if found is not None:
             return None, found
@@ -204,19 +212,25 @@ class BimanualPressSlide:
             f"press, or more than limits.normal_force of {cap:g} N, {span}"
         )
 
-    def _drag(self, task: Task, contacts: Sequence[Contact], twist: Twist) -> _Drag:
-        """Return what dragging with ``twist`` is like. Raises ValueError where the object tips."""
-        belief, height = task.believed, task.object.shape.height
-        load = belief.mass * GRAVITY + sum(c.load for c in contacts)
+    def _drag(self, task: Task, contacts: Sequence[Contact], path: TwistPath, point: Point) -> _Drag:
+        """Return what dragging ``point`` along its path is like. Raises ValueError where the object tips."""
+        belief, height, twist = task.believed, task.object.shape.height, _twist(path, point)
+        load = task.weight_on_support + sum(c.load for c in contacts)
         surface, cop = dragged_ellipsoid(
             pressures(task), belief.support_friction, load, _cop(task, contacts), twist,
             lambda wrench: (height * wrench.fx / load, height * wrench.fy / load),
         )  # fmt: skip
-        wanted, mu = surface.wrench(twist), belief.contact_friction
-        given = self.allocator(contacts, mu, surface.rho, surface.center)(*wanted[:3])
-        used = max(hypot(*f) / (mu * c.load) for f, c in zip(given.forces, contacts, strict=True))
-        lost = hypot(*given.residual[:2], given.residual[2] / surface.rho) / surface.max_force
-        return _Drag(surface, used / max(1.0 - lost, 1e-3), room_inside(task.object, cop))
+        mu, raised, (x, y), use, room = belief.contact_friction, lever(task, load), surface.center, 0.0, inf
+        allocate = self.allocator(contacts, mu, surface.rho, surface.center)
+        for wx, wy in weights(task, path):
+            lifted = replace(surface, center=(x - raised * wx, y - raised * wy))
+            fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
+            given = allocate(fx - wx, fy - wy, tau - Wrench(wx, wy, 0.0).moved_to((x, y)).tau)
+            used = max(hypot(*f) / (mu * c.load) for f, c in zip(given.forces, contacts, strict=True))
+            lost = hypot(*given.residual[:2], given.residual[2] / surface.rho) / surface.max_force
+            use = max(use, used / max(1.0 - lost, 1e-3))
+            room = min(room, room_inside(task.object, (cop[0] - raised * wx, cop[1] - raised * wy)))
+        return _Drag(surface, use, room)
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the tracking point, axes along B's."""
@@ -228,11 +242,13 @@ class BimanualPressSlide:
         surface = DraggedSurface(p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"]))
         allocate = self.allocator(plan.choice.contacts, friction, p["rho"], surface.center)
 
+        law = CarriedTracker(plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY)
+
         def holds(wrench: Wrench) -> bool:
             allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
             return allocation.status == "ok" and allocation.margin > 0.0
 
-        return EasedTracker(HolonomicTracker(plan.X_BV, surface, decay=DECAY), holds)
+        return EasedTracker(law, holds)
 
     def allocator(
         self,
@@ -271,7 +287,7 @@ class BimanualPressSlide:
         if not 0.0 < path.length <= longest:
             return None
         try:
-            drag = self._drag(task, contacts, _twist(path, plan.X_BV.position))
+            drag = self._drag(task, contacts, path, plan.X_BV.position)
         except ValueError:
             return None
         choice = replace(
@@ -285,7 +301,7 @@ class BimanualPressSlide:
 def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
     """How far the contacts are from their arms' bases, at start and goal together [m]."""
     ends = [pose.compose(task.object.X_GB) for pose in (task.start, task.goal)]
-    return sum(math.dist(X.apply(c.point), task.robots[c.arm].base[:2]) for X in ends for c in contacts)
+    return sum(math.dist(X.apply(c.point), task.bases[c.arm][:2]) for X in ends for c in contacts)
 
 
 def _twist(path: TwistPath, point: Point) -> Twist:
@@ -295,7 +311,7 @@ def _twist(path: TwistPath, point: Point) -> Twist:
 
 def _cop(task: Task, contacts: Sequence[Contact]) -> Point:
     """The centre of pressure without drag [m]."""
-    weight = task.believed.mass * GRAVITY
+    weight = task.weight_on_support
     return center_of_pressure(weight, (0.0, 0.0), [c.load for c in contacts], [c.point for c in contacts])
 
 

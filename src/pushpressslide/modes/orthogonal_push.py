@@ -62,6 +62,7 @@ class OrthogonalPush:
     reduced_model = "quasi-holonomic within a cone"
     tracking_point = "CoM"
     cop_steering = False
+    walls = False
 
     def choices(self, task: Task) -> list[Choice]:
         """Return the best placements on every two faces, feasible ones first, the quickest first; of equally
@@ -90,7 +91,7 @@ class OrthogonalPush:
                 out.append(_refused(draft, f"slower or nearer to slipping than {ENOUGH} others"))
                 continue
             poses = [path.pose(share * path.length) for share in (0.0, 0.5, 1.0)]
-            ways = assignments(task.robots, [c.point for c in draft.contacts], poses)
+            ways = assignments(task.bases, [c.point for c in draft.contacts], poses)
             if not ways:
                 out.append(_refused(draft, "the arms would cross"))
             for arms in ways:

@@ -64,6 +64,7 @@ class ParallelPush:
     reduced_model = "rear-steer car / forward differential car"
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
+    walls = False
 
     def choices(self, task: Task) -> list[Choice]:
         """Return the ways to push each face, feasible ones first, the quickest first."""
@@ -129,7 +130,7 @@ class ParallelPush:
             parameters={**choice.parameters, **common},
         )  # fmt: skip
         poses = [path.pose(share * path.length).compose(X_VB) for share in (0.0, 0.5, 1.0)]
-        ways = assignments(task.robots, [c.point for c in contacts], poses)
+        ways = assignments(task.bases, [c.point for c in contacts], poses)
         if not ways:
             return [replace(choice, feasible=False, reason=f"{choice.reason}; the arms would cross")]
         return [replace(choice, contacts=given_to(contacts, arms)) for arms in ways]

@@ -63,6 +63,7 @@ class PressAndPush:
     reduced_model = "pivot about a pressed point"
     tracking_point = "the pressed point"
     cop_steering = True
+    walls = False
 
     def choices(self, task: Task) -> list[Choice]:
         """Return one choice per place to push and way to give the contacts to the arms, feasible ones first,
@@ -119,7 +120,7 @@ class PressAndPush:
         start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
         path = TwistPath.between((start.compose(Pose2(*pin)), goal.compose(Pose2(*pin))), radius)
         poses = [path.pose(0.25 * i * path.length).compose(Pose2(*pin).inverse()) for i in range(5)]
-        ways = assignments(task.robots, (pin, lever.point), poses)
+        ways = assignments(task.bases, (pin, lever.point), poses)
         if not ways:
             return refused("the arms would cross, whichever takes which contact")
         try:

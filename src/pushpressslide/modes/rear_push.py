@@ -28,7 +28,7 @@ GRAVITY = 9.81  # [m/s^2]
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
 OVERHEAD = 8.5  # [s] typical time of approach, touch and release
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
-TURNING_LIMIT = math.radians(270.0)  # of all arcs together: in longer spirals the model's error adds up
+TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 TABLE_GAP = 0.006  # [m] of the tip above the support
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
@@ -72,6 +72,7 @@ class RearPush:
     reduced_model = "rear-steer car"
     tracking_point = "virtual front axle"
     cop_steering = False
+    walls = False
 
     def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
         """Return the reduced model of a push on ``face`` at ``height`` [m], and how far ahead of the CoM its

@@ -38,6 +38,7 @@ from pushpressslide.pipeline.control_state import (
     smooth,
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
+from pushpressslide.pipeline.entry import SEAT_TIME, entry
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, held_at, touch
 
@@ -81,6 +82,7 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
+        self.entry = entry(plan)  # into an opening of the support
         self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
@@ -178,13 +180,16 @@ class Controller:
         contacts, dt = binding.plan.choice.contacts, measurement.time - state.last_time
         reference = joint_reference(state, measurement.time)
         gain = self.force_gain * drag_ratio(state)
+        entry = self.entry
+        speeds = entry.speeds(measurement) if entry is not None else [None] * len(contacts)
         moved = [
             self.mover.step(
                 memory, measurement.tips[contact.arm], contact, X_WB, guidance.twist, inside, (gain * f[0],
-                gain * f[1]), load, dt, reference,
+                gain * f[1]), load, dt, reference, entry_speed,
             )
-            for memory, contact, inside, f, load in zip(
-                state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, strict=True
+            for memory, contact, inside, f, load, entry_speed in zip(
+                state.tips, contacts, binding.tip_points, allocation.forces, allocation.normals, speeds,
+                strict=True,
             )
         ]  # fmt: skip
         commands, memories, felt = zip(*moved, strict=True)
@@ -209,7 +214,7 @@ class Controller:
         if abs(guidance.error[1]) > ASTRAY:
             text = f"{abs(guidance.error[1]) * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
             return begin(replace(state, failure=("goal_missed", text)), "release", measurement)
-        if left <= STOP:
+        if self._arrived(state, measurement, left):
             ahead = state.ahead or self._once_more(state, measurement, X_WB)
             if not ahead:
                 return begin(state, "release", measurement)
@@ -233,6 +238,15 @@ class Controller:
                     state, binding=bind(fresh), progress=progress, clock_start=time - clock, corrected=time
                 )
         return state
+
+    def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
+        """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
+        or has been waited for.
+        """
+        if self.entry is None or state.ahead:
+            return left <= STOP
+        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
+        return late > SEAT_TIME or (left <= STOP and self.entry.seated(measurement))
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""

@@ -77,6 +77,8 @@ def _select(task: Task) -> list[Choice]:
         mode = MODES[name]
         if mode.arms != len(task.robots):
             out.append(Choice(name, False, f"needs {mode.arms} arm(s), the task has {len(task.robots)}"))
+        elif task.support.kind == "wall" and not mode.walls:
+            out.append(Choice(name, False, "cannot hold an object on a wall; support.kind must be table"))
         else:
             out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
     return _ranked(out)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
@@ -67,6 +68,32 @@ def _check_motion(task: Task) -> None:
         raise TaskError(task.source, "motion.contact_height", motion.contact_height, allowed)
 
 
+def check_wall(task: Task) -> None:
+    """Check what a wall asks of a whole task: a loose body falls off it, what is in its opening stays there.
+
+    Raises TaskError.
+    """
+    if task.support.kind == "table":
+        return
+    for i, obstacle in enumerate(task.obstacles):
+        if obstacle.movable:
+            raise TaskError(
+                task.source, f"obstacles[{i}].movable", True, "on a wall it would fall; allowed: false"
+            )
+    opening, shape = task.support.opening, task.object.shape
+    if opening is None:
+        return
+    if opening.depth >= shape.height:
+        allowed = f"allowed: less than the object's height of {shape.height:g} m"
+        raise TaskError(task.source, "support.opening.depth", opening.depth, allowed)
+    if opening.holds(task.start, shape):
+        raise TaskError(task.source, "start", _at(task.start), "it lies in support.opening; allowed: outside")
+    off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
+    if not task.enters and all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True)):
+        allowed = "allowed: outside support.opening, or where the object's outline is within it"
+        raise TaskError(task.source, "goal", _at(task.goal), allowed)
+
+
 def _arms(count: int) -> str:
     return f"{count} robot" if count == 1 else f"{count} robots"
 
@@ -116,8 +143,8 @@ def check_reach(task: Task) -> None:
         short = [shortfall(arm, robot, task, pose) for arm, robot in zip(arms, task.robots, strict=True)]
         best = min(range(len(short)), key=short.__getitem__)
         if short[best] > 0.0:
-            center, robot = pose.apply(task.object.center_of_mass), task.robots[best]
-            far = math.dist(center, robot.base[:2])
+            center = pose.apply(task.object.center_of_mass)
+            far = math.dist(center, task.bases[best][:2])
             what = Shown(f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m from the base")
             allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
             raise TaskError(task.source, name, what, f"allowed: within reach; {allowed}")
@@ -146,12 +173,13 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     places, spacing = around(task.object.shape, X_WG, robot.tip_radius, PLACES)
     low, top = robot.tip_radius, task.object.shape.height + robot.tip_radius
     levels = np.linspace(low, top, min(max(2, math.ceil((top - low) / 0.08)), 8))
-    points = np.array([(x, y, z) for x, y in places for z in levels])
+    frame = task.support.frame
+    points = np.array([frame.point((x, y, float(z))) for x, y in places for z in levels])
     slack = 0.5 * math.hypot(spacing, float(levels[1] - levels[0])) + REACH_SLACK
     least = math.inf
     for tilt in TOOL_TILTS:
         for azimuth in (0.5 * math.pi * k for k in range(4 if tilt > 0.0 else 1)):
-            found = reachable(kin, points, ToolAttitude(tilt, azimuth))
+            found = reachable(kin, points, ToolAttitude(tilt, azimuth, frame.axes))
             least = min(least, float(found.miss.min()))
             if found.ok.any() or least <= slack:
                 return 0.0
@@ -165,9 +193,13 @@ def _box(obstacle: Obstacle) -> Box:
 
 
 def _check_bodies(task: Task) -> None:
-    arms = [(f"robots[{i}].base", robot) for i, robot in enumerate(task.robots) if robot.model != "hand"]
-    if len(arms) == 2 and math.dist(arms[0][1].base, arms[1][1].base) < 2.0 * BASE_RADIUS:
-        where = Shown(f"{math.dist(arms[0][1].base, arms[1][1].base):.3f} m from the other base")
+    arms = [
+        (f"robots[{i}].base", base)
+        for i, (robot, base) in enumerate(zip(task.robots, task.bases, strict=True))
+        if robot.model != "hand"
+    ]
+    if len(arms) == 2 and math.dist(arms[0][1], arms[1][1]) < 2.0 * BASE_RADIUS:
+        where = Shown(f"{math.dist(arms[0][1], arms[1][1]):.3f} m from the other base")
         raise TaskError(
             task.source, "robots[1].base", where, f"allowed: bases {2.0 * BASE_RADIUS:g} m or more apart"
         )
@@ -175,16 +207,16 @@ def _check_bodies(task: Task) -> None:
     if task.true_start != task.start:
         object_poses.append(("start_error", task.true_start))
     for name, pose in object_poses:
-        for field, robot in arms:
-            _check_base(task, name, task.object.shape, pose, field, robot)
+        for field, base in arms:
+            _check_base(task, name, task.object.shape, pose, field, base)
         pushed = task.tool.body if task.tool is not None and name == "goal" else None
         for obstacle in task.obstacles:
             if obstacle.name != pushed:
                 _check_apart(task, name, task.object.shape, pose, obstacle)
     for i, obstacle in enumerate(task.obstacles):
         field = f"obstacles[{i}].pose"
-        for base_field, robot in arms:
-            _check_base(task, field, _box(obstacle), obstacle.pose, base_field, robot)
+        for base_field, base in arms:
+            _check_base(task, field, _box(obstacle), obstacle.pose, base_field, base)
         for other in task.obstacles[:i]:
             _check_apart(task, field, _box(obstacle), obstacle.pose, other)
 
@@ -193,10 +225,10 @@ def _at(pose: Pose2) -> Shown:
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 
-def _check_base(task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, robot: Robot) -> None:
-    if robot.base[2] >= shape.height:
+def _check_base(task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, base: Vector3) -> None:
+    if base[2] >= shape.height:
         return
-    gap = distance_outside(shape, X_WG.unapply((robot.base[0], robot.base[1])))
+    gap = distance_outside(shape, X_WG.unapply((base[0], base[1])))
     if gap < BASE_RADIUS:
         allowed = f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"
         raise TaskError(task.source, name, _at(X_WG), allowed)

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, Motion, Shape, Task
+from pushpressslide.core.task import Box, Cylinder, Motion, Shape, Support, Task
 
 
 def degrees(radians: float) -> float:
@@ -32,6 +32,18 @@ def _shape(shape: Shape) -> dict[str, Any]:
     if isinstance(shape, Cylinder):
         return {"cylinder": {"radius": shape.radius, "height": shape.height}}
     return {"prism": {"polygon": [list(corner) for corner in shape.polygon], "height": shape.height}}
+
+
+def _support(support: Support) -> dict[str, Any]:
+    out: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
+    if support.kind == "wall":
+        (x, y, z), frame, opening = support.frame.origin, support.frame, support.opening
+        heading = math.atan2(frame.axes[1][2], frame.axes[0][2])
+        out["pose"] = {"x": x, "y": y, "z": z, "yaw_deg": degrees(heading)}
+        if opening is not None:
+            (cx, cy) = opening.center
+            out["opening"] = {"size": list(opening.size), "pose": {"x": cx, "y": cy}, "depth": opening.depth}
+    return out
 
 
 def _limits(task: Task) -> dict[str, Any]:
@@ -60,7 +72,7 @@ def task_data(task: Task) -> dict[str, Any]:
     return {
         "name": task.name,
         "description": task.description,
-        "support": {"kind": task.support.kind, "friction": task.support.friction},
+        "support": _support(task.support),
         "object": {
             "shape": _shape(task.object.shape),
             "mass": task.object.mass,

@@ -9,6 +9,7 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import (
     Belief,
     Box,
@@ -17,6 +18,7 @@ from pushpressslide.core.task import (
     Motion,
     ObjectModel,
     Obstacle,
+    Opening,
     Prism,
     Robot,
     Sensing,
@@ -25,7 +27,7 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
-from pushpressslide.pipeline.task_checks import MODELS, check
+from pushpressslide.pipeline.task_checks import MODELS, check, check_wall
 from pushpressslide.pipeline.task_dump import dump_task
 from pushpressslide.pipeline.task_legs import inherited, legs
 from pushpressslide.pipeline.task_reader import nearest, read
@@ -74,7 +76,6 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         TaskError: as :func:`load_task`.
     """
     d = read(SCHEMA, inherited(data), "", source)
-    _refuse_unsupported(d, source)
     belief, contact_friction = d["belief"], d["contact"]["friction"]
     model = ObjectModel(*_object(d["object"], source))
     obstacles = _obstacles(d["obstacles"], source)
@@ -85,7 +86,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         start=_pose(d["start"]),
         goal=goal,
         robots=tuple(_robot(r, i, source) for i, r in enumerate(d["robots"])),
-        support=Support(d["support"]["kind"], d["support"]["friction"]),
+        support=_support(d["support"], source),
         contact_friction=contact_friction,
         tolerance=Tolerance(d["tolerance"]["position"], math.radians(d["tolerance"]["yaw_deg"])),
         obstacles=obstacles,
@@ -110,19 +111,27 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         description=" ".join(d["description"].split()),
         source=source,
     )
+    check_wall(task)
     for part in task.parts:
         check(part)
     return task
 
 
-def _refuse_unsupported(d: Mapping[str, Any], source: str) -> None:
-    later = "not supported yet by this version"
-    if d["support"]["kind"] == "wall":
-        raise TaskError(source, "support.kind", "wall", f"{later}; allowed: table")
-    if d["support"]["pose"] is not None:
-        raise TaskError(
-            source, "support.pose", d["support"]["pose"], "only a wall has a pose; leave it out for a table"
-        )
+def _support(d: Mapping[str, Any], source: str) -> Support:
+    pose, opening = d["pose"], d["opening"]
+    if d["kind"] == "table":
+        for name in ("pose", "opening"):
+            if d[name] is not None:
+                allowed = f"only a wall has one; allowed for a table: leave support.{name} out"
+                raise TaskError(source, f"support.{name}", d[name], allowed)
+        return Support("table", d["friction"])
+    if pose is None:
+        raise TaskError(source, "support.pose", None, "it is missing; allowed: the pose of the wall")
+    frame = SupportFrame.of_wall((pose["x"], pose["y"], pose["z"]), math.radians(pose["yaw_deg"]))
+    hole = None
+    if opening is not None:
+        hole = Opening(opening["size"], (opening["pose"]["x"], opening["pose"]["y"]), opening["depth"])
+    return Support("wall", d["friction"], frame, hole)
 
 
 def _told(value: float | None, truth: float) -> float:

@@ -35,18 +35,27 @@ def _size3(help: str) -> Field:
 
 def _pose(default: Any = REQUIRED) -> dict[str, Field]:
     return {
-        "x": _number("along x of the world", "m", -10, 10, default),
-        "y": _number("along y of the world", "m", -10, 10, default),
-        "yaw_deg": _number("counter-clockwise about the support's normal", "deg", -360, 360, 0.0),
+        "x": _number("along x of the support", "m", -10, 10, default),
+        "y": _number("along y of the support", "m", -10, 10, default),
+        "yaw_deg": _number("from x towards y", "deg", -360, 360, 0.0),
     }
 
 
 _BASE = {
     "x": _number("position in the world", "m", -10, 10, 0.0),
     "y": _number("position in the world", "m", -10, 10, 0.0),
-    "z": _number("height above the support", "m", -10, 10, 0.0),
+    "z": _number("height above the table or floor", "m", -10, 10, 0.0),
     "yaw_deg": _number("heading in the world", "deg", -360, 360, 0.0),
 }
+
+_OPENING = {
+    "size": Field("numbers", "along x and y", "m", 0, 10, open_low=True, count=(2, 2)),
+    "pose": _section(
+        "its centre",
+        {"x": _number("along x", "m", -10, 10, 0.0), "y": _number("along y", "m", -10, 10, 0.0)}, {},
+    ),
+    "depth": _number("of its back behind the wall's face", "m", 0, 10, open="("),
+}  # fmt: skip
 
 _PRISM = {
     "polygon": Field(
@@ -130,7 +139,8 @@ MOTION = {
         low=0, high=63, default=_DEFAULT.face,
     ),
     "contacts": Field(
-        "points", "places of top contacts in G, on the object's top; null: chosen", "m", -5, 5,
+        "points", "places of top contacts in G, on the object's top, of two the left arm's first unless "
+        "the arms would cross; null: chosen", "m", -5, 5,
         default=_DEFAULT.contacts, count=(1, 2),
     ),
     "press_force": _number(
@@ -168,7 +178,11 @@ SCHEMA = _section(
             {
                 "kind": Field("text", "kind of support", default="table", choices=("table", "wall")),
                 "friction": _friction("pair object/support", 0.3),
-                "pose": _section("pose of a wall's origin in the world; for walls only", _BASE, None),
+                "pose": _section(
+                    "of a wall, needed for one: its origin in the world, and where its normal, which points "
+                    "at the robots, heads", _BASE, None,
+                ),
+                "opening": _section("a rectangular opening in a wall, closed at its back", _OPENING, None),
             },
             {},
         ),

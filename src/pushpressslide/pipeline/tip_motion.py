@@ -61,11 +61,13 @@ class TipMover:
         load: float,
         dt: float,
         progress: float,
+        entry_speed: float | None = None,
     ) -> tuple[TipCommand, TipMemory, Felt]:
         """Return the tip's command, what to remember, and what it feels.
 
         ``twist`` is the object's, in B; ``inside`` [m] in B is the tip's centre; ``f_B`` [N] the force along
-        the support, ``load`` [N] what a press is to have; ``progress`` [m] is for the joint reference.
+        the support, ``load`` [N] what a press is to have; ``progress`` [m] is for the joint reference;
+        ``entry_speed`` [m/s] is that of a press whose object goes into an opening.
         """
         n = contact.direction(X_WB)
         normal_force = pressed(tip.force, n)
@@ -81,7 +83,11 @@ class TipMover:
         a = ((v[0] - before[0]) / dt, (v[1] - before[1]) / dt, 0.0) if dt > 0.0 else (0.0, 0.0, 0.0)
         height, regulator = tip.position[2], memory.regulator
         stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
-        if contact.kind == "top":
+        if entry_speed is not None:  # nothing but the damper holds it back
+            push, damping, felt = load, load / entry_speed, Felt(False, 0.0)
+            most, size = self.friction * max(normal_force, 0.0), math.hypot(*f)
+            f = (f[0] * most / size, f[1] * most / size) if size > most else f  # what it holds by friction
+        elif contact.kind == "top":
             push, regulator = self.regulator.step(regulator, load, normal_force, dt)
         else:
             height, stiffness, damping = contact.height, HEIGHT_STIFFNESS, HEIGHT_DAMPING

@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point
 
-ContactStatus = Literal["free", "stick", "slip", "slip_left", "slip_right"]
+ContactStatus = Literal["free", "stick", "slip", "slip_left", "slip_right", "pull"]
 
 ON_RIM = 1e-12  # of the limit: force beyond it at which a slip is found
 SLIP_STEPS = 30  # one for equal dampings
@@ -116,7 +116,24 @@ class TopContact:
         return Response((ax * f1 - ay * f2, ay * f1 + ax * f2), _turned(self.law.axis, s11, s12, s22), status)
 
 
-Contact = SideContact | TopContact
+@dataclass(frozen=True, slots=True)
+class Pull:
+    """A force that is always there: a weight in the plane."""
+
+    point: Point  # [m] where it acts
+    force: Point  # [N]
+
+    @property
+    def center(self) -> Point:
+        """Place where it acts [m]."""
+        return self.point
+
+    def response(self, twist: tuple[float, float, float]) -> Response:
+        """Return the force, whatever the twist."""
+        return Response(self.force, (0.0, 0.0, 0.0, 0.0), "pull")
+
+
+Contact = SideContact | TopContact | Pull
 
 
 def _turned(axis: Point, s11: float, s12: float, s22: float) -> tuple[float, float, float, float]:

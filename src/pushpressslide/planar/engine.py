@@ -81,7 +81,10 @@ def run(
             reason = state.failure or ("goal_reached", "")
             break
         if tipping > TIPPING_TIME:
-            reason = ("diverged", "the object tips over: the centre of pressure has left its base")
+            what = "tips over: the centre of pressure has left its base"
+            if not any(-tip.force[2] for tip in here.tips) and any(task.weight_in_plane):
+                what = "falls: nothing presses it on the wall"
+            reason = ("diverged", f"the object {what}")
             break
         if stop():
             reason = ("interrupted", f"stopped by the user at {time:.1f} s")

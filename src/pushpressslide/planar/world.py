@@ -7,19 +7,20 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from pushpressslide.core.control import TipCommand, TipState, Vector3
-from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import GRAVITY, Box, Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load
-from pushpressslide.planar.contact import FREE, ContactStatus, SideContact, TipLaw, TopContact
+from pushpressslide.pipeline.task_shapes import overlap_area
+from pushpressslide.planar.contact import FREE, ContactStatus, Pull, SideContact, TipLaw, TopContact
+from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
-from pushpressslide.planar.sliding import slide
-from pushpressslide.planar.support import Support
+from pushpressslide.planar.sliding import REST, slide
+from pushpressslide.planar.support import Support, Vector
 
-GRAVITY = 9.81  # [m/s^2]
+STEP = 1e-4  # [m] down, within which the object stands on what is there
 TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it
 
 
@@ -60,20 +61,18 @@ class _Reach:
 
 
 class World:
-    """A task's object on its table, and the tips; the truth, not what is believed.
+    """A task's object on its support, and the tips; the truth, not what is believed.
 
     The object has no inertia and the tips no mass: a tip exerts what its command asks for at the velocity it
     has, so the cap of its servo, which is for an arm's inertia, has no part here. A tip touches in a point;
-    its friction acts in the plane. Movable obstacles are not modelled: the object passes through them.
+    its friction acts in the plane. Obstacles are not modelled, but for a fixed one on a wall, which carries
+    what stands on it: the object passes through them. What is level with an opening rests in it.
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
-        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the tick.
-
-        Raises PushPressSlideError for an object on a wall.
-        """
-        if task.support.kind != "table":
-            raise PushPressSlideError(f"support.kind {task.support.kind!r}; the planar engine allows: table")
+        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the tick."""
+        wx, wy, press = task.support.frame.components((0.0, 0.0, -task.object.mass * GRAVITY))
+        self.weight, self.own_load = (wx, wy), -press  # [N] in the plane, and on the support
         self.task, self.contacts, self.dt = task, tuple(contacts), dt
         self.support = Support(task.object.shape, task.object.center_of_mass)
         radii = [task.robots[c.arm].tip_radius for c in contacts]
@@ -84,7 +83,7 @@ class World:
         object at ``planned``; a tip without a contact is at its robot's base.
         """
         X_WB = planned.compose(self.task.object.X_GB)
-        places = [robot.base for robot in self.task.robots]
+        places = list(self.task.bases)
         for contact in self.contacts:
             point, height = contact.tip_place(self.task.robots[contact.arm].tip_radius, gap)
             places[contact.arm] = (*X_WB.apply(point), height)
@@ -113,11 +112,17 @@ class World:
         cop, friction, tipping = self.support.under(cop)
         mu = self.task.contact_friction
         touching = [reach.touching(cop, mu, dt) for reach in reaches]
-        limit = self.task.support.friction * load
-        guess = state.twist.moved_to(cop)
-        vx, vy, w = slide(
-            friction, limit, [t for t in touching if t is not None], (guess.vx, guess.vy, guess.w)
-        )
+        acting: list[ObjectContact] = [t for t in touching if t is not None]
+        vx, vy, w = REST
+        held = (mu + self.task.support.friction) * load > math.hypot(*self.weight)
+        if held:
+            if any(self.weight):
+                acting.append(Pull((-cop[0], -cop[1]), X_WB.unrotate(self.weight)))
+            guess = state.twist.moved_to(cop)
+            limit = self.task.support.friction * load
+            vx, vy, w = slide(friction, limit, acting, (guess.vx, guess.vy, guess.w))
+        if any(self.weight):
+            (vx, vy, w), tipping = self._carried(X_WB, Twist(vx, vy, w, cop), tipping or not held)
         twist = Twist(vx, vy, w, cop)
         origin = twist.moved_to((0.0, 0.0))
         X_after = moved(X_WB, (origin.vx, origin.vy, w), dt)
@@ -171,15 +176,41 @@ class World:
         """Return CoP [m] in B and load [N] on the support, by the presses of this tick and the horizontal
         forces of the one before.
         """
-        own, top = self.task.object.mass * GRAVITY, self.task.object.shape.height
+        own, top = self.own_load, self.task.object.shape.height
         presses = [reach.press for reach in reaches]
         tips = [state.tips[reach.contact.arm] for reach in reaches]
+        load = total_load(own, presses)
+        if load == 0.0:
+            return (0.0, 0.0), load
+        along = [(tip.force[0], tip.force[1]) for tip in tips]
+        kinds = [reach.contact.kind for reach in reaches]
+        heights = [top if k == "top" else t.position[2] for k, t in zip(kinds, tips, strict=True)]
         cop = center_of_pressure(
             own, (0.0, 0.0), presses, [reach.place for reach in reaches],
-            [state.X_WB.unrotate((tip.force[0], tip.force[1])) for tip in tips],
-            [top if r.contact.kind == "top" else t.position[2] for r, t in zip(reaches, tips, strict=True)],
+            [state.X_WB.unrotate(force) for force in (*along, self.weight)], [*heights, 0.5 * top],
         )  # fmt: skip
-        return cop, total_load(own, presses)
+        return cop, load
+
+    def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
+        """What becomes of an object on a wall that would move with ``twist``: it rests on a fixed obstacle or
+        in the opening, or goes on; and whether it still falls.
+        """
+        X_WG, shape = X_WB.compose(self.task.object.X_GB.inverse()), self.task.object.shape
+        size = math.hypot(*self.weight)
+        below = replace(
+            X_WG, x=X_WG.x + STEP * self.weight[0] / size, y=X_WG.y + STEP * self.weight[1] / size
+        )
+        opening, moving = self.task.support.opening, (twist.vx, twist.vy, twist.w)
+        if opening is not None and opening.holds(X_WG, shape):
+            lowest, falling = not opening.holds(below, shape), False
+        else:
+            fixed = (o for o in self.task.obstacles if not o.movable)
+            lowest = any(overlap_area(shape, below, Box(o.size), o.pose) > 0.0 for o in fixed)
+        at_com = twist.moved_to((0.0, 0.0))
+        vx, vy = X_WB.rotate((at_com.vx, at_com.vy))
+        if lowest and vx * self.weight[0] + vy * self.weight[1] >= 0.0:
+            return REST, False
+        return moving, falling
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:

@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
-from pushpressslide.core.task import Cylinder, ObjectModel, Robot, Task
+from pushpressslide.core.task import Cylinder, ObjectModel, Task
 from pushpressslide.mechanics.face_push import on_face as on_face
 from pushpressslide.mechanics.faces import Face, room_ahead
 
@@ -76,19 +77,20 @@ def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | Non
 
 
 def assignments(
-    robots: Sequence[Robot], points: Sequence[Point], poses: Sequence[Pose2]
+    bases: Sequence[Vector3], points: Sequence[Point], poses: Sequence[Pose2]
 ) -> list[tuple[int, int]]:
     """Return the ways to give two contacts to two arms that do not cross, the arms nearest to them first.
 
-    ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of an assignment is the arm of contact i.
+    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of
+    an assignment is the arm of contact i.
     """
     out = []
     for arms in ((0, 1), (1, 0)):
-        bases = [robots[arm].base[:2] for arm in arms]
+        (ax, ay, _), (bx, by, _) = (bases[arm] for arm in arms)
         tips = [[X.apply(p) for p in points] for X in poses]
-        if any(_cross(bases[0], a, bases[1], b) for a, b in tips):
+        if any(_cross((ax, ay), a, (bx, by), b) for a, b in tips):
             continue
-        way = sum(math.dist(base, p) for pair in tips for base, p in zip(bases, pair, strict=True))
+        way = sum(math.dist((ax, ay), a) + math.dist((bx, by), b) for a, b in tips)
         out.append((way, arms))
     return [arms for _, arms in sorted(out)]
 

@@ -18,6 +18,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.report import series
 from pushpressslide.report.contact_metrics import contact_figures, pivots
+from pushpressslide.report.support import seat_error, support_figures
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ MOTION_FIELDS = (
 )  # fmt: skip
 CONTACT_FIELDS = (
     "max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance", "contacts",
+    "pivots",
 )  # fmt: skip
 
 
@@ -72,7 +74,7 @@ def result(
         "time_step": record.meta.get("time_step"),
         "tick_us": _tick_times(record) if known else None,
         "bodies": _bodies(task, record) if known else {},
-        "max_tilt_deg": _max_tilt(record) if known else None,
+        **support_figures(task, record),
         "planned": _planned(plan, record),
         "versions": dict(versions) if versions is not None else installed_versions(),
     }
@@ -107,12 +109,14 @@ def installed_versions() -> dict[str, str | None]:
 
 
 def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[bool, dict[str, str]]:
-    allowed = task.tolerance
-    within = position <= allowed.position and yaw <= allowed.yaw  # False for NaN
+    allowed, seat = task.tolerance, seat_error(task, record)
+    within = max(position, seat) <= allowed.position and yaw <= allowed.yaw  # False for NaN
     place = (
         f"ended {1e3 * position:.1f} mm and {math.degrees(yaw):.2f} deg from the goal, tolerance "
         f"{1e3 * allowed.position:g} mm and {math.degrees(allowed.yaw):g} deg"
     )
+    if seat > allowed.position:
+        place += f", {1e3 * seat:.0f} mm short of the opening's back"
     code, text = record.reason, record.reason_text
     if code == "goal_reached":
         return within, {
@@ -242,11 +246,6 @@ def _bodies(task: Task, record: Record) -> dict[str, Any]:
         }
         for name, p in poses.items()
     }
-
-
-def _max_tilt(record: Record) -> float | None:
-    positions = record.arrays.get("object_pose_3d")
-    return None if positions is None else math.degrees(float(np.nanmax(series.tilt(positions))))
 
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:

@@ -45,6 +45,8 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
             ("Outside the friction cone", "cone_violation_fraction", 100.0, "% of ticks", 2),
             ("Slip along the surface", "slip_distance", 1e3, "mm", 2),
             ("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
+            ("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
+            ("Depth in the opening", "seated_depth", 1e3, "mm", 1),
         ),
     ),
     (

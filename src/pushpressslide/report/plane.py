@@ -39,13 +39,14 @@ def plan_figure(plan: Plan) -> Figure:
     """Return the plan from above: the tracking point's paths, footprints, obstacles, bases and contacts."""
     made, axes = style.figure(height=5.6)
     ax, task, stretches = axes[0], plan.task, plan.way
+    goal = stretches[-1].task.goal
     each = max(2, STATIONS // len(stretches))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [stretch.object_pose(u * stretch.path.length) for stretch in stretches for u in shares]
     _surroundings(ax, task)
     _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
     _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
-    _footprint(ax, task, task.goal, style.GREEN, "goal", fill=True)
+    _footprint(ax, task, goal, style.GREEN, "goal", fill=True)
     for i, stretch in enumerate(stretches):
         line = [stretch.path.pose(s) for s in np.linspace(0.0, stretch.path.length, 200)]
         label = None if i else "path of the tracking point"
@@ -54,7 +55,7 @@ def plan_figure(plan: Plan) -> Figure:
     X_WB = task.start.compose(task.object.X_GB)
     ax.plot(X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass")
     _contacts(ax, [(grasp, grasp.task.start.compose(task.object.X_GB)) for grasp in plan.grasps])
-    corners = [c for pose in [*poses, task.start, task.goal] for c in outline(task, pose)]
+    corners = [c for pose in [*poses, task.start, goal] for c in outline(task, pose)]
     way = sum(series.path_length(stretch.path) for stretch in stretches)
     seconds = sum(stretch.profile.duration for stretch in stretches)
     modes = ", ".join(grasp.choice.mode for grasp in plan.grasps)
@@ -202,6 +203,10 @@ def _footprints(ax: Axes, task: Task, poses: Sequence[Pose2], color: str, label:
 def _surroundings(ax: Axes, task: Task) -> None:
     from matplotlib.patches import Circle, Polygon
 
+    if (opening := task.support.opening) is not None:
+        (w, h), (x, y) = opening.size, opening.center
+        corners = [(x + a * w, y + b * h) for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+        ax.add_patch(Polygon(corners, closed=True, fill=False, edgecolor="#6B7280", ls=":", label="opening"))
     for i, obstacle in enumerate(task.obstacles):
         a, b = 0.5 * obstacle.size[0], 0.5 * obstacle.size[1]
         corners = [obstacle.pose.apply(c) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]

@@ -46,13 +46,6 @@ def planar_poses(positions: Array) -> Array:
     return np.stack([positions[:, 4], positions[:, 5], yaw], axis=1)
 
 
-def tilt(positions: Array) -> Array:
-    """Return the angle [rad] (N,) between a body's own z axis and the vertical."""
-    return np.asarray(
-        np.arccos(np.clip(1.0 - 2.0 * (positions[:, 1] ** 2 + positions[:, 2] ** 2), -1.0, 1.0))
-    )
-
-
 def ticks(record: Record) -> int:
     """Return the number of ticks that were recorded."""
     return len(record.arrays.get("time", ()))

@@ -1,9 +1,9 @@
 """How the tool is held: its axis constant in the support's frame, or turning with the object as its yaw does.
 
 The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the
-flange. Frame S is the support's: z out of the surface towards the robots (on a table S has the world's axes).
-An upright tool points along -z_S. The TOOL YAW is the angle, about z_S and from x_S, of the tool's x axis
-projected on the plane of x_S and y_S.
+flange. Frame S is the support's: x and y along the surface, z out of it towards the robots (on a table the
+world's axes; left-handed on a wall, see core/support_frame.py). An upright tool points along -z_S. The TOOL
+YAW is the angle, from x_S to y_S, of the tool's x axis projected on their plane.
 """
 
 from __future__ import annotations
@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.support_frame import WORLD_AXES, Matrix3
 
 Array = NDArray[np.float64]
-Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
-UPRIGHT_WS: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 # that are tried: tilts, and the sides to which a tool that turns with the object leans
 SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad]
 TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
@@ -31,14 +30,14 @@ class ToolAttitude:
 
     In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
     the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
-    about z_S with its yaw, as if fixed to the object.
+    in their plane with its yaw, as if fixed to the object.
 
     Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
 
     tilt: float = 0.0  # [rad] in [0, pi/2)
-    azimuth: float = 0.0  # [rad] about z_S from x_S
-    R_WS: Rotation = UPRIGHT_WS  # rows; the default is a table
+    azimuth: float = 0.0  # [rad] from x_S to y_S
+    axes: Matrix3 = WORLD_AXES  # of S in the world, rows; the default is a table
     turns: bool = False
 
     def __post_init__(self) -> None:
@@ -50,7 +49,7 @@ class ToolAttitude:
         """Unit vector (3,) along the tool, out of the flange, in the world."""
         s = math.sin(self.tilt)
         axis_S = (s * math.cos(self.azimuth), s * math.sin(self.azimuth), -math.cos(self.tilt))
-        out: Array = np.array(self.R_WS) @ np.array(axis_S)
+        out: Array = np.array(self.axes) @ np.array(axis_S)
         return out
 
     def rotation(self, tool_yaw: NDArray[np.float64] | float) -> Array:
@@ -59,15 +58,19 @@ class ToolAttitude:
         if self.turns:
             cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
             turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
-            fixed = replace(self, R_WS=UPRIGHT_WS, turns=False).rotation(0.0)
-            turned: Array = np.array(self.R_WS) @ turn.reshape(*yaw.shape, 3, 3) @ fixed
-            return turned
+            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation(0.0)
+            return self._in_world(turn.reshape(*yaw.shape, 3, 3) @ fixed)
         s, c = math.sin(self.tilt), math.cos(self.tilt)
         z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
         x = np.stack([np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c], axis=-1)
         x /= np.linalg.norm(x, axis=-1, keepdims=True)
         R_ST = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
-        out: Array = np.array(self.R_WS) @ R_ST
+        return self._in_world(R_ST)
+
+    def _in_world(self, R_ST: Array) -> Array:
+        """Turn the x and z axes of T, given in S, into the world; its y axis follows, whatever S's hand."""
+        axes = np.array(self.axes)
+        out: Array = axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
         return out
 
     def rotation_at(self, tool_yaw: float) -> Array:
@@ -82,11 +85,11 @@ class ToolAttitude:
         R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
         if self.turns:
             R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
-        return R_ST if self.R_WS is UPRIGHT_WS else np.array(self.R_WS) @ R_ST
+        return R_ST if self.axes is WORLD_AXES else self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
         """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
-        x = R_WT[..., :, 0] @ np.array(self.R_WS)
+        x = R_WT[..., :, 0] @ np.array(self.axes)
         out: Array = np.arctan2(x[..., 1], x[..., 0])
         return out
 

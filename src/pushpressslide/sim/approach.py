@@ -61,7 +61,9 @@ class Approach:
 
         ``free`` says whether one (n,) is clear of everything.
         """
-        self.task, self.kin = task, kin
+        self.task, self.kin, frame = task, kin, task.support.frame
+        self._axes, self._up = frame.axes, np.array(frame.direction((0.0, 0.0, 1.0)))
+        self._level = float(np.dot(frame.origin, self._up))  # [m] of the support along ``_up``
         tops = [task.object.shape.height, *(o.size[2] for o in task.obstacles)]
         self.hover = max(tops) + HOVER_ROOM + max(robot.tip_radius for robot in task.robots)
         self._rise_speed = math.inf if start is None else DESCENT_SPEED  # [m/s] beside the object
@@ -99,12 +101,9 @@ class Approach:
         if _reached(back) < needed:
             return Descent(points, back, needed, gap, np.zeros((0, len(q))), np.zeros(0))
         beside, at = points[_reached(back) - 1], back.q[_reached(back) - 1]
-        height = float(beside[2])
-        hover = max(self.hover, height + 0.08)
-        levels = _levels(height, hover)
-        rise = self._follow(
-            np.column_stack([np.full((len(levels), 2), beside[:2]), levels]), yaw, at, attitude
-        )
+        height = self._height(beside)
+        levels = _levels(height, max(self.hover, height + 0.08))
+        rise = self._follow(beside + (levels - height)[:, None] * self._up, yaw, at, attitude)
         count = _reached(rise)
         return Descent(points, back, needed, gap, rise.q[:count], levels[:count] - height)
 
@@ -133,21 +132,27 @@ class Approach:
                 if found is not None:
                     yield self._timed(rise, list(found), descent, count)
 
+    def _height(self, place: Array) -> float:
+        """Height [m] of a place (3,) above the support."""
+        return float(place @ self._up) - self._level
+
     def _lifted(self, home: Array) -> Array | None:
         """The ready posture with its tip straight above, higher than everything; None where it cannot be."""
         p = np.asarray(self.kin.tip_pose(home)[1])
-        if p[2] >= self.hover:
+        rise = self.hover - self._height(p)
+        if rise <= 0.0:
             return None
-        found = solve_ik(self.kin, np.array([p[0], p[1], self.hover]), q_seed=home, best_margin=False)
+        upright = ToolAttitude(axes=self._axes)
+        found = solve_ik(self.kin, p + rise * self._up, upright, q_seed=home, best_margin=False)
         return np.asarray(found.q[0]) if found.converged[0] else None
 
     def _risen(self, start: Array) -> Array:
         """Postures (k, n) straight up from ``start``, as high as need be or the arm can."""
         p = np.asarray(self.kin.tip_pose(start)[1])
-        levels = _levels(p[2], max(self.hover, p[2] + 0.08))
-        points = np.column_stack([np.full((len(levels), 2), p[:2]), levels])
-        attitude, yaw = held_at(self.kin, start)
-        rise = self._follow(points, yaw, start, attitude)
+        height = self._height(p)
+        levels = _levels(height, max(self.hover, height + 0.08))
+        attitude, yaw = held_at(self.kin, start, self._axes)
+        rise = self._follow(p + (levels - height)[:, None] * self._up, yaw, start, attitude)
         return np.concatenate([start[None], rise.q[1 : _reached(rise)]])
 
     def _high(self) -> Iterator[Array]:
@@ -155,11 +160,11 @@ class Approach:
         facts, rng = self.kin.facts, np.random.default_rng(0)
         spread = SPREAD * (2.0 * rng.random((DRAWN, facts.size)) - 1.0)
         drawn = np.clip(facts.home + spread, facts.lower + 0.1, facts.upper - 0.1)
-        yield from drawn[np.asarray(self.kin.tip_pose(drawn)[1])[:, 2] > self.hover]
+        yield from drawn[np.asarray(self.kin.tip_pose(drawn)[1]) @ self._up > self._level + self.hover]
 
     def _timed(self, rise: Array, corners: list[Array], descent: Descent, count: int) -> Way:
         """Return times and postures: up, from rest to rest from corner to corner, and down."""
-        bottom, top = (float(np.asarray(self.kin.tip_pose(q)[1])[2]) for q in (rise[0], rise[-1]))
+        bottom, top = (self._height(np.asarray(self.kin.tip_pose(q)[1])) for q in (rise[0], rise[-1]))
         down, drop = descent.down(count)
         legs = [(rise, (top - bottom) / self._rise_speed)]
         legs += [(np.stack(pair), 0.0) for pair in pairwise(corners)]

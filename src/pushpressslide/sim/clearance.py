@@ -50,16 +50,15 @@ class ClearanceModel:
         shape_id = plant.RegisterCollisionGeometry(
             self._object, RigidTransform(), object_shape(task.object.shape), "object", properties
         )
-        plant.RegisterCollisionGeometry(
-            plant.world_body(),
-            RigidTransform([0.0, 0.0, TABLE_LEVEL - 0.5]),
-            DrakeBox(6.0, 6.0, 1.0),
-            "table",
-            properties,
-        )
+        frame, below = task.support.frame, TABLE_LEVEL - 0.5
+        slabs = {"table": RigidTransform([0.0, 0.0, below])}
+        if task.support.kind == "wall":
+            slabs["wall"] = rigid_transform(Pose2(), below, frame)
+        for name, X in slabs.items():
+            plant.RegisterCollisionGeometry(plant.world_body(), X, DrakeBox(6.0, 6.0, 1.0), name, properties)
         for obstacle in task.obstacles:
             plant.RegisterCollisionGeometry(
-                plant.world_body(), rigid_transform(obstacle.pose, 0.5 * obstacle.size[2]),
+                plant.world_body(), rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame),
                 DrakeBox(*obstacle.size), obstacle.name, properties,
             )  # fmt: skip
         plant.Finalize()
@@ -68,7 +67,7 @@ class ClearanceModel:
         joints = [plant.GetJointByName(fact.name, robot.model_instance) for fact in robot.facts.moving]
         self._columns = np.array([joint.velocity_start() for joint in joints])  # of q in a Jacobian
         self._tip = set(plant.GetCollisionGeometriesForBody(self._instance.tip_body))
-        self._plant, self._height = plant, 0.5 * task.object.shape.height
+        self._plant, self._height, self._frame = plant, 0.5 * task.object.shape.height, frame
         base = [
             plant.GetBodyByName(name, self._instance.model_instance) for name in self._instance.base_links
         ]
@@ -151,7 +150,7 @@ class ClearanceModel:
         """Yield what is near each other in one posture."""
         self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
         self._plant.SetFreeBodyPose(
-            self._plant_context, self._object, rigid_transform(object_pose, self._height)
+            self._plant_context, self._object, rigid_transform(object_pose, self._height, self._frame)
         )
         query = self._query.Eval(self._plant_context)
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):

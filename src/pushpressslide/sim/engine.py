@@ -23,7 +23,7 @@ from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
-from pushpressslide.sim.convert import planar_pose_from_positions
+from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.grasps import all_joint_paths
 from pushpressslide.sim.joint_path import ArmPath
 from pushpressslide.sim.station import Station
@@ -62,6 +62,7 @@ class _Arm:
         self.executor = ArmExecutor(
             *self.limits, attitude.rotation_at, path.tool_yaw_offset,
             motion.joint_stiffness if motion.joint_tracking else 0.0, motion.control_period,
+            plan.task.support.frame,
         )  # fmt: skip
         if self.state is not None:
             times, q = path.approach_time + SETTLE, path.approach
@@ -109,7 +110,7 @@ def run(
     fail.
     """
     task = plan.task
-    dt = task.motion.control_period
+    dt, frame = task.motion.control_period, task.support.frame
     physics_step = time_step or task.motion.time_step
     if paths is None:
         paths = all_joint_paths(plan)
@@ -147,13 +148,14 @@ def run(
             break
         tick = perf_counter()
         x = station.state_vector()
-        pose = planar_pose_from_positions(x[object_q : object_q + 7])
-        forces = [station.contact_force(i) for i in range(len(arms))]
+        pose = planar_pose_from_positions(x[object_q : object_q + 7], frame)
+        forces = [frame.components(station.contact_force(i)) for i in range(len(arms))]
         executing = perf_counter()
         tips = []
         for arm, force in zip(arms, forces, strict=True):
             arm.state = arm.model.state(x[arm.q_at], x[arm.v_at])
-            tips.append(TipState(arm.state.position, arm.state.velocity, force))
+            place, velocity = frame.coordinates(arm.state.position), frame.components(arm.state.velocity)
+            tips.append(TipState(place, velocity, force))
         executed = perf_counter() - executing
         commands: Commands
         followed = state.reference if state is not None else None
@@ -196,10 +198,10 @@ def run(
         total = perf_counter() - tick
         recorder.add(
             time=time, log=log, true_pose=pose,
-            twist=(x[object_v + 3], x[object_v + 4], x[object_v + 2]),
+            twist=planar_twist(x[object_v : object_v + 6], frame),
             commands=commands, tips=[t.position for t in tips], forces=forces,
             ticks=(*controller.ticks, executed, total),
-            more=_rows(x, object_q, arms, references, forces, bodies), followed=followed,
+            more=_rows(x, object_q, arms, references, tips, bodies), followed=followed,
         )  # fmt: skip
         if state is not None and state.phase == "done" and ahead and state.failure is None:
             kept = tuple(c if i in controller.kept else None for i, c in enumerate(commands))
@@ -271,21 +273,21 @@ def _rows(
     object_q: int,
     arms: list[_Arm],
     references: list[Array],
-    forces: list[tuple[float, float, float]],
+    tips: list[TipState],
     bodies: dict[str, int],
 ) -> dict[str, Any]:
     """What only this engine records of a tick."""
     rows: dict[str, Any] = {"object_pose_3d": x[object_q : object_q + 7].copy()}
     points = []
-    for i, (arm, q_ref, force) in enumerate(zip(arms, references, forces, strict=True)):
+    for i, (arm, q_ref, tip) in enumerate(zip(arms, references, tips, strict=True)):
         state = arm.state
         assert state is not None
         rows[f"joint_position_{i}"], rows[f"joint_velocity_{i}"] = state.q, state.v
         rows[f"joint_torque_{i}"], rows[f"joint_reference_{i}"] = arm.torque, q_ref
         rows[f"torque_share_{i}"] = arm.share
-        size = math.hypot(*force)
+        size = math.hypot(*tip.force)
         if size > 0.3:
-            points.append([p + arm.radius * f / size for p, f in zip(state.position, force, strict=True)])
+            points.append([p + arm.radius * f / size for p, f in zip(tip.position, tip.force, strict=True)])
         else:
             points.append([math.nan] * 3)
     rows["contact_point"] = points

@@ -98,17 +98,18 @@ class ArmSearch:
         if self.contact is None:
             return
         inside, height = self.contact.tip_place(robot.tip_radius)
-        positions = np.array([(*X.apply(inside), height) for X in bodies])
+        frame = plan.task.support.frame
+        positions = np.array([frame.point((*X.apply(inside), height)) for X in bodies])
         yaws = np.unwrap(np.array([X.yaw for X in bodies]))
         self.tip = TipPath(positions, yaws, self.objects)
-        self.normal = self.contact.direction(bodies[0])
+        self.normal = frame.direction(self.contact.direction(bodies[0]))
         middle = len(bodies) // 2
-        azimuths = tool_azimuths(self.contact, bodies[middle], robot.base)
+        azimuths = tool_azimuths(self.contact, bodies[middle], plan.task.bases[arm])
         if self.contact.kind == "side":  # aside only with the tools that turn, which come last
             azimuths = azimuths[:1]
-        self.attitudes = [(ToolAttitude(0.0, azimuths[0]), np.zeros(1))]
+        self.attitudes = [(ToolAttitude(0.0, azimuths[0], frame.axes), np.zeros(1))]
         if self.kin.facts.size >= POSE:
-            self.attitudes = attitudes(azimuths, float(yaws[middle]))
+            self.attitudes = attitudes(azimuths, float(yaws[middle]), frame.axes)
         if not holds:
             self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
 
@@ -194,7 +195,8 @@ class ArmSearch:
             yield Move.of(self.kin, Posture(UPRIGHT, 0.0, np.repeat(self.start[None], len(self.objects), 0)))
             return
         if self.stays:
-            found, failed = held_on(self.kin, self.tip, self.start, force=force)
+            axes = self.plan.task.support.frame.axes
+            found, failed = held_on(self.kin, self.tip, self.start, axes, force=force)
             self.misses += failed
             yield from found
             return

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role
-from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.playback import (
     GOAL_COLOR,
@@ -45,13 +45,12 @@ class LiveView:
         self._meshcat.SetCameraPose(view.position, view.target)
         shape = plan.task.object.shape
         self._meshcat.SetObject("plan/goal", object_shape(shape), GOAL_COLOR)
-        self._meshcat.SetTransform(
-            "plan/goal", rigid_transform(plan.task.goal, 0.5 * shape.height - GOAL_SINK)
-        )
+        frame, height = plan.task.support.frame, 0.5 * shape.height - GOAL_SINK
+        self._meshcat.SetTransform("plan/goal", rigid_transform(plan.task.goal, height, frame))
         for i, line in enumerate(lines):
             if leads_somewhere(line):
                 self._meshcat.SetObject(f"plan/path_{i}", ribbon(line, RIBBON_WIDTH), PATH_COLOR)
-                self._meshcat.SetTransform(f"plan/path_{i}", RigidTransform([0.0, 0.0, PATH_HEIGHT]))
+                self._meshcat.SetTransform(f"plan/path_{i}", rigid_transform(Pose2(), PATH_HEIGHT, frame))
         tell(self._meshcat.web_url())
 
     def connect(self, builder: DiagramBuilder, scene: Scene) -> None:

@@ -69,20 +69,22 @@ class Playback:
     def _draw_plan(self) -> None:
         graph, task = self.scene.scene_graph, self.task
         source = graph.RegisterSource("plan")
-        height = 0.5 * task.object.shape.height - GOAL_SINK
+        opening = task.support.opening
+        depth = opening.depth if opening is not None and task.enters else GOAL_SINK
+        height = 0.5 * task.object.shape.height - depth
         _anchor(
             graph,
             source,
             "goal",
             object_shape(task.object.shape),
-            rigid_transform(task.goal, height),
+            rigid_transform(task.goal, height, task.support.frame),
             GOAL_COLOR,
         )
         path, of = self.record.arrays["plan_path"][:, :2], self.record.arrays["plan_stretch"]
         for i in np.unique(of):
             if leads_somewhere(path[of == i]):
                 mesh = ribbon(path[of == i], RIBBON_WIDTH)
-                X = RigidTransform([0.0, 0.0, PATH_HEIGHT])
+                X = rigid_transform(Pose2(), PATH_HEIGHT, task.support.frame)
                 _anchor(graph, source, f"path_{i:.0f}", mesh, X, PATH_COLOR)
 
     def set(self, context: Context, tick: int) -> None:
@@ -103,12 +105,13 @@ class Playback:
         if positions is not None:
             return transform_from_positions(positions[tick])
         x, y, yaw = (float(v) for v in self.record.arrays["object_pose"][tick])
-        return rigid_transform(Pose2(x, y, yaw), rest_height(self.task.object))
+        return rigid_transform(Pose2(x, y, yaw), rest_height(self.task.object), self.task.support.frame)
 
     def vehicle_pose(self, tick: int) -> Pose2:
         """Return X_WV at ``tick``: the tracking point of the stretch that is followed, and its heading."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
-        return planar_pose(self.object_pose(tick)).compose(self.task.object.X_GB).compose(X_BV)
+        X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
+        return X_WG.compose(self.task.object.X_GB).compose(X_BV)
 
     def ticks_at(self, times: Array) -> list[int]:
         """Return the recorded tick nearest after each of ``times`` [s]."""
@@ -133,7 +136,10 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
     else:
         corners = shape.footprint
     places = [*(Pose2(*row) for row in pose.tolist()), task.goal]
-    points = [(*X_WG.apply(c), z) for X_WG in places for c in corners for z in (0.0, shape.height)]
+    frame = task.support.frame
+    points = [
+        frame.point((*X_WG.apply(c), z)) for X_WG in places for c in corners for z in (0.0, shape.height)
+    ]
     for robot in task.robots:
         if robot.model != "hand":
             x, y, z = robot.base
@@ -142,6 +148,10 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
     for contact in (c for grasp in plan.grasps for c in grasp.choice.contacts):
         n = contact.normal
         left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
+    out = np.array(frame.direction((0.0, 0.0, 1.0)))
+    if out[2] < 0.5:  # a wall: from behind the arms, to one side
+        side = np.cross([0.0, 0.0, 1.0], out)
+        return fit_view(np.array(points), 0.62 * out + 0.78 * side + [0.0, 0.0, 0.45], field)
     return fit_view(np.array(points), np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62]), field)
 
 

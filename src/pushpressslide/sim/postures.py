@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.support_frame import Matrix3
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.inverse import IkSolution, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
@@ -106,17 +107,19 @@ class Miss:
     on_the_way: bool = False  # to the object; what comes after is good
 
 
-def held_at(kin: ArmKinematics, q: Array) -> tuple[ToolAttitude, float]:
-    """Return how the tool is held in posture ``q`` (n,), and its yaw [rad]."""
+def held_at(kin: ArmKinematics, q: Array, axes: Matrix3) -> tuple[ToolAttitude, float]:
+    """Return how the tool is held in posture ``q`` (n,) about a support's ``axes``, and its yaw [rad]."""
     R = np.asarray(kin.tip_pose(q)[0])
-    x, y, z = R[:, 2]
-    attitude = ToolAttitude(math.acos(min(max(-z, 0.1), 1.0)), math.atan2(y, x))
+    x, y, z = R[:, 2] @ np.array(axes)
+    attitude = ToolAttitude(math.acos(min(max(-z, 0.1), 1.0)), math.atan2(y, x), axes)
     return attitude, float(attitude.yaw(R))
 
 
-def held_on(kin: ArmKinematics, tip: TipPath, q: Array, *, force: bool) -> tuple[list[Move], list[Miss]]:
+def held_on(
+    kin: ArmKinematics, tip: TipPath, q: Array, axes: Matrix3, *, force: bool
+) -> tuple[list[Move], list[Miss]]:
     """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
-    attitude, yaw = held_at(kin, q)
+    attitude, yaw = held_at(kin, q, axes)
     found, misses = _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
     posture = [*(move.posture for move in found), *(miss.posture for miss in misses)][0]
     off = float(np.abs(posture.q[0] - q).max())
@@ -193,19 +196,19 @@ def problem(path: Continuation, positions: Array) -> str:
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
 
 
-def attitudes(azimuths: Sequence[float], yaw: float) -> list[tuple[ToolAttitude, Array]]:
+def attitudes(azimuths: Sequence[float], yaw: float, axes: Matrix3) -> list[tuple[ToolAttitude, Array]]:
     """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
 
     ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
-    path.
+    path; ``axes`` are the support's.
     """
-    out = [(ToolAttitude(0.0, azimuths[0]), YAW_OFFSETS)]
-    out += [(ToolAttitude(tilt, azimuth), YAW_OFFSETS) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    out = [(ToolAttitude(*held, axes), YAW_OFFSETS) for held in [(0.0, azimuths[0]), *tilted]]
     for tilt in TOOL_TILTS[2:]:
         for side in SIDES:
             off = np.array(
                 [[math.remainder(o + side + yaw - a, math.tau) for a in azimuths] for o in YAW_OFFSETS]
             )
             near = np.abs(off).min(axis=1) < LEANING
-            out.append((ToolAttitude(tilt, side, turns=True), YAW_OFFSETS[near]))
+            out.append((ToolAttitude(tilt, side, axes, turns=True), YAW_OFFSETS[near]))
     return out

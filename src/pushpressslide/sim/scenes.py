@@ -22,6 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core import task as model
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.surfaces import (
@@ -36,7 +37,9 @@ from pushpressslide.sim.surfaces import (
 ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
+WALL_REACH = 0.8  # [m] of a wall that is drawn beside and above its origin
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
+WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
 OBJECT_COLOR = np.array([0.85, 0.55, 0.25, 1.0])
 OBSTACLE_COLOR = np.array([0.45, 0.50, 0.58, 1.0])
 
@@ -146,7 +149,8 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step or task.motion.time_step)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
-    plant.set_contact_model(ContactModel.kHydroelastic)
+    # rigid tips and rigid obstacles touch in points, all else hydroelastically
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
     body, own = task.object, object_friction(task)
     ground = partner_friction(task.support.friction, own)
     thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
@@ -156,21 +160,15 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
         thing, RigidTransform(), shape, "object", compliant_properties(own, 0.25 * size)
     )
     plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
-    grid = support_grid(grid_bounds(plan), tile_size(body.shape))
+    grid = support_grid(grid_bounds(plan), tile_size(body.shape), task.support)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), grid, "support",
         rigid_properties(ground),
     )  # fmt: skip
-    plant.RegisterVisualGeometry(
-        plant.world_body(),
-        RigidTransform([0.45, 0.0, -0.0101]),
-        DrakeBox(1.7, 1.8, 0.02),
-        "table",
-        TABLE_COLOR,
-    )
+    _draw_support(plant, task.support)
     bodies: dict[str, RigidBody] = {}
     for obstacle in task.obstacles:
-        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK)
+        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK, task.support.frame)
         box = DrakeBox(*obstacle.size)
         friction = obstacle_friction(ground, obstacle.friction)
         if obstacle.movable:
@@ -213,6 +211,33 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
     return Scene(builder, plant, scene_graph, thing, bodies, robots)
+
+
+def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
+    """Draw the table, or the floor, and a wall round its opening."""
+    table = RigidTransform([0.45, 0.0, -0.0101])
+    plant.RegisterVisualGeometry(plant.world_body(), table, DrakeBox(1.7, 1.8, 0.02), "table", TABLE_COLOR)
+    if support.kind == "table":
+        return
+    opening = support.opening or model.Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+    (w, h), (cx, cy), depth = opening.size, opening.center, opening.depth
+    low, high, left, right = cy - 0.5 * h, cy + 0.5 * h, cx - 0.5 * w, cx + 0.5 * w
+    reach, floor, back = WALL_REACH, -support.frame.origin[2], -depth - 0.01
+    slabs = (  # from, to in x, y and height
+        ((-reach, left), (floor, reach), (back, -SINK)),
+        ((right, reach), (floor, reach), (back, -SINK)),
+        ((left, right), (floor, low), (back, -SINK)),
+        ((left, right), (high, reach), (back, -SINK)),
+        ((left, right), (low, high), (back, -depth - SINK)),
+    )
+    for i, spans in enumerate(slabs):
+        x, y, z = (0.5 * (a + b) for a, b in spans)
+        size = [b - a for a, b in spans]
+        if min(size) > 0.0:
+            X = rigid_transform(Pose2(x, y), z, support.frame)
+            plant.RegisterVisualGeometry(
+                plant.world_body(), X, DrakeBox(size[0], size[1], size[2]), f"wall_{i}", WALL_COLOR
+            )
 
 
 def _let_only_tips_touch(

@@ -87,7 +87,7 @@ class Station:
         plant.SetFreeBodyPose(
             self.plant_context,
             self.scene.object,
-            rigid_transform(plan.task.true_start, rest_height(plan.task.object)),
+            rigid_transform(plan.task.true_start, rest_height(plan.task.object), plan.task.support.frame),
         )
         self._torques = [
             self.diagram.GetInputPort(f"joint_torque_{i}") for i in range(len(self.scene.robots))

@@ -5,6 +5,7 @@ each PAIR.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
@@ -22,6 +23,7 @@ from pydrake.geometry import Shape as DrakeShape
 from pydrake.multibody.plant import CoulombFriction
 
 from pushpressslide.core import task as model
+from pushpressslide.core.control import Vector3
 
 HYDROELASTIC_MODULUS = 1.0e7  # [Pa] stiff enough for sub-0.1 mm indentation at the loads of a 3 kg object
 DISSIPATION = 5.0  # [s/m] Hunt-Crossley; kills the bounce of the first touch
@@ -72,23 +74,68 @@ def _obj_mesh(
     return InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", name))
 
 
-def support_grid(bounds: tuple[float, float, float, float], tile: float) -> Mesh:
-    """Return a flat triangle mesh in the plane z = 0, normal up, that covers x_min, x_max, y_min, y_max [m].
+def support_grid(
+    bounds: tuple[float, float, float, float], tile: float, support: model.Support | None = None
+) -> Mesh:
+    """Return the support's surface as a triangle mesh in the world, facing out, that covers x_min, x_max,
+    y_min, y_max [m] of its frame; an opening's sides and back belong to it.
 
     Friction acts at the centroids of the contact polygons, so that ``tile`` [m], the edge of a grid cell,
     decides how well torsion is resolved: a third of the object's width gives about 1 %.
     """
-    x_min, x_max, y_min, y_max = bounds
-    nx, ny = max(1, math.ceil((x_max - x_min) / tile)), max(1, math.ceil((y_max - y_min) / tile))
-    vertices = [(x_min + i * tile, y_min + j * tile, 0.0) for j in range(ny + 1) for i in range(nx + 1)]
+    support = support or model.Support()
+    opening, (x_min, x_max, y_min, y_max) = support.opening, bounds
+    vertices: list[Vector3] = []
     faces: list[tuple[int, ...]] = []
-    for j in range(ny):
-        for i in range(nx):
-            a = j * (nx + 1) + i
-            b, c, d = a + 1, a + nx + 2, a + nx + 1
-            # alternate the diagonal, so that the grid has no handedness
-            faces += [(a, b, c), (a, c, d)] if (i + j) % 2 == 0 else [(a, b, d), (b, c, d)]
-    return Mesh(_obj_mesh(vertices, faces, "support_grid.obj"))
+
+    def patch(us: list[float], vs: list[float], at: Callable[[float, float], Vector3]) -> None:
+        """Add the tiles between the lines ``us`` and ``vs``; seen from outside, v is to the left of u."""
+        first, n = len(vertices), len(us)
+        vertices.extend(at(u, v) for v in vs for u in us)
+        for j in range(len(vs) - 1):
+            for i in range(n - 1):
+                a = first + j * n + i
+                b, c, d = a + 1, a + n + 1, a + n
+                # alternate the diagonal, so that the grid has no handedness
+                faces.extend([(a, b, c), (a, c, d)] if (i + j) % 2 == 0 else [(a, b, d), (b, c, d)])
+
+    if opening is None:
+        nx, ny = max(1, math.ceil((x_max - x_min) / tile)), max(1, math.ceil((y_max - y_min) / tile))
+        xs, ys = [x_min + i * tile for i in range(nx + 1)], [y_min + j * tile for j in range(ny + 1)]
+        patch(xs, ys, lambda x, y: (x, y, 0.0))
+        if support.kind == "wall":  # its lower edge too: Drake's convex hull of it must not be flat
+            patch([x_min, x_max], [-tile, 0.0], lambda x, z: (x, y_min, z))
+    else:
+        (w, h), (cx, cy), back = opening.size, opening.center, -opening.depth
+        left, right, low, high = cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
+        x_min, x_max, y_min, y_max = min(x_min, left), max(x_max, right), min(y_min, low), max(y_max, high)
+        inner_x, inner_y, inwards = (
+            _lines(left, right, tile),
+            _lines(low, high, tile),
+            _lines(back, 0.0, tile),
+        )
+        around = (
+            ((x_min, left), (y_min, y_max)), ((right, x_max), (y_min, y_max)),
+            ((left, right), (y_min, low)), ((left, right), (high, y_max)),
+        )  # fmt: skip
+        for (a, b), (c, d) in around:
+            if a < b and c < d:
+                patch(_lines(a, b, tile), _lines(c, d, tile), lambda x, y: (x, y, 0.0))
+        patch(inner_x, inner_y, lambda x, y: (x, y, back))
+        patch(inwards, inner_y, lambda z, y: (right, y, z))
+        patch(inner_y, inwards, lambda y, z: (left, y, z))
+        patch(inwards, inner_x, lambda z, x: (x, low, z))
+        patch(inner_x, inwards, lambda x, z: (x, high, z))
+    frame = support.frame
+    if sum(a * b for a, b in zip(frame.spin_axis, frame.direction((0.0, 0.0, 1.0)), strict=True)) < 0.0:
+        faces = [face[::-1] for face in faces]  # left-handed axes turn a face inside out
+    return Mesh(_obj_mesh([frame.point(v) for v in vertices], faces, "support_grid.obj"))
+
+
+def _lines(first: float, last: float, tile: float) -> list[float]:
+    """Places from ``first`` to ``last``, at most ``tile`` apart."""
+    count = max(1, math.ceil((last - first) / tile - 1e-9))
+    return [first + (last - first) * i / count for i in range(count + 1)]
 
 
 def object_shape(shape: model.Shape) -> DrakeShape:

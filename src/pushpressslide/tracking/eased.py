@@ -10,6 +10,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.wrench import Wrench
+from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
 SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
@@ -18,7 +19,7 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 class EasedTracker:
     """The law with the largest share of its pull at which the contacts hold; without where they never do."""
 
-    def __init__(self, law: HolonomicTracker, holds: Callable[[Wrench], bool]) -> None:
+    def __init__(self, law: HolonomicTracker | CarriedTracker, holds: Callable[[Wrench], bool]) -> None:
         """Bind to a law; ``holds`` says of a wrench about its own point whether the contacts can give it."""
         self._law, self._holds = law, holds
 

@@ -1,0 +1,61 @@
+"""How the object lies on its support in a run: its tilt, its gap, how deep it is in an opening."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.report import series
+
+Array = NDArray[np.float64]
+
+ENTERED = 0.003  # [m] of the object's middle behind its place on the support at which it counts as going in
+
+
+def support_figures(task: Task, record: Record) -> dict[str, float | None]:
+    """Return the largest tilt [deg], the largest gap [m] before the object goes in, and the depth [m] at the
+    end in the opening that the goal lies in; None where they do not apply.
+    """
+    out: dict[str, float | None] = dict.fromkeys(("max_tilt_deg", "support_gap_max", "seated_depth"))
+    positions = record.arrays.get("object_pose_3d")
+    if positions is None or not len(positions):
+        return out
+    gap = _gap(task, positions)
+    inside = np.flatnonzero(gap < -ENTERED)
+    until = int(inside[0]) if len(inside) else len(gap)
+    before = gap[:until][series.contact_phase(record)[:until]]
+    out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task, positions))))
+    out["support_gap_max"] = max(0.0, float(before.max())) if before.size else None
+    out["seated_depth"] = -float(gap[-1]) if task.enters else None
+    return out
+
+
+def seat_error(task: Task, record: Record) -> float:
+    """Return how far [m] the object ends from the back of the opening that the goal lies in; 0 without one,
+    or where the engine does not tell.
+    """
+    positions, opening = record.arrays.get("object_pose_3d"), task.support.opening
+    if positions is None or opening is None or not task.enters:
+        return 0.0
+    return abs(opening.depth + float(_gap(task, positions)[-1]))
+
+
+def _gap(task: Task, positions: Array) -> Array:
+    """Distance (N,) [m] of the object's middle from where it is on the support, out of it, by positions
+    (N, 7).
+    """
+    frame = task.support.frame
+    out = np.array(frame.direction((0.0, 0.0, 1.0)))
+    height = (positions[:, 4:7] - np.array(frame.origin)) @ out
+    return np.asarray(height - 0.5 * task.object.shape.height)
+
+
+def _tilt(task: Task, positions: Array) -> Array:
+    """Angle (N,) [rad] between the object's own z axis and where it points at rest."""
+    w, x, y, z = positions[:, :4].T
+    axis = np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=1)
+    return np.asarray(np.arccos(np.clip(axis @ np.array(task.support.frame.spin_axis), -1.0, 1.0)))
