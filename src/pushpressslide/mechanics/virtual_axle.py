@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.limit_surface import exact_twist_direction
+from pushpressslide.mechanics.limit_surface import exact_slide, exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
 
