@@ -1,9 +1,8 @@
-"""Mode bimanual_press_slide: two arms press on top and slide the object any way
-(docs/mechanics.md, sections 7 and 9).
+"""Mode bimanual_press_slide: two arms press and slide the object any way (docs/mechanics.md, 7 and 9).
 
 The friction discs under two tips give every planar wrench, so that the object is holonomic: it is led along
-one constant twist from start to goal, whatever that is. Where the centre of pressure goes is a matter of how
-the load is shared. On a wall the presses alone press the object on, and carry its weight.
+one constant twist from start to goal. How the load is shared says where the centre of pressure goes. On a
+wall the presses alone press the object on, and carry its weight.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ Pair = tuple[Point, Point]
 class _Drag:
     """Two presses that drag the object with one twist."""
 
-    surface: DraggedSurface  # the limit surface near that twist
+    surface: DraggedSurface  # near that twist
     use: float  # share of the tips' friction that it takes
     room: float  # half widths of the centre of pressure from the base's edge
 

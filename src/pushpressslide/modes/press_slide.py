@@ -24,12 +24,8 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-<<<<<<< HEAD
-from pushpressslide.modes.base import path_problem, tool_load
-from pushpressslide.planning.overhead import overhead
-=======
 from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
->>>>>>> w-press2
+from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
