@@ -150,7 +150,7 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
     yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
-    if contact.kind == "side" and np.ptp(yaws) > TURNING:
+    if np.ptp(yaws) > TURNING:
         behind = math.atan2(contact.normal[1], contact.normal[0])
         holds += [
             (ToolAttitude(TOOL_TILTS[-1], side, frame.axes, turns=True), yaws + behind + lean - side)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.modes.base import tool_azimuths
+from pushpressslide.modes.base import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 from pushpressslide.sim.approach import LEAST_GAP, Approach
@@ -109,7 +109,8 @@ class ArmSearch:
             azimuths = azimuths[:1]
         self.attitudes = [(ToolAttitude(0.0, azimuths[0], frame.axes), np.zeros(1))]
         if self.kin.facts.size >= POSE:
-            self.attitudes = attitudes(azimuths, float(yaws[middle]), frame.axes)
+            rolls = self.contact.kind == "top" and float(np.ptp(yaws)) > TURNING
+            self.attitudes = attitudes(azimuths, float(yaws[middle]), frame.axes, rolls=rolls)
         if not holds:
             self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
 

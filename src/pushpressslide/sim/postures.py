@@ -196,19 +196,24 @@ def problem(path: Continuation, positions: Array) -> str:
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
 
 
-def attitudes(azimuths: Sequence[float], yaw: float, axes: Matrix3) -> list[tuple[ToolAttitude, Array]]:
+def attitudes(
+    azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool
+) -> list[tuple[ToolAttitude, Array]]:
     """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
 
     ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
-    path; ``axes`` are the support's.
+    path; ``axes`` are the support's. ``rolls``: a tool that leans one way all the time would roll its tip
+    over the object, so that one which turns with it is preferred.
     """
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    out = [(ToolAttitude(*held, axes), YAW_OFFSETS) for held in [(0.0, azimuths[0]), *tilted]]
-    for tilt in TOOL_TILTS[2:]:
+    fixed = [(ToolAttitude(*held, axes), YAW_OFFSETS) for held in tilted]
+    turning = []
+    for tilt in TOOL_TILTS[1 if rolls else 2 :]:
         for side in SIDES:
             off = np.array(
                 [[math.remainder(o + side + yaw - a, math.tau) for a in azimuths] for o in YAW_OFFSETS]
             )
             near = np.abs(off).min(axis=1) < LEANING
-            out.append((ToolAttitude(tilt, side, axes, turns=True), YAW_OFFSETS[near]))
-    return out
+            turning.append((ToolAttitude(tilt, side, axes, turns=True), YAW_OFFSETS[near]))
+    upright = (ToolAttitude(0.0, azimuths[0], axes), YAW_OFFSETS)
+    return [upright, *turning, *fixed] if rolls else [upright, *fixed, *turning]
