@@ -17,7 +17,7 @@ from pushpressslide.core.wrench import Wrench
 from pushpressslide.experiments.sampling import random_task
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin, press_margin
-from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_level, exact_twist_direction
+from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_level
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.mechanics.virtual_axle import sliding
 from pushpressslide.modes import MODES
@@ -250,13 +250,13 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
                 continue
             press, size = press_of(made.task, stretch.choice.contacts[0]), math.hypot(wanted.fx, wanted.fy)
             direction, height = (wanted.fx / size, wanted.fy / size), press.body.shape.height
-            pressure, wrench = sliding(
+            pressure, wrench, twist = sliding(
                 press.pressure, press.friction, press.cop, press.contact, height, direction
             )
             level = exact_level(pressure, press.friction, wrench) * pressure.total_load
             near = 0.02 if abs(guidance.steering) < 0.01 else 0.1
             assert size == pytest.approx((press.weight + press.load) / level, rel=near)
-            twist = exact_twist_direction(pressure, wrench).moved_to(stretch.X_BV.position)
+            twist = twist.moved_to(stretch.X_BV.position)
             along, across = stretch.X_BV.unrotate((twist.vx, twist.vy))
             assert abs(math.atan2(across, along)) < math.radians(10.0)
             turned_more = figures["gain"] * (twist.w / math.hypot(along, across) - figures["turn"])

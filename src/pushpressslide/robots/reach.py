@@ -23,6 +23,7 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 
 QUICK_ITERATIONS = 30
 HOPELESS = 0.08  # [m] by which the first look stays short of a point for which there is no second one
+FOLDED = 0.2  # [m] that an arm is less than stretched, beyond which the first look tells little
 FIRST_SEEDS, FIRST_ITERATIONS = [0, 3, 6], 12  # of the first look at a point, which most within reach pass
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
@@ -116,7 +117,7 @@ def held_somehow_problem(
         problem = _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
     for alike in (_alike(others, 2), _alike(others, 3)):
         axes = np.array([_axes(held)[worst] for held in alike]).reshape(-1, 3)
-        able = _found(kin, np.broadcast_to(p[worst], axes.shape), axes).ok
+        able = _found(kin, np.broadcast_to(p[worst], axes.shape), axes, each=True).ok
         for held in (held for held, ok in zip(alike, able, strict=True) if ok):
             found = _found(kin, p[hardest], held[hardest])
             if found.ok.all() and _all_along(kin, p, held, hardest, found).ok.all():
@@ -141,10 +142,14 @@ def _worst(found: Reach) -> int:
     return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
 
 
-def _found(kin: ArmKinematics, p: Array, held: Array) -> Reach:
-    """Return which points (m, 3) are reached, with tool axes (m, 3) or rotations (m, 3, 3)."""
+def _found(kin: ArmKinematics, p: Array, held: Array, *, each: bool = False) -> Reach:
+    """Return which points (m, 3) are reached, with tool axes (m, 3) or rotations (m, 3, 3).
+
+    ``each`` counts for itself; else no more is searched once one is hopeless.
+    """
     starts = default_seeds(kin, p)[:, FIRST_SEEDS]
-    return _retried(kin, p, held, solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+    found = solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False)
+    return _retried(kin, p, held, found, each=each)
 
 
 def _all_along(kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], there: Reach) -> Reach:
@@ -154,17 +159,17 @@ def _all_along(kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], 
     return _retried(kin, p, held, solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
 
 
-def _retried(kin: ArmKinematics, p: Array, held: Array, found: IkSolution) -> Reach:
+def _retried(kin: ArmKinematics, p: Array, held: Array, found: IkSolution, *, each: bool = False) -> Reach:
     """Return what was found, after another search, which keeps off the limits, for what failed but is not
     farther from the shoulder than the stretched links are long.
     """
     shoulder, wrist, span = kin.span
-    near = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) <= span
-    near &= found.position_residual < HOPELESS
+    room = span - np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1)
+    near = (room >= 0.0) & ((found.position_residual < HOPELESS) | (room > FOLDED))
     again = np.flatnonzero(~found.converged & near)
-    if len(again) and near[~found.converged].all():
-        starts = default_seeds(kin, p[again])[:, QUICK_SEEDS]
-        better = solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN, QUICK_ITERATIONS)
+    if len(again) and (each or near[~found.converged].all()):
+        starts = default_seeds(kin, p[again])[:, :STRUCTURED_SEEDS]
+        better = solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN)
         for name in ("q", "position_residual", "angle_residual", "joint_margin", "converged"):
             getattr(found, name)[again] = getattr(better, name)
     return _reach(found)
