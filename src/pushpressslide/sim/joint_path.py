@@ -26,7 +26,9 @@ from pushpressslide.modes.base import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 from pushpressslide.sim.approach import LEAST_GAP, Approach
+from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.clearance import ClearanceModel
+from pushpressslide.sim.effort import largest_share
 from pushpressslide.sim.postures import (
     JOINT_MARGIN,
     POSE,
@@ -50,6 +52,7 @@ CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the re
 GLANCE = 8  # of so many postures of a way one is looked at first
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 REFINED = 4  # misses that are tried to be made good
+MOST_EFFORT = 0.8  # share of a torque limit for the contact at rest; the rest is for control
 NEAR = 0.1  # shortfall of a near miss
 
 ArmPath = tuple[JointPath, ToolAttitude]
@@ -90,6 +93,7 @@ class ArmSearch:
         self.contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
         self.stays = holds or self.contact is None
         self.arc_length, bodies = _body_path(plan)
+        self.robot, self.bodies = robot, bodies
         X_BG = plan.task.object.X_GB.inverse()
         self.objects = [X.compose(X_BG) for X in bodies]
         self.model = ClearanceModel(plan, arm, self.others)
@@ -154,6 +158,10 @@ class ArmSearch:
         clear, pair = self.model.least(posture.q, objects, touching=True)
         if clear < CLEARANCE and not force:
             return Miss(10.0 * (CLEARANCE - clear), _near(pair, clear), posture)
+        share = self._effort(posture.q)
+        if share > MOST_EFFORT and not force:
+            why = f"holding its contact takes {share:.2f} of a joint's torque limit, allowed {MOST_EFFORT:g}"
+            return Miss(NEAR + share, why, posture)
         if self.stays:
             times, way = np.array([0.0, 0.5]), np.repeat(self.start[None], 2, axis=0)
             return self._joint_path(move, times, way, clear, math.inf)
@@ -181,6 +189,12 @@ class ArmSearch:
             why = problem(descent.back, descent.points)
             return Miss(shortfall(descent.back, descent.needed), f"before the contact, {why}", posture)
         return Miss(10.0 * (CLEARANCE - best), f"on the way to the object {why}", posture, on_the_way=True)
+
+    def _effort(self, postures: Array) -> float:
+        """The largest share of a joint's torque that holding the contact takes."""
+        if self.contact is None:
+            return 0.0
+        return largest_share(self.plan, self.contact, ArmModel(self.robot), postures, self.bodies)
 
     def refusal(self) -> InfeasibleTaskError:
         """Return the error that says what the nearest miss lacked."""
