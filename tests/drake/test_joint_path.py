@@ -109,11 +109,3 @@ def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> Non
             rise = model.smooth_least(ahead, pose, touching=False)[0]
             rise -= model.smooth_least(behind, pose, touching=False)[0]
             assert rise / (2.0 * step) == pytest.approx(slope, abs=2e-3)
-
-
-def test_a_press_that_is_too_much_for_the_wrist_is_refused() -> None:
-    task = pps.load_task(
-        "press-slide", ["motion.press_force=75", "object.mass=3.0", "robots.0.tip_length=0.2"]
-    )
-    with pytest.raises(pps.InfeasibleTaskError, match=r"of a joint's torque limit, allowed 0\.8"):
-        search.joint_path(pps.plan(task))
