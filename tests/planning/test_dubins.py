@@ -15,6 +15,11 @@ poses = st.builds(Pose2, st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-
 curvatures = st.floats(0.2, 5.0)
 
 
+def off_the_jump(start: Pose2, goal: Pose2) -> bool:
+    """The length jumps by a turn where a goal at the start comes off the straight line: round-off decides."""
+    return math.hypot(goal.x - start.x, goal.y - start.y) > 1e-3
+
+
 def reaches(path: ArcPath, goal: Pose2) -> bool:
     end = path.end
     return math.hypot(end.x - goal.x, end.y - goal.y) < 1e-9 and abs(wrap_angle(end.yaw - goal.yaw)) < 1e-9
@@ -189,6 +194,7 @@ def test_the_mirrored_task_with_the_limits_exchanged_is_as_long(start, goal, lef
 @given(poses, poses, curvatures, curvatures)
 def test_the_way_back_turned_round_is_as_long_with_the_limits_exchanged(start, goal, left, right):
     # Driving a path from its end, turned by half a turn, exchanges left and right.
+    assume(off_the_jump(start, goal))
     back = shortest_path(
         Pose2(goal.x, goal.y, goal.yaw + math.pi), Pose2(start.x, start.y, start.yaw + math.pi), right, left
     )
@@ -197,8 +203,7 @@ def test_the_way_back_turned_round_is_as_long_with_the_limits_exchanged(start, g
 
 @given(poses, poses, curvatures, curvatures, st.floats(0.01, 100.0))
 def test_scaling_lengths_scales_the_path(start, goal, left, right, scale):
-    # The length jumps where a goal just ahead comes off the straight line; round-off decides there.
-    assume(math.hypot(goal.x - start.x, goal.y - start.y) > 1e-3)
+    assume(off_the_jump(start, goal))
     path = shortest_path(start, goal, left, right)
     scaled = shortest_path(
         Pose2(scale * start.x, scale * start.y, start.yaw),
@@ -211,6 +216,7 @@ def test_scaling_lengths_scales_the_path(start, goal, left, right, scale):
 
 @given(poses, poses, curvatures, curvatures, poses)
 def test_the_path_moves_with_its_poses(start, goal, left, right, frame):
+    assume(off_the_jump(start, goal))
     there = shortest_path(frame.compose(start), frame.compose(goal), left, right)
     assert there.length == pytest.approx(shortest_path(start, goal, left, right).length, abs=1e-8)
     assert there.length >= math.hypot(goal.x - start.x, goal.y - start.y) - 1e-9
