@@ -5,7 +5,8 @@ closed-form laws.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -116,6 +117,43 @@ def tool_load(task: Task, heading: float) -> tuple[float, float]:
     body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
     outward = math.atan2(ax - bx, by - ay)
     return body.friction * body.mass * GRAVITY, abs(math.remainder(heading - outward, TURN))
+
+
+def followed(
+    task: Task,
+    drafts: Iterable[Choice],
+    frame: Callable[[Choice], Pose2],
+    enough: int,
+    told: Callable[[str, str], str],
+    late: str = "later",
+) -> list[Choice]:
+    """Return ``drafts``, best first, those first that the arms can follow; after ``enough`` of them no other
+    is looked at, being ``late``.
+
+    ``frame`` gives X_BV; ``told(reason, why)`` is the reason of one that is refused.
+    """
+    out, found = [], 0
+    for draft in drafts:
+        choice, why = draft, None
+        if choice.feasible and found == enough:
+            why = f"{late} than {enough} others"
+        elif choice.feasible:
+            why = path_problem(task, choice, frame(choice))
+            found += why is None
+        if why is not None:
+            choice = replace(choice, feasible=False, reason=told(choice.reason, why))
+        out.append(choice)
+    return sorted(out, key=lambda c: not c.feasible)
+
+
+def instead(reason: str, why: str) -> str:
+    """Return what was chosen and why not, in place of its merits."""
+    return f"{reason.split(' with ')[0]}: {why}"
+
+
+def beside(reason: str, why: str) -> str:
+    """Return a choice's merits, and why not."""
+    return f"{reason}; {why}"
 
 
 def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:

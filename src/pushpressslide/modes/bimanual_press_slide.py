@@ -31,7 +31,7 @@ from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, to
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import followed, instead
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.carried import CarriedTracker
@@ -75,18 +75,8 @@ class BimanualPressSlide:
         drafts = [self._draft(task, points, cop) for points in self._pairs(task)]
         if not drafts:
             return [Choice(self.name, False, f"the top has no two places {APART * 1e3:.0f} mm apart")]
-        out, found = [], 0
-        for choice in sorted(drafts, key=lambda c: _arm_length(task, c.contacts)):
-            why = None
-            if choice.feasible and found == ENOUGH:
-                why = f"later than {ENOUGH} others"
-            elif choice.feasible:
-                why = path_problem(task, choice, self.vehicle_frame(choice))
-                found += why is None
-            if why is not None:
-                choice = replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
-            out.append(choice)
-        return sorted(out, key=lambda c: not c.feasible)
+        drafts.sort(key=lambda c: _arm_length(task, c.contacts))
+        return followed(task, drafts, self.vehicle_frame, ENOUGH, instead)
 
     @staticmethod
     def _pairs(task: Task) -> list[Pair]:

@@ -25,7 +25,7 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import beside, followed
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_car
@@ -79,18 +79,8 @@ class ParallelPush:
             for contacts in _places(task, face)
             for draft in self._drafts(task, face, contacts)
         ]
-        out, found = [], 0
-        for choice in sorted(drafts, key=lambda c: c.time if c.time is not None else math.inf):
-            why = None
-            if choice.feasible and found == ENOUGH:
-                why = f"slower than {ENOUGH} others"
-            elif choice.feasible:
-                why = path_problem(task, choice, self.vehicle_frame(choice))
-                found += why is None
-            if why is not None:
-                choice = replace(choice, feasible=False, reason=f"{choice.reason}; {why}")
-            out.append(choice)
-        return sorted(out, key=lambda c: not c.feasible)
+        drafts.sort(key=lambda c: c.time if c.time is not None else math.inf)
+        return followed(task, drafts, self.vehicle_frame, ENOUGH, beside, "slower")
 
     def _drafts(self, task: Task, face: Face, contacts: tuple[Contact, ...]) -> list[Choice]:
         """Judge contacts on a face but for the arms' reach: one choice for each way to give them to arms."""

@@ -26,7 +26,7 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import followed, instead
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments, contact_height
@@ -81,18 +81,8 @@ class PressAndPush:
                 Choice(self.name, False, f"no face has a lever of {least:.0f} mm about the pressed point")
             ]
         radius = max(math.dist(pin, place.point) for place in places)
-        out, found = [], 0
-        for draft in (draft for place in places for draft in self._drafts(task, pin, place, radius)):
-            why, choice = None, draft
-            if choice.feasible and found == ENOUGH:
-                why = f"later than {ENOUGH} others"
-            elif choice.feasible:
-                why = path_problem(task, choice, self.vehicle_frame(choice))
-                found += why is None
-            if why is not None:
-                choice = replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
-            out.append(choice)
-        return sorted(out, key=lambda c: not c.feasible)
+        drafts = (draft for place in places for draft in self._drafts(task, pin, place, radius))
+        return followed(task, drafts, self.vehicle_frame, ENOUGH, instead)
 
     def _drafts(self, task: Task, pin: Point, lever: Lever, radius: float) -> list[Choice]:
         """Judge one place to push but for the arms' reach: one choice for each way to give the two to the

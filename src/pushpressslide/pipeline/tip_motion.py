@@ -12,8 +12,6 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator
 from pushpressslide.pipeline.control_state import (
-    FREE_DAMPING,
-    FREE_STIFFNESS,
     SERVO_CAP,
     ControllerState,
     TipMemory,
@@ -21,6 +19,7 @@ from pushpressslide.pipeline.control_state import (
     contact_yaw,
     pressed,
 )
+from pushpressslide.pipeline.touch import held_at
 
 LOSS_SHARE = 0.5  # of its planned load below which a press counts as lost
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
@@ -112,18 +111,8 @@ def drawn_back(
 ) -> TipCommand:
     """Return the command of a tip that is drawn ``back`` [m] off its contact from ``start`` [m]."""
     n = contact.direction(X_WB)
-    return TipCommand(
-        force=(0.0, 0.0, 0.0),
-        position=(start[0] - back * n[0], start[1] - back * n[1], start[2] - back * n[2]),
-        velocity=(0.0, 0.0, 0.0),
-        stiffness=FREE_STIFFNESS,
-        damping=FREE_DAMPING,
-        normal_yaw=contact_yaw(contact, X_WB),
-        tool_yaw=tool_yaw,
-        tool_yaw_rate=0.0,
-        servo_cap=SERVO_CAP,
-        progress=progress,
-    )
+    place = (start[0] - back * n[0], start[1] - back * n[1], start[2] - back * n[2])
+    return held_at(contact, X_WB, place, (0.0, 0.0, 0.0), None, tool_yaw, progress)
 
 
 def drag_ratio(state: ControllerState) -> float:
