@@ -28,7 +28,7 @@ def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
     if abs(angle) < 1e-9:
         x, y = vx * length, vy * length
     else:
-        s, c = math.sin(angle) / w, (1.0 - math.cos(angle)) / w
+        s, c = math.sin(angle) / w, 2.0 * math.sin(0.5 * angle) ** 2 / w
         x, y = vx * s - vy * c, vx * c + vy * s
     dx, dy = pose.rotate((x, y))
     return Pose2(pose.x + dx, pose.y + dy, pose.yaw + angle)

@@ -18,8 +18,8 @@ ANGLE_TOLERANCE = 1e-6  # [rad]
 SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
 LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
 POLISHING = 8  # last iterations, without regard to the margin
-STRUCTURED_SEEDS = 9  # the home posture with its elbow and its wrist varied
-RANDOM_SEEDS = 6  # postures drawn within the limits, besides the structured ones
+STRUCTURED_SEEDS = 11  # the home posture with its elbow and its wrist varied, and with the wrist turned over
+RANDOM_SEEDS = 4  # postures drawn within the limits, besides the structured ones
 
 
 @dataclass(frozen=True)
@@ -127,6 +127,8 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
             structured[i, 0] += elbow
             structured[i, 2] -= elbow
             structured[i, 6] += wrist
+        for i, side in ((-2, 1.0), (-1, -1.0)):  # for places close to the base
+            structured[i] += (0.0, 0.8, 0.0, -0.4, 2.6 * side, 2.0, 1.4 * side)
     seeds = np.concatenate([structured, random[:RANDOM_SEEDS]])
     out: Array = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
     if facts.moving[0].kind == "revolute":

@@ -15,7 +15,7 @@ from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 Array = NDArray[np.float64]
 
-REACH_MARGIN = 0.05
+REACH_MARGIN = 0.02
 """[rad] that every joint keeps from its limits for a point to count as within reach."""
 
 QUICK_SEEDS = [0, 1, 2, 3, 6]
