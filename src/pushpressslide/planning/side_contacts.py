@@ -22,8 +22,8 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 def contact_height(task: Task) -> float:
-    """Return the height of the contacts above the support [m], the same for all arms: low, since a push at height
-    h moves the CoP by h mu_s, but with the wrists above the object.
+    """Return the height of the contacts above the support [m], the same for all arms: low, since a push at
+    height h moves the CoP by h mu_s, but with the wrists above the object.
     """
     if task.motion.contact_height is not None:
         return task.motion.contact_height
