@@ -12,7 +12,7 @@ from pushpressslide.modes import MODES
 from pushpressslide.pipeline.task_shapes import gap
 
 OBJECT_CLEARANCE = 0.01
-"""Gap [m] that the object keeps from fixed obstacles, unless its start or its goal is nearer already."""
+"""Gap [m] that the object keeps from obstacles, unless its start or its goal is nearer already."""
 
 SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
@@ -85,7 +85,7 @@ def _select(task: Task) -> list[Choice]:
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:
-    """Return the choice, infeasible where the object's path comes too near to a fixed obstacle."""
+    """Return the choice, infeasible where the object's path comes too near to an obstacle."""
     problem = obstacle_problem(task, choice) if choice.feasible else None
     return (
         choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
@@ -93,9 +93,14 @@ def _kept_clear(task: Task, choice: Choice) -> Choice:
 
 
 def obstacle_problem(task: Task, choice: Choice) -> str | None:
-    """Return in one line where the object would come too near to a fixed obstacle, or None."""
-    fixed = [obstacle for obstacle in task.obstacles if not obstacle.movable]
-    if choice.path is None or not fixed:
+    """Return in one line where the object would come too near to an obstacle, or None.
+
+    A movable one counts where it stands at first, so that it is not pushed along; what the object is to push
+    as a tool does not count.
+    """
+    pushed = None if task.tool is None else task.tool.body
+    obstacles = [obstacle for obstacle in task.obstacles if obstacle.name != pushed]
+    if choice.path is None or not obstacles:
         return None
     poses = []
     for stretch in choice.stretches:
@@ -104,7 +109,7 @@ def obstacle_problem(task: Task, choice: Choice) -> str | None:
         assert path is not None
         count = max(1, math.ceil(path.length / SWEEP_STEP))
         poses += [path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)]
-    for obstacle in fixed:
+    for obstacle in obstacles:
         box = Box(obstacle.size)
 
         def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
