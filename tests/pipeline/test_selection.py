@@ -6,6 +6,7 @@ from importlib import resources
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.errors import TaskError
 from pushpressslide.pipeline.selection import grasps
 
 TASKS = sorted(
@@ -36,3 +37,12 @@ def test_a_tool_may_touch_what_it_is_to_push_and_nothing_else() -> None:
     beside = pps.load_task("tool-use", [f"obstacles=[{cube}, {POST % (0.28, 0.0)}]"])
     assert any(NEAR.search(choice.reason) for choice in pps.select(beside))
     assert not any("'cube'" in choice.reason for choice in pps.select(beside))
+
+
+def test_what_a_tool_pushes_is_kept_clear_of_the_others_too() -> None:
+    plank = "{name: cube, box: [0.4, 0.08, 0.08], pose: {x: 0.45, y: 0.38}, movable: true, mass: 0.5}"
+    beside = pps.load_task("tool-use", [f"obstacles=[{plank}, {POST % (0.62, 0.455)}]"])
+    wanted = "but 'cube' comes within 0 mm of obstacle 'post'"
+    assert any(wanted in choice.reason for choice in pps.select(beside))
+    with pytest.raises(TaskError, match=r"goal: .* no overlap with obstacle 'post'"):
+        pps.load_task("tool-use", [f"obstacles=[{plank}, {POST % (0.62, 0.55)}]"])

@@ -36,8 +36,8 @@ class Entry:
 
         ``begun`` [m]: where each tip was when the motion began, pressed into the face by its load.
         """
-        further = (p[2] - measurement.tips[arm].position[2] for p, (arm, _) in zip(begun, self.tips, strict=True))
-        if max(further) <= ENTERED:
+        tips = (measurement.tips[arm] for arm, _ in self.tips)
+        if max(p[2] - tip.position[2] for p, tip in zip(begun, tips, strict=True)) <= ENTERED:
             return [None] * len(self.tips)
         lefts = (max(self.stop - depth, 0.0) for depth in self.depths(measurement))
         return [math.sqrt(2.0 * BRAKE * left + LANDING * LANDING) for left in lefts]

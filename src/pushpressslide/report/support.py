@@ -1,4 +1,4 @@
-"""How the object lies on its support in a run: its tilt, its gap, how it falls into an opening and how deep."""
+"""How the object lies on its support in a run: its tilt, its gap, its fall into an opening, and how deep."""
 
 from __future__ import annotations
 

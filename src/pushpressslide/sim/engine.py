@@ -204,8 +204,9 @@ def run(
         if state is not None and state.phase == "done" and ahead and state.failure is None:
             kept = tuple(c if i in controller.kept else None for i, c in enumerate(commands))
             (grasp, taken), *ahead = ahead
-            led = led_in([path for path, _ in taken], [arm.facts for arm in arms], [x[arm.q_at] for arm in arms])
-            for arm, path, (_, attitude) in zip(arms, led, taken, strict=True):
+            following, attitudes = zip(*taken, strict=True)
+            led = led_in(following, [arm.facts for arm in arms], [x[arm.q_at] for arm in arms])
+            for arm, path, attitude in zip(arms, led, attitudes, strict=True):
                 arm.take(grasp, path, attitude)
             controller, state, began = _controller(grasp, taken), None, time
             reached = time + _arrival(arms)

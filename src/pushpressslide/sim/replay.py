@@ -130,7 +130,6 @@ class _Marks:
         self._contacts = playback.plan.contacts_by_leg
         self._height = playback.task.object.shape.height
         self._frame = frame = playback.task.support.frame
-        self._up = float(np.dot(frame.spin_axis, frame.direction((0.0, 0.0, 1.0))))  # of the axle's z axis
         forces = np.nan_to_num(arrays["measured_force"])
         flat, down = np.linalg.norm(forces[:, :, :2], axis=2), np.maximum(-forces[:, :, 2], 0.0)
         self.scale = min(FORCE_SCALE, LONGEST_ARROW / max(float(flat.max(initial=0.0)), 1e-9))
@@ -143,9 +142,11 @@ class _Marks:
         self._nearer: Any = nearer / np.linalg.norm(nearer)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
         self._trace = self._draw_trace(np.array([(v.x, v.y) for v in vehicle]), arrays["stretch"][ticks])
-        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._height + 0.03), BLUE)
+        pin = self._height + 0.03
+        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, pin), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
-        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, self._up * 0.5 * (self._height + 0.03)]))
+        up = float(np.dot(frame.spin_axis, frame.direction((0.0, 0.0, 1.0))))  # of the axle's own z axis
+        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * pin * up]))
         for arm in self._arms:
             self._add_arrow(f"marks/force_{arm}", PURPLE)
         for arm in self._pressing:
