@@ -54,6 +54,7 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
         "Arms",
         (
+            ("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
             ("Beyond a torque limit", "torque_limit_violation_fraction", 100.0, "% of ticks", 2),
             ("Least distance to a joint limit", "joint_limit_margin", 180.0 / math.pi, "°", 1),
         ),
