@@ -8,8 +8,9 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.control import PHASES
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Obstacle, Task
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.modes import MODES
 from pushpressslide.modes.bimanual_press_slide import MODE
@@ -86,10 +87,22 @@ def test_the_press_fit_is_lifted_slid_and_turned_on_the_planar_engine(overrides)
     assert standing == pytest.approx(np.tile(standing[0], (len(standing), 1)), abs=1e-12)
 
 
-def test_without_its_ledge_it_falls_before_it_is_pressed() -> None:
-    plan = pps.plan(pps.load_task("press-fit", ["obstacles=[]"]))
+def test_an_object_that_nothing_presses_or_carries_falls() -> None:
+    plan = pps.plan(replace(pps.load_task("press-fit"), obstacles=()))
     assert (record := run_planar(plan)).reason == "diverged"
     assert "falls" in record.reason_text
+
+
+def test_where_nothing_else_carries_it_the_arms_hold_it_to_the_end() -> None:
+    task = turn()
+    ledge = Obstacle("ledge", (0.2, 0.04, 0.2), Pose2(0.0, -0.417))
+    task = replace(task, support=replace(task.support, opening=None), obstacles=(ledge,), goal=Pose2(0.05, 0.1))
+    plan = pps.plan(task)
+    record = run_planar(plan)
+    assert result(task, plan, record, {})["success"]
+    assert PHASES[int(record.arrays["phase"][-1])] == "move"
+    held = record.arrays["time"] > record.arrays["time"][-1] - 0.3
+    assert max(np.ptp(record.arrays["object_pose"][held], axis=0)) < 1e-4
 
 
 def test_the_same_motion_in_a_mirror_needs_the_same_press() -> None:

@@ -5,7 +5,10 @@ import math
 import pytest
 
 from pushpressslide.core.errors import TaskError
+from pushpressslide.pipeline.planner import plan
 from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.planar.engine import run
+from pushpressslide.report.metrics import result
 
 
 def test_the_tools_goal_is_behind_the_bodys() -> None:
@@ -38,3 +41,11 @@ def test_a_sidewards_start_is_shared_between_place_and_yaw() -> None:
 def test_what_cannot_be_pushed_so_is_refused(override: str, field: str) -> None:
     with pytest.raises(TaskError, match=field.replace(".", r"\.")):
         load_task("tool-use", [override])
+
+
+def test_an_engine_without_other_bodies_says_that_the_bodys_end_is_not_known() -> None:
+    task = load_task("tool-use")
+    made = plan(task)
+    found = result(task, made, run(made))
+    assert not found["success"]
+    assert found["reason"]["text"] == "engine planar does not move 'cube': where it ends is not known"

@@ -27,6 +27,8 @@ def test_the_shipped_wall_is_where_its_file_says_and_loads_again(tmp_path) -> No
         ("support.pose=null", r"support\.pose.*it is missing"),
         ("support.opening.depth=0.25", r"support\.opening\.depth.*less than the object's height"),
         ("support.opening.size=[0.79, 0.28]", r"goal.*outline is within it"),
+        ("obstacles=[]", r"start.*it would fall before the arms press it"),
+        ("start.y=-0.02", r"start.*on a ledge"),
         ("obstacles.0.movable=true", r"obstacles\[0\]\.movable.*it would fall"),
         ("start={x: 0, y: 0, yaw_deg: 90}", r"start.*lies in support\.opening"),
         ("support.opening.depth=-1", r"support\.opening\.depth"),

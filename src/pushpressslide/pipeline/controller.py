@@ -3,7 +3,7 @@
     touch    line the tips up with their contacts, advance until they feel the object, settle the normal force
     move     track -> wrench -> allocate -> contact forces, plus a velocity servo along the contact motion;
              stretch after stretch of the plan
-    release  draw the tips back; then done
+    release  draw the tips back, unless nothing else carries the object; then done
 
 State in, state out: ``init(measurement) -> state``, ``step(state, measurement) -> (commands, log, state)``.
 It sees what a robot would see: object pose, tip state, contact force. It never raises; what went wrong is in
@@ -39,6 +39,7 @@ from pushpressslide.pipeline.control_state import (
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
 from pushpressslide.pipeline.entry import SEAT_TIME, entry
+from pushpressslide.pipeline.task_shapes import carried
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, held_at, touch
 
@@ -47,6 +48,7 @@ TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the
 LOSS_TIME = {"side": 0.12, "top": 0.012}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
+HOLD_TIME = 0.5  # [s] that it is held at a goal where nothing else carries it
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
@@ -84,6 +86,8 @@ class Controller:
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
         self.entry = entry(plan)  # into an opening of the support
+        end = plan.stretches[-1].task
+        self.holds = plan.next_grasp is None and not carried(end, end.goal)  # to the end of the run
         self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
@@ -169,7 +173,8 @@ class Controller:
         left = path.length - state.progress
         speed = wanted_speed + CATCH_UP * (wanted_progress - state.progress)
         braking = FLOOR_SPEED + math.sqrt(profile.acceleration * max(left, 0.0))
-        waits = self.entry is not None and not state.ahead and left <= STOP  # for the object to be seated
+        last = left <= STOP and not state.ahead
+        waits = last and (self.entry is not None or self.holds)  # for the object to be seated or at rest
         speed = min(max(speed, 0.0 if waits else FLOOR_SPEED), 1.5 * profile.speed, braking)
 
         started = perf_counter()
@@ -220,7 +225,7 @@ class Controller:
         if self._arrived(state, measurement, left):
             ahead = state.ahead or self._once_more(state, measurement, X_WB)
             if not ahead:
-                return begin(state, "release", measurement)
+                return begin(state, "done" if self.holds else "release", measurement)
             return self._next_stretch(state, ahead, measurement, X_WB)
         patience = min(LOSS_TIME[c.kind] for c in plan.choice.contacts)
         if state.lost is not None and time - state.lost > patience:
@@ -244,11 +249,13 @@ class Controller:
 
     def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
         """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
-        or has been waited for.
+        or has been waited for; where it must be held, when that has gone on for a while.
         """
+        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
+        if self.holds and not state.ahead:
+            return left <= STOP and late > HOLD_TIME
         if self.entry is None or state.ahead:
             return left <= STOP
-        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
         return late > SEAT_TIME or (left <= STOP and self.entry.seated(measurement))
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,6 +12,8 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.pipeline.selection import grasps
+
+NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
@@ -62,10 +65,20 @@ def chained(plans: Sequence[Plan]) -> Plan:
 
 
 def refusal(task: Task, choices: list[Choice]) -> str:
-    """Return one line that says for each choice why it cannot do the task."""
+    """Return one line that says why no choice can do the task: of reasons that differ in their numbers only,
+    the first of each mode, and how many are like it.
+    """
     legs = task.parts
     by_leg = {c.leg: [d for d in choices if d.leg == c.leg] for c in choices}
     refused = next((of for of in by_leg.values() if not any(c.feasible for c in of)), choices)
     part = legs[refused[0].leg]
-    reasons = "; ".join(f"{c.mode}: {c.reason}" for c in refused if not c.feasible)
+    fitting = [c for c in refused if MODES[c.mode].arms == len(task.robots)] or refused
+    alike: dict[tuple[str, str], list[str]] = {}
+    for c in fitting:
+        if not c.feasible:
+            alike.setdefault((c.mode, NUMBER.sub("", c.reason)), []).append(c.reason)
+    reasons = "; ".join(
+        f"{mode}: {reason}" + (f" ({len(more)} more like this)" if more else "")
+        for (mode, _), (reason, *more) in alike.items()
+    )
     return f"{part.source or part.name}: no mode can do this task: {reasons}"

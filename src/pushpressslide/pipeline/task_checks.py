@@ -11,7 +11,7 @@ from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
 from pushpressslide.pipeline.task_reader import nearest
-from pushpressslide.pipeline.task_shapes import around, distance_outside, overlap_area
+from pushpressslide.pipeline.task_shapes import around, carried, distance_outside, overlap_area
 
 if TYPE_CHECKING:
     from pushpressslide.robots.kinematics import ArmKinematics
@@ -70,7 +70,8 @@ def _check_motion(task: Task) -> None:
 
 
 def check_wall(task: Task) -> None:
-    """Check what a wall asks of a whole task: a loose body falls off it, what is in its opening stays there.
+    """Check what a wall asks of a whole task: an object lies on a ledge, a loose body falls off, what is in the
+    opening stays there.
 
     Raises TaskError.
     """
@@ -81,6 +82,9 @@ def check_wall(task: Task) -> None:
             raise TaskError(
                 task.source, f"obstacles[{i}].movable", True, "on a wall it would fall; allowed: false"
             )
+    if not carried(task, task.start):
+        allowed = "it would fall before the arms press it; allowed: on a ledge, a fixed obstacle right below it"
+        raise TaskError(task.source, "start", _at(task.start), allowed)
     opening, shape = task.support.opening, task.object.shape
     if opening is None:
         return

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import GRAVITY, Box, Task
+from pushpressslide.core.task import GRAVITY, Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load
-from pushpressslide.pipeline.task_shapes import overlap_area
+from pushpressslide.pipeline.task_shapes import lowered, on_ledge
 from pushpressslide.planar.contact import FREE, ContactStatus, Pull, SideContact, TipLaw, TopContact
 from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
@@ -196,16 +196,11 @@ class World:
         in the opening, or goes on; and whether it still falls.
         """
         X_WG, shape = X_WB.compose(self.task.object.X_GB.inverse()), self.task.object.shape
-        size = math.hypot(*self.weight)
-        below = replace(
-            X_WG, x=X_WG.x + STEP * self.weight[0] / size, y=X_WG.y + STEP * self.weight[1] / size
-        )
         opening, moving = self.task.support.opening, (twist.vx, twist.vy, twist.w)
         if opening is not None and opening.holds(X_WG, shape):
-            lowest, falling = not opening.holds(below, shape), False
+            lowest, falling = not opening.holds(lowered(self.task, X_WG, STEP), shape), False
         else:
-            fixed = (o for o in self.task.obstacles if not o.movable)
-            lowest = any(overlap_area(shape, below, Box(o.size), o.pose) > 0.0 for o in fixed)
+            lowest = on_ledge(self.task, X_WG, STEP)
         at_com = twist.moved_to((0.0, 0.0))
         vx, vy = X_WB.rotate((at_com.vx, at_com.vy))
         if lowest and vx * self.weight[0] + vy * self.weight[1] >= 0.0:

@@ -117,6 +117,8 @@ def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[b
     )
     if seat > allowed.position:
         place += f", {1e3 * seat:.0f} mm short of the opening's back"
+    if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
+        place = f"engine {record.engine} does not move {task.tool.body!r}: where it ends is not known"
     code, text = record.reason, record.reason_text
     if code == "goal_reached":
         return within, {
