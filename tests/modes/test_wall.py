@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.control import PHASES
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Obstacle, Task
 from pushpressslide.mechanics.pressure import center_of_pressure
@@ -96,7 +96,9 @@ def test_an_object_that_nothing_presses_or_carries_falls() -> None:
 def test_where_nothing_else_carries_it_the_arms_hold_it_to_the_end() -> None:
     task = turn()
     ledge = Obstacle("ledge", (0.2, 0.04, 0.2), Pose2(0.0, -0.417))
-    task = replace(task, support=replace(task.support, opening=None), obstacles=(ledge,), goal=Pose2(0.05, 0.1))
+    task = replace(
+        task, support=replace(task.support, opening=None), obstacles=(ledge,), goal=Pose2(0.05, 0.1)
+    )
     plan = pps.plan(task)
     record = run_planar(plan)
     assert result(task, plan, record, {})["success"]

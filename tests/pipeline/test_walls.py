@@ -1,9 +1,12 @@
 """Walls in the task file: what they say, what must fit together, and that a dumped one loads to the same."""
 
+import re
+
 import pytest
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.pipeline.selection import select
 from pushpressslide.pipeline.task_file import dump_task, load_task, task_from_data
 from pushpressslide.pipeline.task_yaml import read_yaml
 
@@ -37,3 +40,30 @@ def test_the_shipped_wall_is_where_its_file_says_and_loads_again(tmp_path) -> No
 def test_what_does_not_fit_is_refused(override, says) -> None:
     with pytest.raises(TaskError, match=says):
         load_task("press-fit", [override])
+
+
+CRATE = {
+    "name": "crate",
+    "support": {
+        "kind": "wall", "friction": 0.2, "pose": {"x": 0.8, "y": 0, "z": 0.5, "yaw_deg": 180},
+        "opening": {"size": [0.22, 0.22], "depth": 0.15, "pose": {"x": 0.08, "y": 0.12}},
+    },
+    "object": {"shape": {"box": [0.2, 0.2, 0.3]}, "mass": 1.0},
+    "contact": {"friction": 0.9},
+    "start": {"x": -0.1, "y": 0.0},
+    "obstacles": [{"name": "ledge", "box": [0.2, 0.04, 0.3], "pose": {"x": -0.1, "y": -0.12}}],
+    "robots": [{"model": "iiwa7", "base": {"y": 0.5}}, {"model": "iiwa7", "base": {"y": -0.5}}],
+    "limits": {"normal_force": 100},
+}  # fmt: skip
+
+
+def test_an_object_that_would_tip_into_the_opening_half_way_is_refused() -> None:
+    task = task_from_data({**CRATE, "goal": {"x": 0.08, "y": 0.12}}, "crate")
+    reasons = [choice.reason for choice in select(task)]
+    assert any(re.search(r"tips into support\.opening at .* \d+ mm beyond", reason) for reason in reasons)
+    assert not any(choice.feasible for choice in select(task))
+
+
+def test_beside_the_opening_it_is_carried() -> None:
+    task = task_from_data({**CRATE, "goal": {"x": -0.14, "y": 0.12}}, "crate")
+    assert select(task)[0].feasible

@@ -9,6 +9,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Obstacle, Shape, Task
 from pushpressslide.modes import MODES
+from pushpressslide.pipeline.opening_path import opening_problem
 from pushpressslide.pipeline.task_shapes import gap
 
 OBJECT_CLEARANCE = 0.01
@@ -85,8 +86,12 @@ def _select(task: Task) -> list[Choice]:
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:
-    """Return the choice, infeasible where the object's path comes too near to an obstacle."""
-    problem = obstacle_problem(task, choice) if choice.feasible else None
+    """Return the choice, infeasible where the object's path comes too near to an obstacle, or where it tips
+    into an opening.
+    """
+    problem = None
+    if choice.feasible and choice.path is not None:
+        problem = obstacle_problem(task, choice) or opening_problem(task, choice, _swept(task, choice))
     return (
         choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
     )

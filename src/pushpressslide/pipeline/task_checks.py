@@ -70,7 +70,7 @@ def _check_motion(task: Task) -> None:
 
 
 def check_wall(task: Task) -> None:
-    """Check what a wall asks of a whole task: an object lies on a ledge, a loose body falls off, what is in the
+    """Check what a wall asks of a task: an object lies on a ledge, a loose body falls off, what is in the
     opening stays there.
 
     Raises TaskError.
@@ -83,7 +83,9 @@ def check_wall(task: Task) -> None:
                 task.source, f"obstacles[{i}].movable", True, "on a wall it would fall; allowed: false"
             )
     if not carried(task, task.start):
-        allowed = "it would fall before the arms press it; allowed: on a ledge, a fixed obstacle right below it"
+        allowed = (
+            "it would fall before the arms press it; allowed: on a ledge, a fixed obstacle right below it"
+        )
         raise TaskError(task.source, "start", _at(task.start), allowed)
     opening, shape = task.support.opening, task.object.shape
     if opening is None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import Box, Cylinder, Shape, Task
+from pushpressslide.core.task import Box, Cylinder, Opening, Shape, Task
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -111,11 +111,29 @@ def on_ledge(task: Task, X_WG: Pose2, within: float) -> bool:
 
 
 def carried(task: Task, X_WG: Pose2) -> bool:
-    """Return whether an object that is let go at a pose stays there: not on a wall without ledge or opening."""
+    """Return whether an object that is let go at a pose stays: on a wall, on a ledge or in the opening."""
     support, shape = task.support, task.object.shape
     if support.kind == "table" or on_ledge(task, X_WG, LEDGE_GAP):
         return True
     return support.opening is not None and support.opening.holds(X_WG, shape)
+
+
+def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
+    """Return how far [m] a point lies inside the convex hull of what an opening leaves of a footprint that
+    is partly over it; negative outside, infinite where nothing is over it.
+    """
+    from shapely import Point as Place
+    from shapely import box
+
+    (w, h), (x, y) = opening.size, opening.center
+    whole = _placed(shape, X_WG)
+    rest = whole.difference(box(x - 0.5 * w, y - 0.5 * h, x + 0.5 * w, y + 0.5 * h))
+    if rest.area == whole.area:
+        return math.inf
+    if rest.is_empty:
+        return -math.inf
+    hull, place = rest.convex_hull, Place(point)
+    return float(hull.boundary.distance(place)) if hull.covers(place) else -float(hull.distance(place))
 
 
 def around(shape: Shape, X_WG: Pose2, distance: float, count: int) -> tuple[list[Point], float]:
