@@ -38,7 +38,7 @@ from pushpressslide.pipeline.control_state import (
     smooth,
 )
 from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
-from pushpressslide.pipeline.entry import SEAT_TIME, entry
+from pushpressslide.pipeline.entry import HOLD_TIME, SEAT_TIME, entry
 from pushpressslide.pipeline.task_shapes import carried
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, held_at, touch
@@ -48,7 +48,6 @@ TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the
 LOSS_TIME = {"side": 0.12, "top": 0.012}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
-HOLD_TIME = 0.5  # [s] that it is held at a goal where nothing else carries it
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
 REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
@@ -72,8 +71,7 @@ class Controller:
         """Prepare everything that does not change from tick to tick."""
         task = plan.task
         self.plan, self.mode, self.binding = plan, MODES[plan.choice.mode], bind(plan)
-        self.X_GB = task.object.X_GB
-        self.robots = task.robots
+        self.X_GB, self.robots = task.object.X_GB, task.robots
         contacts = plan.choice.contacts
         sides = sum(c.kind == "side" for c in contacts)
         push = TOUCH_SHARE * plan.choice.parameters["push_force"] / max(sides, 1)
@@ -86,8 +84,8 @@ class Controller:
         friction = task.believed.contact_friction
         self.mover = TipMover(damping, friction, self.threshold, self.regulator)
         self.entry = entry(plan)  # into an opening of the support
-        end = plan.stretches[-1].task
-        self.holds = plan.next_grasp is None and not carried(end, end.goal)  # to the end of the run
+        self.holds = plan.next_grasp is None and not carried(task, plan.stretches[-1].task.goal)
+        self.waits = self.entry is not None or self.holds
         self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
 
@@ -173,8 +171,7 @@ class Controller:
         left = path.length - state.progress
         speed = wanted_speed + CATCH_UP * (wanted_progress - state.progress)
         braking = FLOOR_SPEED + math.sqrt(profile.acceleration * max(left, 0.0))
-        last = left <= STOP and not state.ahead
-        waits = last and (self.entry is not None or self.holds)  # for the object to be seated or at rest
+        waits = self.waits and not state.ahead and left <= STOP  # for the object to be seated or at rest
         speed = min(max(speed, 0.0 if waits else FLOOR_SPEED), 1.5 * profile.speed, braking)
 
         started = perf_counter()
@@ -249,13 +246,13 @@ class Controller:
 
     def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
         """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
-        or has been waited for; where it must be held, when that has gone on for a while.
+        or has been waited for; where it is held when that has lasted.
         """
-        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
-        if self.holds and not state.ahead:
-            return left <= STOP and late > HOLD_TIME
-        if self.entry is None or state.ahead:
+        if state.ahead or not self.waits:
             return left <= STOP
+        late = measurement.time - state.clock_start - state.binding.plan.profile.duration
+        if self.entry is None:
+            return left <= STOP and late > HOLD_TIME
         return late > SEAT_TIME or (left <= STOP and self.entry.seated(measurement))
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:

@@ -17,6 +17,7 @@ from pushpressslide.core.plan import Plan
 ENTERED = 0.002  # [m] of any tip beyond where it pressed at first at which the object counts as going in
 SEATED, AT_REST = 0.002, 0.01  # [m] from the back, [m/s] of the tips at which it counts as seated
 SEAT_TIME = 3.0  # [s] that is waited for it at the end of the motion
+HOLD_TIME = 0.5  # [s] that an object is held at a goal where nothing else carries it
 BRAKE, LANDING = 1.0, 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet it
 
 

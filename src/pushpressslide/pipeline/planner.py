@@ -65,20 +65,25 @@ def chained(plans: Sequence[Plan]) -> Plan:
 
 
 def refusal(task: Task, choices: list[Choice]) -> str:
-    """Return one line that says why no choice can do the task: of reasons that differ in their numbers only,
-    the first of each mode, and how many are like it.
-    """
+    """Return one line that says why no choice can do the task."""
     legs = task.parts
     by_leg = {c.leg: [d for d in choices if d.leg == c.leg] for c in choices}
     refused = next((of for of in by_leg.values() if not any(c.feasible for c in of)), choices)
     part = legs[refused[0].leg]
     fitting = [c for c in refused if MODES[c.mode].arms == len(task.robots)] or refused
-    alike: dict[tuple[str, str], list[str]] = {}
-    for c in fitting:
-        if not c.feasible:
-            alike.setdefault((c.mode, NUMBER.sub("", c.reason)), []).append(c.reason)
-    reasons = "; ".join(
-        f"{mode}: {reason}" + (f" ({len(more)} more like this)" if more else "")
-        for (mode, _), (reason, *more) in alike.items()
-    )
+    reasons = "; ".join(f"{c.mode}: {c.reason}" for c in gathered(fitting) if not c.feasible)
     return f"{part.source or part.name}: no mode can do this task: {reasons}"
+
+
+def gathered(choices: Sequence[Choice]) -> list[Choice]:
+    """Return the choices without repetition: of refused ones of a mode whose reasons differ in their numbers
+    only the first, which says how many more there are.
+    """
+    alike: dict[tuple[str, str], list[Choice]] = {}
+    for i, choice in enumerate(choices):
+        kind = str(i) if choice.feasible else NUMBER.sub("", choice.reason)
+        alike.setdefault((choice.mode, kind), []).append(choice)
+    return [
+        replace(first, reason=f"{first.reason} ({len(more)} more like this)") if more else first
+        for first, *more in alike.values()
+    ]

@@ -15,6 +15,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.task import Box, Cylinder, Robot, Task
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.pipeline.planner import gathered
 from pushpressslide.report import style
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page_tables import (
@@ -178,11 +179,18 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
     mu = _with_belief(task.support.friction, belief.support_friction)
     mu_c = _with_belief(task.contact_friction, belief.contact_friction)
     mass = _with_belief(task.object.mass, belief.mass, " kg")
+    tool = []
+    if task.tool is not None:
+        end = task.tool.goal
+        tool = [
+            (f"Goal of {task.tool.body}", _pose(end.x, end.y, end.yaw) + f", pushed by face {task.tool.face}")
+        ]
     rows = [
         ("Object", f"{form}, {mass}"),
         ("Friction", f"{task.support.kind} {mu}, end effector {mu_c}"),
         ("Start", _pose(task.start.x, task.start.y, task.start.yaw)),
         ("Goal", _pose(task.goal.x, task.goal.y, task.goal.yaw)),
+        *tool,
         ("Tolerance", f"{1e3 * task.tolerance.position:g} mm, {math.degrees(task.tolerance.yaw):g}°"),
         ("Robots", "; ".join(_robot(robot) for robot in task.robots)),
     ]
@@ -202,7 +210,7 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
 def _choice_part(run: Run) -> str:
     choices: Sequence[Choice] = run.choices or (run.plan.choice,)
     rows = []
-    for choice in choices:
+    for choice in gathered(choices):
         chosen = choice in [grasp.choice for grasp in run.plan.grasps]
         margin = "" if choice.friction_margin is None else f"{math.degrees(choice.friction_margin):.1f}°"
         cells = (
