@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 
@@ -93,6 +94,11 @@ class Manoeuvre:
         turn, speed, (_, length) = self.arcs[-1]
         path = ArcPath(advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
         return [*out, Stretch(turn, path, self.goal, speed)]
+
+    @property
+    def swing(self) -> float:
+        """How far the object is turned on the way from where it starts, at most [rad]."""
+        return max(map(abs, accumulate(curvature * length for _, _, (curvature, length) in self.arcs)))
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a stretch for each turn."""
