@@ -16,7 +16,7 @@ from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import SpeedProfile
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
@@ -27,7 +27,7 @@ from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed_manoeuvre import CORRECTED, CORRECTING, pressed_manoeuvres
-from pushpressslide.planning.pressed_onward import onward
+from pushpressslide.planning.pressed_onward import onward, pressed_at
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
@@ -311,8 +311,11 @@ class PressSlide:
         if contact.point == (0.0, 0.0):
             return None
         if planned.get("manoeuvre"):
-            fresh = onward(plan, X_WB)
+            fresh = onward(plan, X_WB, contact)
             return fresh if fresh.path.length <= longest else None
+        if "manoeuvre" in planned:
+            plan = pressed_at(plan, contact)
+            planned = plan.choice.parameters
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
         car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:
@@ -321,11 +324,12 @@ class PressSlide:
                 car, level = replace(car, shift=identified.axle - axle_ahead(car)), identified.drag
             X_BV = car.X_BV
         start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
-        if "manoeuvre" in planned and identified is None and abs(goal.unapply(start.position)[1]) < CORRECTED:
-            return None  # steering along the run-in as planned is enough
         path: MotionPath
+        ahead, left = goal.unapply(start.position)
         if pivots:
             path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+        elif "manoeuvre" in planned and abs(left) < CORRECTED:  # steering along the run-in is enough
+            path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
             curvatures = turns(car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach))
             run_ins = [k * planned["look_ahead"] for k in SHORT_RUN_INS]
