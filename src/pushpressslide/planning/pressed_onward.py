@@ -14,18 +14,23 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.planning.pressed_manoeuvre import Stretch, as_driven
 from pushpressslide.planning.pressed_turns import pressed_turns
-from pushpressslide.planning.pressed_vehicle import press_of
+from pushpressslide.planning.pressed_vehicle import PLANNED, press_of
 
-STEPS = 8  # of Gauss and Newton's method
+STEPS = 5  # of Gauss and Newton's method
 YAW_ARM = 0.1  # [m] that an error of one radian counts for
 LEAST_RUN_IN = 1.5  # look-aheads
+MOST = 0.1  # [m], by the same measure, that a length is changed by at a time
+WEAK = 0.03  # of the strongest effect that changes have: weaker ones are not used
+SMALL = 1e-6  # [m], [rad] of a difference quotient
 
+Array = NDArray[np.float64]
 Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
@@ -54,13 +59,11 @@ def pressed_at(plan: Plan, contact: Contact) -> Plan:
 def onward(plan: Plan, X_WB: Pose2, contact: Contact) -> Plan:
     """Return ``plan``, what is left of a manoeuvre's turn, and what follows it, pressed at ``contact`` and with
     the lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those next to the planned
-    ones, where several do.
+    ones, where several do. The last turn is steered besides: it has too few lengths.
     """
     stretches, X_GB = pressed_at(plan, contact).stretches, plan.task.object.X_GB
     goal = stretches[-1].goal.compose(X_GB)
-    arcs: list[Arc] = [(s.X_BV, s.path.pieces[-1][0]) for s in stretches if isinstance(s.path, ArcPath)]
-    least = LEAST_RUN_IN * stretches[-1].choice.parameters["look_ahead"]
-    lengths = _lengths(arcs, [stretch.path.length for stretch in stretches], least, X_WB, goal)
+    arcs, lengths = _arcs(stretches, X_WB, goal)
     poses, following = _poses(arcs, lengths, X_WB), None
     parts = zip(stretches, arcs, lengths, pairwise(poses), strict=True)
     for stretch, (X_BV, curvature), length, (begin, end) in reversed(list(parts)):
@@ -81,28 +84,49 @@ def onward(plan: Plan, X_WB: Pose2, contact: Contact) -> Plan:
     return following
 
 
-def _lengths(
-    arcs: Sequence[Arc], planned: Sequence[float], least_run_in: float, X_WB: Pose2, goal: Pose2
-) -> list[float]:
-    curvatures = np.array([curvature for _, curvature in arcs])
-    ways = 1.0 + YAW_ARM * np.abs(curvatures)  # of all changes those of the least way and the least turn
-    least = np.append(np.zeros(len(arcs) - 1), least_run_in)
-    lengths, free = np.array(planned), np.ones(len(arcs), dtype=bool)
+def _arcs(stretches: Sequence[Plan], X_WB: Pose2, goal: Pose2) -> tuple[list[Arc], list[float]]:
+    """Return the arcs of ``stretches`` that lead from ``X_WB`` to ``goal``, and their lengths [m]: Gauss and
+    Newton's method within bounds.
+    """
+    arcs: list[Arc] = [(s.X_BV, s.path.pieces[-1][0]) for s in stretches if isinstance(s.path, ArcPath)]
+    turn, run_in = (stretch.choice.parameters for stretch in (stretches[0], stretches[-1]))
+    gain, curvatures = turn["gain"], np.array([curvature for _, curvature in arcs])
+    # the lengths, and the first turn's steering; of all changes those of the least way and the least turn
+    x = np.array([*(stretch.path.length for stretch in stretches), 0.0])
+    low = np.array([0.0] * (len(arcs) - 1) + [LEAST_RUN_IN * run_in["look_ahead"], PLANNED * turn["right"]])
+    high = np.array([math.inf] * len(arcs) + [PLANNED * turn["left"]])
+    ways = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
+    low, high = np.maximum(low, x - MOST / ways), np.minimum(high, x + MOST / ways)
+    if len(arcs) > 2:
+        low[-1] = high[-1] = 0.0
+
+    def steered(x: Array) -> list[Arc]:
+        (X_BV, curvature), *others = arcs
+        return [(X_BV, curvature + math.tan(x[-1]) / gain), *others]
+
+    def short(x: Array) -> Array:
+        end = _poses(steered(x), x[:-1].tolist(), X_WB)[-1]
+        yaw = math.remainder(goal.yaw - end.yaw, math.tau)
+        return np.array([goal.x - end.x, goal.y - end.y, YAW_ARM * yaw])
+
     for _ in range(STEPS):
-        poses = _poses(arcs, lengths.tolist(), X_WB)
-        end = poses[-1]
-        off = (goal.x - end.x, goal.y - end.y, YAW_ARM * math.remainder(goal.yaw - end.yaw, math.tau))
-        slopes = np.zeros((3, len(arcs)))  # of the end, by each length
-        for i, ((X_BV, curvature), pose) in enumerate(zip(arcs, poses[1:], strict=True)):
-            X_WV = pose.compose(X_BV)
-            slopes[0, i] = math.cos(X_WV.yaw) - curvature * (end.y - X_WV.y)
-            slopes[1, i] = math.sin(X_WV.yaw) + curvature * (end.x - X_WV.x)
-            slopes[2, i] = YAW_ARM * curvature
-        change = np.linalg.lstsq((slopes / ways)[:, free], np.array(off), rcond=None)[0]
-        lengths[free] += change / ways[free]
-        free &= lengths > least
-        lengths = np.maximum(lengths, least)
-    return [float(length) for length in lengths]
+        off = short(x)
+        slopes = np.array([(off - short(x + step)) / SMALL for step in SMALL * np.eye(len(x))]).T
+        x = x + _step(slopes / ways, off, (low - x) * ways, (high - x) * ways) / ways
+    return steered(x), [float(length) for length in x[:-1]]
+
+
+def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
+    """Return the least step (n,) within bounds that makes up for ``off`` (3,), as far as the bounds let it."""
+    step, free = np.zeros(len(low)), np.ones(len(low), dtype=bool)
+    while free.any():
+        step[free] = np.linalg.lstsq(slopes[:, free], off - slopes[:, ~free] @ step[~free], rcond=WEAK)[0]
+        beyond = free & ((step < low) | (step > high))
+        step = np.clip(step, low, high)
+        if not beyond.any():
+            break
+        free &= ~beyond
+    return step
 
 
 def _poses(arcs: Sequence[Arc], lengths: Sequence[float], X_WB: Pose2) -> list[Pose2]:
