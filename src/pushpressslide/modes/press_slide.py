@@ -40,6 +40,8 @@ from pushpressslide.planning.pressed_vehicle import (
     axle_ahead,
     car_of,
     figures,
+    frame_of,
+    plan_of,
     press_of,
     pressed_vehicle,
     turns,
@@ -240,8 +242,7 @@ class PressSlide:
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
-        p = choice.parameters
-        return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
+        return frame_of(choice)
 
     def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a plan, or that of a turn on the spot."""
@@ -285,15 +286,7 @@ class PressSlide:
             if not found:
                 return None
             choice = found[0].choice(task, self.name)
-        made = None
-        for stretch in reversed(choice.stretches):
-            assert stretch.path is not None
-            profile = SpeedProfile(
-                stretch.path.length, stretch.parameters["speed"], plan.profile.acceleration
-            )
-            frame = self.vehicle_frame(stretch)
-            made = Plan(plan.task, stretch, stretch.path, profile, frame, made)
-        return made
+        return plan_of(plan.task, choice, plan.profile.acceleration)
 
     def replan(
         self,
@@ -314,8 +307,7 @@ class PressSlide:
             fresh = onward(plan, X_WB, contact)
             return fresh if fresh.path.length <= longest else None
         if "manoeuvre" in planned:
-            plan = pressed_at(plan, contact)
-            planned = plan.choice.parameters
+            planned = (plan := pressed_at(plan, contact)).choice.parameters
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
         car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:
@@ -328,7 +320,9 @@ class PressSlide:
         ahead, left = goal.unapply(start.position)
         if pivots:
             path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
-        elif "manoeuvre" in planned and abs(left) < CORRECTED:  # steering along the run-in is enough
+        elif (
+            "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
+        ):  # steering along the run-in is enough
             path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
             curvatures = turns(car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach))

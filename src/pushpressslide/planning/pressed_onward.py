@@ -1,9 +1,9 @@
 """The rest of a manoeuvre from where object and contact really are: the same turns, as they then are and as
 long as they then have to be.
 
-A turn about a point of the body does not end quite where it was planned to: the tip rolls and creeps, and the
-pressure is not quite what it was believed to be. The turns that are left and the run-in have lengths to choose
-that make up for it.
+A turn about a point of the body does not end quite where it was planned to: the tip rolls and creeps, and
+the pressure is not quite what it was believed to be. The turns that are left and the run-in have lengths to
+choose that make up for it.
 """
 
 from __future__ import annotations
@@ -57,9 +57,9 @@ def pressed_at(plan: Plan, contact: Contact) -> Plan:
 
 
 def onward(plan: Plan, X_WB: Pose2, contact: Contact) -> Plan:
-    """Return ``plan``, what is left of a manoeuvre's turn, and what follows it, pressed at ``contact`` and with
-    the lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those next to the planned
-    ones, where several do. The last turn is steered besides: it has too few lengths.
+    """Return ``plan``, what is left of a manoeuvre's turn, and what follows it, pressed at ``contact`` and
+    with the lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those next to the
+    planned ones, where several do. The last turn is steered besides: it has too few lengths.
     """
     stretches, X_GB = pressed_at(plan, contact).stretches, plan.task.object.X_GB
     goal = stretches[-1].goal.compose(X_GB)
@@ -117,7 +117,7 @@ def _arcs(stretches: Sequence[Plan], X_WB: Pose2, goal: Pose2) -> tuple[list[Arc
 
 
 def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
-    """Return the least step (n,) within bounds that makes up for ``off`` (3,), as far as the bounds let it."""
+    """Return the least step (n,) within bounds that makes up for ``off`` (3,), as far as they let it."""
     step, free = np.zeros(len(low)), np.ones(len(low), dtype=bool)
     while free.any():
         step[free] = np.linalg.lstsq(slopes[:, free], off - slopes[:, ~free] @ step[~free], rcond=WEAK)[0]
