@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,3 +59,12 @@ def test_a_profile_covers_its_length_from_rest_to_rest(length, speed, accelerati
     assert abs(travelled - length) < 1e-2 * length
     assert profile.at(0.0) == (0.0, 0.0)
     assert profile.at(profile.duration) == (length, 0.0)
+
+
+def test_the_rest_of_a_path_is_where_the_path_is() -> None:
+    path = ArcPath(Pose2(0.1, -0.2, 0.3), ((2.0, 0.4), (0.0, 0.1), (-3.0, 0.2)))
+    rest = path.rest(0.45)
+    assert rest.length == pytest.approx(path.length - 0.45)
+    for s in (0.0, 0.02, 0.2):
+        here, there = rest.pose(s), path.pose(0.45 + s)
+        assert (here.x, here.y, here.yaw) == pytest.approx((there.x, there.y, there.yaw))

@@ -18,6 +18,16 @@ def test_the_least_press_uses_all_of_its_friction() -> None:
     assert least_load(10.0, 0.3, 0.3) == math.inf
 
 
+def test_what_the_object_pushes_is_dragged_along_too() -> None:
+    problem, loads = press_loads(5.0, 0.3, 0.9, 60.0, pushed=4.4)
+    assert problem is None
+    assert friction_use(loads[0], 5.0, 0.3, 0.9, 4.4) == pytest.approx(0.7)
+    assert loads[0] == pytest.approx((0.3 * 5.0 + 4.4) / (0.7 * 0.9 - 0.3))
+    problem, _ = press_loads(5.0, 0.3, 0.9, 60.0, 5.0, pushed=4.4)
+    assert problem is not None
+    assert "straight sliding takes 1.64 of its friction" in problem
+
+
 def test_the_papers_bar_needs_a_friction_ratio_of_1_368() -> None:
     assert friction_use(8.0, 2.943, 0.3, 1.368 * 0.3) == pytest.approx(1.0, abs=1e-3)
     problem, _ = press_loads(2.943, 0.3, 1.3 * 0.3, 60.0, 8.0)

@@ -76,6 +76,12 @@ class ArcPath:
         i = self._piece(s)
         return advance(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
 
+    def rest(self, s: float) -> ArcPath:
+        """Return what of the path comes after arc length ``s`` in [0, length]."""
+        i = self._piece(s)
+        curvature, end = self.pieces[i][0], self.starts[i + 1][0]
+        return ArcPath(self.pose(s), ((curvature, end - s), *self.pieces[i + 1 :]))
+
     def curvature(self, s: float) -> float:
         """Return the signed curvature [1/m] at arc length ``s``; zero outside the path."""
         if s < 0.0 or s > self.length or not self.pieces:

@@ -14,30 +14,39 @@ MOST_USE = USES[-1]
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 
 
-def friction_use(load: float, weight: float, mu_support: float, mu_contact: float) -> float:
-    """Return what straight sliding takes of the press's friction: mu_s (N_o + N_a) / (mu_a N_a); below 1 it
-    sticks.
+def friction_use(
+    load: float, weight: float, mu_support: float, mu_contact: float, pushed: float = 0.0
+) -> float:
+    """Return what straight sliding takes of the press's friction: (mu_s (N_o + N_a) + pushed) / (mu_a N_a);
+    below 1 it sticks. ``pushed`` [N]: the drag of a body that the object pushes.
     """
-    return mu_support * (weight + load) / (mu_contact * load) if load > 0.0 else math.inf
+    return (mu_support * (weight + load) + pushed) / (mu_contact * load) if load > 0.0 else math.inf
 
 
-def least_load(weight: float, mu_support: float, mu_contact: float, use: float = 1.0) -> float:
+def least_load(
+    weight: float, mu_support: float, mu_contact: float, use: float = 1.0, pushed: float = 0.0
+) -> float:
     """Return the least press N_a [N] that drags in every direction with ``use`` of its friction.
 
-    mu_s N_o / (use mu_a - mu_s); infinite where no press is hard enough.
+    (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
     """
     room = use * mu_contact - mu_support
-    return mu_support * weight / room if room > 0.0 else math.inf
+    return (mu_support * weight + pushed) / room if room > 0.0 else math.inf
 
 
 def press_loads(
-    weight: float, mu_support: float, mu_contact: float, most: float, wanted: float | None = None
+    weight: float,
+    mu_support: float,
+    mu_contact: float,
+    most: float,
+    wanted: float | None = None,
+    pushed: float = 0.0,
 ) -> tuple[str | None, list[float]]:
     """Return what stands against any press of up to ``most`` [N], and the loads [N] to try, the safest first;
-    ``wanted`` [N] is the only one where it is given.
+    ``wanted`` [N] is the only one where it is given. ``pushed`` [N]: the drag of a body that the object pushes.
     """
     if wanted is None:
-        loads = [max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use)) for use in USES]
+        loads = [max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed)) for use in USES]
         if loads[-1] <= most:
             return None, sorted({load for load in loads if load <= most}, reverse=True)
         if mu_contact <= mu_support:
@@ -46,9 +55,9 @@ def press_loads(
         return f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N", []
     if wanted > most:
         return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", []
-    use = friction_use(wanted, weight, mu_support, mu_contact)
+    use = friction_use(wanted, weight, mu_support, mu_contact, pushed)
     if use > MOST_USE:
-        needed = mu_support * (weight + wanted) / (MOST_USE * wanted)
+        needed = use * mu_contact / MOST_USE
         return (
             f"pressed with {wanted:g} N the tip slips before the object: straight sliding takes {use:.2f} of "
             f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, needed {needed:.3f}"

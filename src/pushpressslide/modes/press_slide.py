@@ -16,17 +16,18 @@ from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import SpeedProfile
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
+from pushpressslide.mechanics.pressing import friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
+from pushpressslide.planning.pressed_manoeuvre import CORRECTED, CORRECTING, pressed_manoeuvres
+from pushpressslide.planning.pressed_onward import onward, pressed_at
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
@@ -39,6 +40,8 @@ from pushpressslide.planning.pressed_vehicle import (
     axle_ahead,
     car_of,
     figures,
+    frame_of,
+    plan_of,
     press_of,
     pressed_vehicle,
     turns,
@@ -52,8 +55,8 @@ from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTra
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
+AGAIN = 1.0  # [rad] that another attempt may turn the object: the arm holds on, and has only so much room
 TRIED = 40  # manoeuvres that are looked at for the arm's reach
-SAME = 1e-3  # [m] between places that are one
 ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
@@ -87,7 +90,7 @@ class PressSlide:
         belief, most = task.believed, task.limits.normal_force
         problem, loads = press_loads(
             belief.mass * GRAVITY, belief.support_friction, belief.contact_friction, most,
-            task.motion.press_force,
+            task.motion.press_force, tool_load(task, 0.0)[0],
         )  # fmt: skip
         if problem is not None:
             return [Choice(self.name, False, problem)]
@@ -191,13 +194,7 @@ class PressSlide:
         if off > TOOL_SKEW:
             degrees, skew = math.degrees(off), math.degrees(TOOL_SKEW)
             return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {skew:g} deg")
-        use = friction_use(contact.load, press.weight, belief.support_friction, mu)
-        use += load / (mu * contact.load)
-        if load > 0.0 and use > MOST_USE:  # without a pushed body the press is hard enough
-            return refused(
-                f"with the pushed body's {load:.1f} N straight sliding takes {use:.3f} of the tip's "
-                f"friction, allowed {MOST_USE:g}"
-            )
+        use = friction_use(contact.load, press.weight, belief.support_friction, mu, load)
         start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
         look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
         speed = motion.speed * min(1.0, vehicle.room / SAFE_ROOM) * (PUSHED_SPEED if backward else 1.0)
@@ -239,8 +236,7 @@ class PressSlide:
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
-        p = choice.parameters
-        return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
+        return frame_of(choice)
 
     def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a plan, or that of a turn on the spot."""
@@ -280,17 +276,11 @@ class PressSlide:
             task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:], planned["steepest"]
         )
         if not choice.feasible or "manoeuvre" in planned:
-            found = pressed_manoeuvres(task, X_WB, [contact])
+            found = [m for m in pressed_manoeuvres(task, X_WB, [contact]) if m.swing < AGAIN]
             if not found:
                 return None
             choice = found[0].choice(task, self.name)
-        made = None
-        for stretch in reversed(choice.stretches):
-            assert stretch.path is not None
-            profile = SpeedProfile(stretch.path.length, plan.profile.speed, plan.profile.acceleration)
-            frame = self.vehicle_frame(stretch)
-            made = Plan(plan.task, stretch, stretch.path, profile, frame, made)
-        return made
+        return plan_of(plan.task, choice, plan.profile.acceleration)
 
     def replan(
         self,
@@ -307,9 +297,11 @@ class PressSlide:
         contact, level = replace(plan.choice.contacts[0], point=touched[0]), planned["push_force"]
         if contact.point == (0.0, 0.0):
             return None
-        if planned.get("manoeuvre"):  # a turn is driven as planned, or not at all
-            off = math.dist(X_WB.compose(plan.X_BV).position, plan.path.start.position)
-            return plan if off < SAME and plan.path.length <= longest else None
+        if planned.get("manoeuvre"):
+            fresh = onward(plan, X_WB, contact)
+            return fresh if fresh.path.length <= longest else None
+        if "manoeuvre" in planned:
+            planned = (plan := pressed_at(plan, contact)).choice.parameters
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
         car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
         if not pivots:
@@ -319,10 +311,15 @@ class PressSlide:
             X_BV = car.X_BV
         start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
         path: MotionPath
+        ahead, left = goal.unapply(start.position)
         if pivots:
             path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+        elif (
+            "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
+        ):  # steering along the run-in is enough
+            path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
-            curvatures = turns(car, max(planned["curvature"], SWING / car.length))
+            curvatures = turns(car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach))
             run_ins = [k * planned["look_ahead"] for k in SHORT_RUN_INS]
             path = gentlest(start, goal, curvatures, run_ins, longest)[2]
         if path.length > longest:

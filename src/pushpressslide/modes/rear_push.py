@@ -296,7 +296,7 @@ class RearPush:
                         },
                     )
                     profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
-                    return Plan(task, choice, path, profile, X_BV)
+                    return Plan(task, choice, path, profile, X_BV, plan.following)
         return None
 
 

@@ -37,9 +37,8 @@ from pushpressslide.pipeline.control_state import (
     seen,
     smooth,
 )
-from pushpressslide.pipeline.correction import corrected, side_slide, touched_points
-from pushpressslide.pipeline.entry import HOLD_TIME, SEAT_TIME, entry
-from pushpressslide.pipeline.task_shapes import carried
+from pushpressslide.pipeline.correction import corrected, left_of, side_slide, touched_points
+from pushpressslide.pipeline.entry import HOLD_TIME, SEAT_TIME, entry, holds
 from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
 from pushpressslide.pipeline.touch import align_time, held_at, touch
 
@@ -55,7 +54,7 @@ REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
 ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
-GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
+GOOD_ENOUGH, RETRIES = 0.9, 2  # share of the tolerance at the end up to which it is not tried once more
 SEATED_ENOUGH = 0.3  # that share in an opening, where the fall in has pushed the object off its path
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
@@ -81,10 +80,9 @@ class Controller:
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         self.regulator = NormalForceRegulator(f_max=task.limits.normal_force)
         damping = motion.servo_damping if motion.velocity_servo else 0.0
-        friction = task.believed.contact_friction
-        self.mover = TipMover(damping, friction, self.threshold, self.regulator)
+        self.mover = TipMover(damping, task.believed.contact_friction, self.threshold, self.regulator)
         self.entry = entry(plan)  # into an opening of the support
-        self.holds = plan.next_grasp is None and not carried(task, plan.stretches[-1].task.goal)
+        self.holds = holds(plan)  # to the end of the run
         self.waits = self.entry is not None or self.holds
         self.kept = plan.kept(plan.next_grasp) if plan.next_grasp is not None else frozenset()
         self.ticks = (0.0, 0.0)  # wall time of the last track and allocate, for the record only
@@ -148,13 +146,16 @@ class Controller:
 
     def _planned_anew(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> ControllerState:
         """Begin to move, by a plan made anew from where object and contacts turn out to be."""
-        plan = state.binding.plan
-        longest = TOUCH_DETOUR * (plan.path.length - state.progress) + TOUCH_SLACK
+        plan = left_of(state.binding.plan, state.progress)
+        longest = TOUCH_DETOUR * plan.path.length + TOUCH_SLACK
         touched = touched_points(plan, X_WB, measurement.tips)
         fresh = self.mode.replan(plan, X_WB, touched, longest, identified(state))
         moving = begin(state, "move", measurement)
         if fresh is not None:
-            moving = replace(moving, binding=bind(fresh), progress=0.0, clock_start=measurement.time)
+            moving = replace(
+                moving, binding=bind(fresh), ahead=fresh.stretches[1:], progress=0.0,
+                clock_start=measurement.time,
+            )  # fmt: skip
         elif state.reference is None:
             moving = replace(moving, clock_start=measurement.time)
         else:
@@ -240,20 +241,18 @@ class Controller:
             if better is not None:
                 fresh, progress, clock = better
                 return replace(
-                    state, binding=bind(fresh), progress=progress, clock_start=time - clock, corrected=time
-                )
+                    state, binding=bind(fresh), ahead=fresh.stretches[1:], progress=progress,
+                    clock_start=time - clock, corrected=time,
+                )  # fmt: skip
         return state
 
     def _arrived(self, state: ControllerState, measurement: Measurement, left: float) -> bool:
-        """Whether a stretch is over, ``left`` [m] before its end: into an opening when the object is seated,
-        or has been waited for; where it is held when that has lasted.
-        """
+        """Whether a stretch is over, ``left`` [m] before its end; in an opening, or held, when it rests."""
         if state.ahead or not self.waits:
             return left <= STOP
         late = measurement.time - state.clock_start - state.binding.plan.profile.duration
-        if self.entry is None:
-            return left <= STOP and late > HOLD_TIME
-        return late > SEAT_TIME or (left <= STOP and self.entry.seated(measurement))
+        rests = late > HOLD_TIME if self.entry is None else self.entry.seated(measurement)
+        return late > SEAT_TIME or (left <= STOP and rests)
 
     def _once_more(self, state: ControllerState, measurement: Measurement, X_WB: Pose2) -> tuple[Plan, ...]:
         """Return stretches that take the object to its goal in another attempt, if it is not there."""
@@ -271,11 +270,11 @@ class Controller:
         self, state: ControllerState, ahead: tuple[Plan, ...], measurement: Measurement, X_WB: Pose2
     ) -> ControllerState:
         """Go on with the next stretch of ``ahead``, from where the object is, without letting go."""
-        plan, *rest = ahead
+        plan = ahead[0]
         touched = touched_points(plan, X_WB, measurement.tips)
         fresh = self.mode.replan(plan, X_WB, touched, TOUCH_DETOUR * plan.path.length + TOUCH_SLACK) or plan
         return replace(
-            state, stretch=plan, ahead=tuple(rest), identifier=self.mode.identifier(plan),
+            state, stretch=plan, ahead=fresh.stretches[1:], identifier=self.mode.identifier(plan),
             joint_start=joint_progress(state), retries=state.retries + (not state.ahead),
             axle=AxleState(), binding=bind(fresh), progress=0.0,
             clock_start=measurement.time, corrected=measurement.time, reference=fresh,

@@ -58,6 +58,14 @@ def side_slide(plan: Plan, touched: tuple[Point, ...]) -> float:
     return max((math.dist(p, c.point) for p, c in pairs if c.kind == "side"), default=0.0)
 
 
+def left_of(plan: Plan, progress: float) -> Plan:
+    """Return a plan along arcs without the first ``progress`` [m] of its path; any other as it is."""
+    path = plan.path
+    if not isinstance(path, ArcPath):
+        return plan
+    return replace(plan, path=path.rest(min(max(progress, 0.0), path.length)))
+
+
 def led_in(path: MotionPath, length: float) -> MotionPath:
     """Return ``path`` with ``length`` [m] put before its start."""
     if isinstance(path, ArcPath):
@@ -91,7 +99,7 @@ def corrected(
     longest = DETOUR * left + SLACK
     if moved and identified is not None:  # the path of another point has another length
         longest += 2.0 * abs(identified.axle - planned)
-    fresh = mode.replan(plan, X_WB, touched, longest, identified)
+    fresh = mode.replan(left_of(plan, guidance.progress), X_WB, touched, longest, identified)
     if fresh is None:
         return None
     # at speed: the new path begins with the way on which its profile would have reached it

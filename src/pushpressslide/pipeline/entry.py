@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from pushpressslide.core.control import Measurement, Vector3
 from pushpressslide.core.plan import Plan
+from pushpressslide.pipeline.task_shapes import carried
 
 ENTERED = 0.002  # [m] of any tip beyond where it pressed at first at which the object counts as going in
 SEATED, AT_REST = 0.002, 0.01  # [m] from the back, [m/s] of the tips at which it counts as seated
@@ -64,3 +65,8 @@ def entry(plan: Plan) -> Entry | None:
     return Entry(
         opening.depth, tuple((c.arm, c.tip_place(task.robots[c.arm].tip_radius)[1]) for c in contacts)
     )
+
+
+def holds(plan: Plan) -> bool:
+    """Return whether the arms must hold the object at its goal, since nothing else carries it there."""
+    return plan.next_grasp is None and not carried(plan.task, plan.stretches[-1].task.goal)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 
@@ -66,7 +67,7 @@ class Stretch:
             "look_ahead": self.look_ahead, "press_force": turn.press.load, "speed": self.speed,
             "steepest": min(-turn.right, turn.left), "right": turn.right, "left": turn.left,
             "angle": math.atan2(ey, ex) + turn.angle, "turn": self.path.curvature(0.0), "gain": turn.gain,
-            "stiffness": stiffness, "curvature": abs(turn.curvature),
+            "stiffness": stiffness, "curvature": abs(turn.curvature), "turned_from_axis": turn.angle,
         }  # fmt: skip
 
 
@@ -93,6 +94,11 @@ class Manoeuvre:
         turn, speed, (_, length) = self.arcs[-1]
         path = ArcPath(advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),))
         return [*out, Stretch(turn, path, self.goal, speed)]
+
+    @property
+    def swing(self) -> float:
+        """How far the object is turned on the way from where it starts, at most [rad]."""
+        return max(map(abs, accumulate(curvature * length for _, _, (curvature, length) in self.arcs)))
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a stretch for each turn."""
@@ -144,7 +150,7 @@ def _of_press(
         return []
     turns = [*turns, *(replace(t, curvature=-t.curvature) for t in turns if abs(t.curvature) < STRAIGHT)]
     speeds = [_speed(task, turn) for turn in turns]
-    bent = np.array([_bent(turn.curvature) for turn in turns])
+    bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
     centers, times = axles + normals / bent, 1.0 / (np.abs(bent) * np.array(speeds))
@@ -181,5 +187,8 @@ def _speed(task: Task, turn: PressedTurn) -> float:
     return task.motion.speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
 
 
-def _bent(curvature: float) -> float:
-    return math.copysign(max(abs(curvature), STRAIGHT), curvature)
+def as_driven(curvature: float, like: float) -> float:
+    """Return a turn's curvature [1/m] as it is driven: one straight on has a centre far away, on the side of
+    ``like``.
+    """
+    return curvature if abs(curvature) >= STRAIGHT else math.copysign(STRAIGHT, like)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
@@ -163,6 +163,23 @@ def car_of(choice: Choice) -> Unicycle:
     """Return the vehicle of a choice."""
     p, (contact,) = choice.parameters, choice.contacts
     return Unicycle(contact.point, (p["cop_x"], p["cop_y"]), p["rho"], p["backward"] > 0.0, p["height_shift"])
+
+
+def frame_of(choice: Choice) -> Pose2:
+    """Return X_BV of a choice."""
+    p = choice.parameters
+    return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
+
+
+def plan_of(task: Task, choice: Choice, acceleration: float) -> Plan | None:
+    """Return the plan of a choice and what follows it, each stretch at its own speed; None without a path."""
+    following = None
+    for stretch in reversed(choice.stretches):
+        if stretch.path is None:
+            return None
+        profile = SpeedProfile(stretch.path.length, stretch.parameters["speed"], acceleration)
+        following = Plan(task, stretch, stretch.path, profile, frame_of(stretch), following)
+    return following
 
 
 def after_backing_up(task: Task, vehicle: PressedVehicle, then: Choice, way: float) -> Choice:

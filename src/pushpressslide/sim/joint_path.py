@@ -53,6 +53,7 @@ GLANCE = 8  # of so many postures of a way one is looked at first
 ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 REFINED = 4  # misses that are tried to be made good
 MOST_EFFORT = 0.8  # share of a torque limit for the contact at rest; the rest is for control
+MOST_ROLLED = 0.25  # of a press's distance from the CoM: its heading axis turns by no more than is steered
 NEAR = 0.1  # shortfall of a near miss
 
 ArmPath = tuple[JointPath, ToolAttitude]
@@ -162,6 +163,10 @@ class ArmSearch:
         if share > MOST_EFFORT and not force:
             why = f"holding its contact takes {share:.2f} of a joint's torque limit, allowed {MOST_EFFORT:g}"
             return Miss(NEAR + share, why, posture)
+        rolled, allowed = self._rolled(posture.attitude)
+        if rolled > allowed and not force:
+            why = f"a tool that leans and does not turn rolls its tip by {rolled * 1e3:.0f} mm"
+            return Miss(NEAR + rolled, f"{why}, allowed {allowed * 1e3:.0f} mm", posture)
         if self.stays:
             times, way = np.array([0.0, 0.5]), np.repeat(self.start[None], 2, axis=0)
             return self._joint_path(move, times, way, clear, math.inf)
@@ -195,6 +200,14 @@ class ArmSearch:
         if self.contact is None:
             return 0.0
         return largest_share(self.plan, self.contact, ArmModel(self.robot), postures, self.bodies)
+
+    def _rolled(self, attitude: ToolAttitude) -> tuple[float, float]:
+        """Return how far a single press rolls from where it began, and how far it may [m]."""
+        if self.contact is None or self.contact.kind == "side" or len(self.plan.choice.contacts) > 1:
+            return 0.0, math.inf
+        turned = 0.0 if attitude.turns else min(float(np.ptp(self.tip.yaws)), math.pi)
+        rolled = 2.0 * self.robot.tip_radius * math.sin(attitude.tilt) * math.sin(0.5 * turned)
+        return rolled, MOST_ROLLED * math.hypot(*self.contact.point)
 
     def refusal(self) -> InfeasibleTaskError:
         """Return the error that says what the nearest miss lacked."""

@@ -37,6 +37,7 @@ from pushpressslide.sim.surfaces import (
 ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
+PRESSED_TILES = 8.0  # the same under one press, which the object stands on a part of its base for
 WALL_REACH = 0.8  # [m] of a wall that is drawn beside and above its origin
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
 WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
@@ -160,7 +161,9 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
         thing, RigidTransform(), shape, "object", compliant_properties(own, 0.25 * size)
     )
     plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
-    grid = support_grid(grid_bounds(plan), tile_size(body.shape), task.support)
+    pressed = [contact.kind for contact in plan.choice.contacts] == ["top"]
+    tile = tile_size(body.shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
+    grid = support_grid(grid_bounds(plan), tile, task.support)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), grid, "support",
         rigid_properties(ground),
