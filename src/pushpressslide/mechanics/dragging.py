@@ -19,10 +19,15 @@ from pushpressslide.mechanics.pressure import CELL_RADIUS
 Array = NDArray[np.float64]
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
-STEPS = 15  # of the iteration for pressure and twist together
+STEPS = 18  # at most, of the iteration for pressure and twist together
+SETTLING = 4  # of them before the first Newton step for the twist
+CLOSE = 1e-4  # change of a twist in a step after which it is near enough: Newton's last steps square it
+LOWER = 1e-5  # share by which the friction's power may rise with a step, as the pressure moves
 DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # shares of the first Newton steps for the pressure
 BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
 REST = 1e-9  # [m/s] below which a cell counts as resting, of twists of about 1 m/s
+THREE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])  # rows and columns of a symmetric matrix that are kept
+FOUR = ([0, 0, 0, 0, 1, 1, 1, 2, 2, 3], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3])
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,55 +41,108 @@ class Dragged:
 class DraggedBase:
     """The base of one object."""
 
-    def __init__(self, body: ObjectModel, shift: float) -> None:
+    def __init__(self, body: ObjectModel, shift: float, resolution: int = RESOLUTION) -> None:
         """Prepare the base; ``shift`` h mu_s [m]: how far a drag of mu_s N moves the centre of pressure."""
         if isinstance(body.shape, Cylinder):
-            points, areas = quadrature.disc_rule(body.shape.radius, RESOLUTION)
+            points, areas = quadrature.disc_rule(body.shape.radius, resolution)
         else:
-            points, areas = quadrature.polygon_rule(quadrature.as_polygon(body.shape.footprint), RESOLUTION)
+            points, areas = quadrature.base_rule(body.shape.footprint, resolution)
         x, y = (points - np.array(body.center_of_mass)).T
         self._shift, self._size = shift, math.sqrt(float((x * x + y * y).max()))
         self._shares = areas / areas.sum()
-        self._linear = np.column_stack([np.ones_like(x), x / self._size, y / self._size])
-        self._moments = (self._linear[:, :, None] * self._linear[:, None, :]).reshape(-1, 9)
-        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 + radius^2)
-        self._basis = np.column_stack([np.ones_like(x), x, y, x * x + y * y + CELL_RADIUS**2 * areas])
+        self._linear = np.stack([np.ones_like(x), x / self._size, y / self._size])
+        self._moments = (self._linear[THREE[0]] * self._linear[THREE[1]]).T
+        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 + radius^2); so are the
+        # entries of its gradient
+        self._basis = np.stack([np.ones_like(x), x, y, x * x + y * y + CELL_RADIUS**2 * areas])
+        self._squares = (self._basis[FOUR[0]] * self._basis[FOUR[1]]).T
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
         """Return the motion under forces along ``directions`` (m, 2), unit vectors, at ``contacts`` (m, 2).
 
         ``cops`` (m, 2) [m] without drag; the moved ones must be inside the base. Newton steps for the
-        pressure, and for the twist the ellipsoid that has the friction of the last one: the friction's power
-        falls with every step.
+        pressure. The twist is that of least friction power among those with unit power of the force: first
+        steps to the ellipsoid that has the friction of the last twist, each of which lowers that power, then
+        Newton's where they lower it too.
         """
-        m = len(directions)
-        moments = contacts[:, 0] * directions[:, 1] - contacts[:, 1] * directions[:, 0]
-        wrenches = np.column_stack([directions, moments])
-        shares, twists = np.ones(m), np.column_stack([directions, np.full(m, 1e-6)])
-        planes, slope = np.tile([1.0, 0.0, 0.0], (m, 1)), np.zeros((m, 3, 3))
+        m, size = len(directions), np.array([[1.0], [1.0], [self._size]])
+        (x, y), direction, cop = contacts.T, directions.T, cops.T
+        force = np.stack([*direction, x * direction[1] - y * direction[0]])
+        twist, share, least = np.stack([*direction, np.zeros(m)]), np.ones(m), np.full(m, math.inf)
+        plane, sure, rows = np.stack([share, np.zeros(m), np.zeros(m)]), twist, np.arange(m)
+        twists, shares = np.empty((3, m)), np.empty(m)
         for step in range(STEPS):
-            moved = cops + self._shift * shares[:, None] * directions
-            target = np.column_stack([np.ones(m), moved / self._size])[:, :, None]
+            target = np.stack([np.ones(len(rows)), *((cop + self._shift * share * direction) / self._size)])
             for part in (1.0,) if step else DAMPED:
-                touching = np.where(planes @ self._linear.T > 0.0, self._shares, 0.0)
-                hessian = (touching @ self._moments).reshape(m, 3, 3) + 1e-9 * np.eye(3)
-                planes = planes + part * (np.linalg.solve(hessian, target)[:, :, 0] - planes)
-            loads = np.maximum(planes @ self._linear.T, 0.0) * self._shares
-            k0, kx, ky, ks = ((loads / np.maximum(self._speeds(twists), REST)) @ self._basis).T
-            slope[:, 0, 0] = slope[:, 1, 1] = k0
-            slope[:, 0, 2] = slope[:, 2, 0] = -ky
-            slope[:, 1, 2] = slope[:, 2, 1] = kx
-            slope[:, 2, 2] = ks
-            twists = np.asarray(np.linalg.solve(slope, wrenches[:, :, None])[:, :, 0], dtype=np.float64)
-            twists /= np.sqrt((twists * twists) @ np.array([1.0, 1.0, self._size**2]))[:, None]
-            shares = np.clip((loads * self._speeds(twists)).sum(1) / (wrenches * twists).sum(1), 0.0, 1.0)
-        off = np.abs(loads @ self._linear - target[:, :, 0]).max(1)
-        twists[off > BALANCED] = np.nan
-        return Dragged(twists, shares)
+                plane = plane + part * (self._plane(plane, target) - plane)
+            loads = np.maximum(plane.T @ self._linear, 0.0) * self._shares
+            power, ellipsoid, newton = self._steps(loads, twist, force, step >= SETTLING)
+            higher = power > least * (1.0 + LOWER)
+            share = np.where(higher, share, np.clip(power, 0.0, 1.0))
+            last, twist = twist, np.where(higher, sure, newton)
+            sure, least = ellipsoid, np.where(higher, math.inf, power)
+            near = np.abs((twist - last) * size).max(0) < CLOSE * np.linalg.norm(last * size, axis=0)
+            done = near & (step > SETTLING) | (step == STEPS - 1)
+            if done.any():
+                off = np.abs(loads[done] @ self._linear.T - target[:, done].T).max(1)
+                twists[:, rows[done]], shares[rows[done]] = twist[:, done], share[done]
+                twists[:, rows[done][off > BALANCED]] = math.nan
+                if done.all():
+                    break
+                rows = rows[~done]
+                direction, cop, force, twist, share, least, plane, sure = (
+                    v[..., ~done] for v in (direction, cop, force, twist, share, least, plane, sure)
+                )
+        return Dragged((twists / np.linalg.norm(twists * size, axis=0)).T, shares)
 
-    def _speeds(self, twists: Array) -> Array:
-        """Return the cells' speeds (m, n)."""
-        vx, vy, w = twists.T
-        squares = np.column_stack([vx * vx + vy * vy, 2.0 * w * vy, -2.0 * w * vx, w * w]) @ self._basis.T
-        root: Array = np.sqrt(np.maximum(squares, 0.0))
-        return root
+    def _plane(self, plane: Array, target: Array) -> Array:
+        """Return the pressures (3, m) that have the load and the moments ``target`` where ``plane``
+        presses.
+        """
+        touching = np.where(plane.T @ self._linear > 0.0, self._shares, 0.0)
+        hessian = (touching @ self._moments).T
+        hessian[[0, 3, 5]] += 1e-9
+        return _solved(hessian, target)
+
+    def _steps(self, loads: Array, twist: Array, force: Array, newton: bool) -> tuple[Array, Array, Array]:
+        """Return the friction's power (m,) over the force's, and the next twists (3, m), of unit power of the
+        force: the ellipsoid's, and where wanted Newton's.
+        """
+        vx, vy, w = twist
+        squares = np.stack([vx * vx + vy * vy, 2.0 * w * vy, -2.0 * w * vx, w * w]).T @ self._basis
+        squares = np.maximum(squares, REST * REST)
+        k = loads / np.sqrt(squares)
+        power = (k * squares).sum(1) / (force * twist).sum(0)
+        n, nx, ny, ns = self._basis @ k.T
+        friction = np.stack([n, np.zeros_like(n), -ny, n, nx, ns])
+        ellipsoid = _solved(friction, force)
+        ellipsoid /= (force * ellipsoid).sum(0)
+        if not newton:
+            return power, ellipsoid, ellipsoid
+        # the hessian is the ellipsoid's, less sum k q q^T / |v|^2, with the gradient of |v|^2 / 2,
+        # q = (v_x - w y, v_y + w x, r x v + w radius^2)
+        n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k / squares @ self._squares).T
+        less = np.stack([
+            vx * (vx * n1 - 2.0 * w * my) + w * w * yy,
+            vx * (vy * n1 + w * mx) - w * (vy * my + w * xy),
+            vx * (vy * mx - vx * my + w * ms) - w * (vy * xy - vx * yy + w * ys),
+            vy * (vy * n1 + 2.0 * w * mx) + w * w * xx,
+            vy * (vy * mx - vx * my + w * ms) + w * (vy * xx - vx * xy + w * xs),
+            vy * vy * xx + vx * vx * yy + w * w * ss - 2.0 * (vx * vy * xy - w * (vy * xs - vx * ys)),
+        ])  # fmt: skip
+        gradient = np.stack([n * vx - ny * w, n * vy + nx * w, nx * vy - ny * vx + ns * w])
+        level = power * force[THREE[0]] * force[THREE[1]]
+        out = 2.0 * twist - _solved(friction - less + level, gradient)
+        out /= (force * out).sum(0)
+        return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """Return the solutions (3, m) for symmetric matrices (6, m), their entries in the order of THREE."""
+    a, b, c, d, e, f = matrix
+    p, q, r = right
+    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
+    D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
+    solved: Array = np.stack([A * p + B * q + C * r, B * p + D * q + E * r, C * p + E * q + F * r])
+    solved /= a * A + b * B + c * C
+    return solved

@@ -17,7 +17,7 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import ENOUGH, path_problem
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.rom.rear_steer_car import RearSteerCar
@@ -224,7 +224,7 @@ class RearPush:
             return f"the path turns by {math.degrees(turning):.0f} deg, allowed {allowed:.0f} deg"
         return None
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per face, feasible ones first, the quickest first."""
         candidates = faces(task.object, CORNER_CLEARANCE)
         if task.motion.face is not None:

@@ -9,6 +9,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Task
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import ENOUGH
 from pushpressslide.pipeline.task_shapes import gap
 
 OBJECT_CLEARANCE = 0.01
@@ -17,22 +18,25 @@ OBJECT_CLEARANCE = 0.01
 SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
 
-def select(task: Task) -> list[Choice]:
+def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, feasible ones first and the quickest first; never empty.
 
-    A choice that cannot do the task says in ``reason`` why not, with the number that decides. Of a task with
-    legs, the choices of one grasp after the other; ``leg`` says which leg they begin with.
+    A choice that cannot do the task says in ``reason`` why not, with the number that decides; or that it was
+    not judged in full, as ``enough`` of its mode can that are no slower. Of a task with legs, the choices of
+    one grasp after the other; ``leg`` says which leg they begin with.
     """
-    return [choice for grasp in grasps(task) for choice in grasp]
+    return [choice for grasp in grasps(task, enough) for choice in grasp]
 
 
-def grasps(task: Task) -> list[list[Choice]]:
+def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
     """Return the choices for each grasp of ``task``, best first: a leg for which the arms can keep the
     contacts that they have is one more stretch of the leg before it.
     """
+    if task.legs or any(not obstacle.movable for obstacle in task.obstacles):  # the first may not do
+        enough = max(enough, ENOUGH)
     out: list[list[Choice]] = []
     for leg, part in enumerate(task.parts):
-        found = [_of_leg(choice, leg) for choice in _select(part)]
+        found = [_of_leg(choice, leg) for choice in _select(part, enough)]
         lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
         if any(choice.feasible for choice in lengthened):
             out[-1] = _ranked(lengthened)
@@ -69,7 +73,7 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
     return sorted(choices, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
 
-def _select(task: Task) -> list[Choice]:
+def _select(task: Task, enough: int) -> list[Choice]:
     """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
     names = task.modes if task.modes is not None else tuple(MODES)
@@ -80,7 +84,7 @@ def _select(task: Task) -> list[Choice]:
         elif task.support.kind == "wall" and not mode.walls:
             out.append(Choice(name, False, "cannot hold an object on a wall; support.kind must be table"))
         else:
-            out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
+            out.extend(_kept_clear(task, choice) for choice in mode.choices(task, enough))
     return _ranked(out)
 
 
