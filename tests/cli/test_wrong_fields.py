@@ -164,6 +164,9 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "workspace the wrong way round": (
         put("limits.workspace", {"x": [1, 0], "y": [-1, 1]}), "limits.workspace.x:", "lower < upper",
     ),
+    "goal at the start": (
+        put("goal", {"x": 0.382, "y": 0.22, "yaw_deg": 1}), "goal: 2.0 mm and 1.00 deg", "there already",
+    ),
     "goal off the workspace": (
         put("limits.workspace", {"x": [0, 0.5], "y": [-1, 1]}), "goal:", "limits.workspace",
     ),

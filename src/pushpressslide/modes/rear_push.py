@@ -14,12 +14,13 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import Identified
-from pushpressslide.mechanics.faces import Face, faces, room_ahead
+from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.virtual_axle import pushed_twist
 from pushpressslide.modes.base import ENOUGH, path_problem
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.side_contacts import contact_height, drag_problem
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -29,9 +30,7 @@ GRAVITY = 9.81  # [m/s^2]
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
-TABLE_GAP = 0.006  # [m] of the tip above the support
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
-TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
 PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 mm
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited curvature that the
 # path
@@ -41,20 +40,6 @@ COMFORT = (
     (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7),
     (0.25, 1.35, 0.6), (0.1, 1.35, 0.5), (0.0, 1.35, 0.5),
 )  # fmt: skip
-
-
-def contact_height(task: Task, face: Face) -> float:
-    """Return the height of the contact above the support [m]: low, but with the arm's wrist above the object.
-
-    Low, because a push at height h moves the CoP by h mu_s; the tool must be long enough to reach down beside
-    the object.
-    """
-    if task.motion.contact_height is not None:
-        return task.motion.contact_height
-    robot, height = task.robots[0], task.object.shape.height
-    low = max(robot.tip_radius + 0.01, height + 0.04 - robot.tip_length)
-    inside = min(max(low, min(0.04, 0.5 * height)), height - 0.5 * robot.tip_radius)
-    return max(inside, robot.tip_radius + TABLE_GAP)
 
 
 def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
@@ -113,7 +98,7 @@ class RearPush:
         )
         return car, axle - turning
 
-    def _contact_problem(self, task: Task, face: Face, height: float, level: float) -> str | None:
+    def _contact_problem(self, task: Task, face: Face, height: float) -> str | None:
         """What stands against pushing there at all: the contact's place, tipping, the force."""
         mu = task.believed.contact_friction
         if abs(face.offset) >= mu * face.depth:
@@ -121,27 +106,16 @@ class RearPush:
                 f"a straight push needs the contact within {mu * face.depth * 1e3:.0f} mm of the line "
                 f"through the CoM, it is {abs(face.offset) * 1e3:.0f} mm off"
             )
-        if height >= task.object.shape.height:
-            top = task.object.shape.height * 1e3
-            return f"the tip touches at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
-        highest = TIPPING_SHARE * room_ahead(task.object, face) / task.believed.support_friction
-        if height > highest:
-            return (
-                f"contact at {height * 1e3:.0f} mm, allowed up to {highest * 1e3:.0f} mm, "
-                f"{TIPPING_SHARE:g} of the height at which the object tips"
-            )
-        if level > task.limits.normal_force:
-            return f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N"
-        return None
+        return drag_problem(task, (face,), height)
 
     def _judge(self, task: Task, face: Face) -> Choice:
         belief = task.believed
-        height = contact_height(task, face)
+        height = contact_height(task)
         contact = Contact(0, "side", face.foot, face.normal, height)
         weight = belief.mass * GRAVITY
         level = belief.support_friction * weight
 
-        problem = self._contact_problem(task, face, height, level)
+        problem = self._contact_problem(task, face, height)
         try:
             car, shift = self.car(task, face, height)
         except ValueError as error:

@@ -40,6 +40,7 @@ def check(task: Task) -> None:
     """
     _check_motion(task)
     _check_modes(task)
+    _check_goal(task)
     _check_workspace(task)
     check_reach(task)
     _check_bodies(task)
@@ -119,6 +120,20 @@ def _check_modes(task: Task) -> None:
             raise TaskError(task.source, "robots", Shown(_arms(count)), allowed)
         if name in task.modes[:i]:
             raise TaskError(task.source, f"modes[{i}]", name, "it is listed twice; allowed: each mode once")
+
+
+def _check_goal(task: Task) -> None:
+    """Check that there is something to do."""
+    off = task.start.inverse().compose(task.goal)
+    way, turn = math.hypot(off.x, off.y), abs(math.remainder(off.yaw, math.tau))
+    if task.legs or task.tool is not None or way > task.tolerance.position or turn > task.tolerance.yaw:
+        return
+    value = Shown(f"{way * 1e3:.1f} mm and {math.degrees(turn):.2f} deg from the start")
+    allowed = (
+        f"allowed: beyond tolerance, {task.tolerance.position * 1e3:g} mm or "
+        f"{math.degrees(task.tolerance.yaw):g} deg; the object is there already"
+    )
+    raise TaskError(task.source, "goal", value, allowed)
 
 
 def _check_workspace(task: Task) -> None:

@@ -1,4 +1,4 @@
-"""Where two arms push an object's sides: how high, how far apart, and which arm takes which contact."""
+"""Where arms push an object's sides: how high, how far apart, and which arm takes which contact."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ TABLE_GAP = 0.006  # [m] of a tip above the support
 WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
 TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
-TIPPING_SHARE = 0.7  # of the height at which the object would tip over its leading edge
+TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
 GRAVITY = 9.81  # [m/s^2]
 
 
 def contact_height(task: Task) -> float:
-    """Return the height of the contacts above the support [m], one for both arms: low, since a push at height
-    h moves the CoP by h mu_s, but with the wrists above the object.
+    """Return the height of the contacts above the support [m], the same for all arms: low, since a push at
+    height h moves the CoP by h mu_s, but with the wrists above the object.
     """
     if task.motion.contact_height is not None:
         return task.motion.contact_height
@@ -62,12 +62,12 @@ def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | Non
     belief = task.believed
     if height >= task.object.shape.height:
         top = task.object.shape.height * 1e3
-        return f"the tips touch at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
+        return f"touched at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
     ahead = min(room_ahead(task.object, face) for face in pushed)
     highest = TIPPING_SHARE * ahead / belief.support_friction
     if height > highest:
         return (
-            f"contacts at {height * 1e3:.0f} mm, allowed up to {highest * 1e3:.0f} mm, "
+            f"touched at {height * 1e3:.1f} mm, allowed up to {highest * 1e3:.1f} mm, "
             f"{TIPPING_SHARE:g} of the height at which the object tips"
         )
     level = belief.support_friction * belief.mass * GRAVITY
