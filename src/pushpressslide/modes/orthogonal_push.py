@@ -126,11 +126,12 @@ class OrthogonalPush:
         except ValueError as error:
             return refused(str(error))
         cones = [TwistCone(contacts, task.believed.contact_friction, surface) for contacts in placed]
-        cones.sort(key=lambda cone: (-round(cone.spare(*direct), 6), _spread(cone.contacts)))
-        best = cones[0].spare(*direct)
+        spares = {cone: round(cone.spare(*direct), 6) for cone in cones}
+        cones.sort(key=lambda cone: (-spares[cone], _spread(cone.contacts)))
+        count = max(PIECEWISE, sum(spare >= SPARE for spare in spares.values()))
         longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length
         out = []
-        for cone in cones if best >= SPARE else cones[:PIECEWISE]:
+        for cone in cones[:count]:
             path = path_in_cone(start, goal, cone, SPARE, radius, longest)
             if path is not None:
                 out.append(self._draft(task, names, path, cone))

@@ -57,7 +57,7 @@ SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: o
 KEPT = 0.9  # of the friction: what corrections may use
 LOOP_RATIO, SLACK = 1.25, 0.03  # times the straight way, and [m]: a longer path has turned a loop
 
-Cars = Callable[[bool], dict[tuple[Contact, ...], PushedCar]]
+Cars = Callable[[Face, bool], dict[tuple[Contact, ...], PushedCar]]
 
 
 class ParallelPush:
@@ -76,15 +76,13 @@ class ParallelPush:
             return [Choice(self.name, False, "a cylinder has no flat face for two tips side by side")]
         pushed = [f for f in faces(task.object, CORNER_CLEARANCE) if task.motion.face in (None, f.index)]
         places = [(face, contacts) for face in pushed for contacts in _places(task, face)]
-        middles = [face for face in pushed if abs(face.offset) <= 1e-9]
 
         @cache
-        def cars(synchronised: bool) -> dict[tuple[Contact, ...], PushedCar]:
-            height = contact_height(task)
-            able = [(f, c) for f, c in places if f in middles and drag_problem(task, (f,), height) is None]
-            halves = [(face, 0.5 * math.dist(a.point, b.point)) for face, (a, b) in able]
-            made = pushed_cars(task, halves, height, synchronised)
-            return {contacts: car for (_, contacts), car in zip(able, made, strict=True)}
+        def cars(face: Face, synchronised: bool) -> dict[tuple[Contact, ...], PushedCar]:
+            contacts = [c for f, c in places if f == face]
+            halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
+            made = pushed_cars(task, halves, contact_height(task), synchronised)
+            return dict(zip(contacts, made, strict=True))
 
         drafts = [
             (_least_time(task, face), partial(self._drafts, task, face, contacts, cars))
@@ -114,7 +112,7 @@ class ParallelPush:
                 if drive == "mixed":
                     choice = self._mixed(task, contacts)
                 else:
-                    choice = self._as_car(task, cars(drive == "synchronised")[contacts])
+                    choice = self._as_car(task, cars(face, drive == "synchronised")[contacts])
             except ValueError as error:
                 choice = Choice(self.name, False, str(error))
             why.append(f"{drive}: {choice.reason}")

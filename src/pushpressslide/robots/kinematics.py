@@ -81,9 +81,9 @@ class ArmKinematics:
             return shoulder, 0.0, np.inf
         # the wrist: where the last axis comes nearest to the one before it
         before, out = T[-1, :3, :3].T @ axis[-2], axis[-1]
-        across = np.cross(out, before)
-        along = -(T[-1, :3, :3].T @ T[-1, :3, 3]) @ np.cross(before, across) / max(across @ across, 1e-12)
-        wrist = along * out
+        normal = np.cross(out, before)
+        origin = -(T[-1, :3, :3].T @ T[-1, :3, 3])
+        wrist = origin @ np.cross(before, normal) / max(normal @ normal, 1e-12) * out
         # the links from each axis to the next, and where it is shorter over two of them at once, the one
         # between turned so that they reach farthest
         links = [T[1, :3, 3] - axis[0] * (axis[0] @ T[1, :3, 3]), *T[2:-1, :3, 3]]

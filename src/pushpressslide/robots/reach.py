@@ -107,13 +107,19 @@ def held_somehow_problem(
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
     first = _held(*holds[0], len(p))
-    found, places = _look(kin, p[hardest], first[hardest]), hardest
+    places, short = hardest, _short(kin, p[hardest], first[hardest])
+    found = Reach(short <= 0.0, np.zeros_like(short), short, np.zeros((len(hardest), kin.facts.size)))
+    if found.ok.all():
+        found = _look(kin, p[hardest], first[hardest])
     if found.ok.all():
         found, places = _all_along(kin, p, first, hardest, found), list(range(len(p)))
         if found.ok.all():
             return None
     worst = places[_worst(found)]
-    held = [first, *sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)]
+    others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
+    held = [one for one in (first, *others) if (_short(kin, p[hardest], one[hardest]) <= 0.0).all()]
+    if not held:
+        return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
     axes, there = np.array([_axes(one)[worst] for one in held]), np.tile(p[worst], (len(held), 1))
     able = _look(kin, there, axes)
     for patient in (False, True):
@@ -125,7 +131,7 @@ def held_somehow_problem(
                 seen = _retried(kin, p[hardest], one[hardest], seen)
             if seen.ok.all() and _all_along(kin, p, one, hardest, seen).ok.all():
                 return None
-    if able.ok[0]:  # there the first hold will do after all
+    if held[0] is first and able.ok[0]:  # where it was thought worst it will do after all
         found = _retried(kin, p[places], first[places], found)
     return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
 
@@ -149,6 +155,13 @@ def _look(kin: ArmKinematics, p: Array, held: Array) -> Reach:
     return _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
 
 
+def _short(kin: ArmKinematics, p: Array, held: Array) -> Array:
+    """Return by how much [m] the stretched links are too short for points (m, 3), < 0 within their span."""
+    shoulder, wrist, span = kin.span
+    out: Array = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) - span
+    return out
+
+
 def _all_along(kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], there: Reach) -> Reach:
     """Return which points are reached, searched from the postures ``there`` at the points ``known``."""
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
@@ -162,9 +175,8 @@ def _retried(kin: ArmKinematics, p: Array, held: Array, found: Reach, *, each: b
     farther from the shoulder than the stretched links are long. ``each`` counts for itself; else no more is
     searched once one is hopeless.
     """
-    shoulder, wrist, span = kin.span
-    room = span - np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1)
-    near = (room >= 0.0) & ((found.miss < HOPELESS) | (room > FOLDED))
+    short = _short(kin, p, held)
+    near = (short <= 0.0) & ((found.miss < HOPELESS) | (short < -FOLDED))
     again = np.flatnonzero(~found.ok & near)
     if len(again) and (each or near[~found.ok].all()):
         starts = default_seeds(kin, p[again])[:, :STRUCTURED_SEEDS]
