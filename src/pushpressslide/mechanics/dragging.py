@@ -19,9 +19,10 @@ from pushpressslide.mechanics.pressure import CELL_RADIUS
 Array = NDArray[np.float64]
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
+COARSE = 1  # of the base that settles first
 STEPS = 18  # at most, of the iteration for pressure and twist together
 SETTLING = 4  # of them before the first Newton step for the twist
-CLOSE = 1e-4  # change of a twist in a step after which it is near enough: Newton's last steps square it
+CLOSE = 1e-3  # change of a twist in a step after which it is near enough: Newton's last step squares it
 LOWER = 1e-5  # share by which the friction's power may rise with a step, as the pressure moves
 DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # shares of the first Newton steps for the pressure
 BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
@@ -48,12 +49,14 @@ class DraggedBase:
         else:
             points, areas = quadrature.base_rule(body.shape.footprint, resolution)
         x, y = (points - np.array(body.center_of_mass)).T
-        self._shift, self._size = shift, math.sqrt(float((x * x + y * y).max()))
+        self._shift, self._size = shift, _radius(body)
+        self._coarser = DraggedBase(body, shift, COARSE) if resolution > COARSE else None
         self._shares = areas / areas.sum()
         self._linear = np.stack([np.ones_like(x), x / self._size, y / self._size])
         self._moments = (self._linear[THREE[0]] * self._linear[THREE[1]]).T
         # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 + radius^2); so are the
         # entries of its gradient
+        self._sizes = np.array([[1.0], [1.0], [self._size]])
         self._basis = np.stack([np.ones_like(x), x, y, x * x + y * y + CELL_RADIUS**2 * areas])
         self._squares = (self._basis[FOUR[0]] * self._basis[FOUR[1]]).T
 
@@ -63,15 +66,36 @@ class DraggedBase:
         ``cops`` (m, 2) [m] without drag; the moved ones must be inside the base. Newton steps for the
         pressure. The twist is that of least friction power among those with unit power of the force: first
         steps to the ellipsoid that has the friction of the last twist, each of which lowers that power, then
-        Newton's where they lower it too.
+        Newton's where they lower it too; those alone where a coarser base has settled first.
         """
-        m, size = len(directions), np.array([[1.0], [1.0], [self._size]])
         (x, y), direction, cop = contacts.T, directions.T, cops.T
         force = np.stack([*direction, x * direction[1] - y * direction[0]])
-        twist, share, least = np.stack([*direction, np.zeros(m)]), np.ones(m), np.full(m, math.inf)
-        plane, sure, rows = np.stack([share, np.zeros(m), np.zeros(m)]), twist, np.arange(m)
-        twists, shares = np.empty((3, m)), np.empty(m)
-        for step in range(STEPS):
+        one, zero = np.ones(len(directions)), np.zeros(len(directions))
+        start = np.stack([*direction, zero, one, one, zero, zero])
+        settled = np.zeros(len(directions), dtype=bool)
+        if self._coarser is not None:
+            coarse, settled = self._coarser._slid(force, direction, cop, start, 0)
+            start = np.where(settled, coarse, start)
+        slid = np.full_like(start, math.nan)
+        for rows, first in ((settled, SETTLING), (~settled, 0)):
+            if rows.any():
+                found, balanced = self._slid(
+                    force[:, rows], direction[:, rows], cop[:, rows], start[:, rows], first
+                )
+                slid[:, rows] = np.where(balanced, found, math.nan)
+        twists = slid[:3] / np.linalg.norm(slid[:3] * self._sizes, axis=0)
+        return Dragged(twists.T, slid[3])
+
+    def _slid(
+        self, force: Array, direction: Array, cop: Array, start: Array, first: int
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return twist, share and pressure (7, m), from those to ``start`` with, and whether the pressure is
+        in balance.
+        """
+        twist, share, plane = start[:3], start[3], start[4:]
+        least, sure, rows = np.full(len(share), math.inf), twist, np.arange(len(share))
+        out, balanced = np.empty_like(start), np.zeros(len(share), dtype=bool)
+        for step in range(first, STEPS):
             target = np.stack([np.ones(len(rows)), *((cop + self._shift * share * direction) / self._size)])
             for part in (1.0,) if step else DAMPED:
                 plane = plane + part * (self._plane(plane, target) - plane)
@@ -81,19 +105,19 @@ class DraggedBase:
             share = np.where(higher, share, np.clip(power, 0.0, 1.0))
             last, twist = twist, np.where(higher, sure, newton)
             sure, least = ellipsoid, np.where(higher, math.inf, power)
-            near = np.abs((twist - last) * size).max(0) < CLOSE * np.linalg.norm(last * size, axis=0)
-            done = near & (step > SETTLING) | (step == STEPS - 1)
+            change = np.abs((twist - last) * self._sizes).max(0) / np.linalg.norm(last * self._sizes, axis=0)
+            done = (change < CLOSE) & (step > SETTLING) | (step == STEPS - 1)
             if done.any():
                 off = np.abs(loads[done] @ self._linear.T - target[:, done].T).max(1)
-                twists[:, rows[done]], shares[rows[done]] = twist[:, done], share[done]
-                twists[:, rows[done][off > BALANCED]] = math.nan
+                out[:, rows[done]] = np.concatenate([twist, share[None], plane])[:, done]
+                balanced[rows[done]] = off <= BALANCED
                 if done.all():
                     break
                 rows = rows[~done]
                 direction, cop, force, twist, share, least, plane, sure = (
                     v[..., ~done] for v in (direction, cop, force, twist, share, least, plane, sure)
                 )
-        return Dragged((twists / np.linalg.norm(twists * size, axis=0)).T, shares)
+        return out, balanced
 
     def _plane(self, plane: Array, target: Array) -> Array:
         """Return the pressures (3, m) that have the load and the moments ``target`` where ``plane``
@@ -135,6 +159,13 @@ class DraggedBase:
         out = 2.0 * twist - _solved(friction - less + level, gradient)
         out /= (force * out).sum(0)
         return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
+
+
+def _radius(body: ObjectModel) -> float:
+    """How far the base reaches from the CoM [m]."""
+    if isinstance(body.shape, Cylinder):
+        return math.hypot(*body.center_of_mass) + body.shape.radius
+    return max(math.dist(corner, body.center_of_mass) for corner in body.shape.footprint)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

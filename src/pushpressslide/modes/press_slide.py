@@ -56,7 +56,7 @@ SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object i
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
 TRIED = 40  # manoeuvres that are looked at for the arm's reach
 SAME = 1e-3  # [m] between places that are one
-AT_ONCE = 4  # contacts that manoeuvres are planned for, in the order of how long they may take
+AT_ONCE = 2  # contacts that manoeuvres are planned for, in the order of how long they may take
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
 

@@ -27,7 +27,7 @@ from pushpressslide.planning.pressed_manoeuvre import (
 from pushpressslide.planning.pressed_turns import COUNT, EVERY, turn_table
 from pushpressslide.planning.pressed_vehicle import SWING
 
-RESOLUTION = 1  # of the base
+RESOLUTION = 2  # of the base: the best press is nearly always among the first three
 MANY = 12  # turns of one press, from which on every other one is left out
 
 
