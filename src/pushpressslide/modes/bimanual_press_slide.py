@@ -70,7 +70,8 @@ class BimanualPressSlide:
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per pair of contacts, feasible ones first, those with the shortest arms first."""
-        placed = [self._placed(task, points) for points in self._pairs(task)]
+        farthest = max((hypot(*p) for p in top_places(task.object, EDGE)), default=0.0)
+        placed = [self._placed(task, points, farthest) for points in self._pairs(task)]
         if not placed:
             return [Choice(self.name, False, f"the top has no two places {APART * 1e3:.0f} mm apart")]
         placed.sort(key=lambda c: _arm_length(task, c.contacts))
@@ -94,11 +95,13 @@ class BimanualPressSlide:
                 pairs.append((p, q))
         return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
 
-    def _placed(self, task: Task, points: Pair) -> Choice:
-        """Return the choice of one pair of contacts, and how long it takes, but for their loads."""
+    def _placed(self, task: Task, points: Pair, farthest: float) -> Choice:
+        """Return the choice of one pair of contacts, and how long it takes, but for their loads; ``farthest``
+        [m] that a place is from the CoM.
+        """
         body, motion = task.object, task.motion
         start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
-        radius = max(hypot(*p) for p in (*top_places(body, EDGE), *points))
+        radius = max(farthest, *(hypot(*p) for p in points))
         path = TwistPath.between((start, goal), radius)
         poses = [path.pose(0.25 * i * path.length) for i in range(5)]
         ways = assignments(task.bases, points, poses)

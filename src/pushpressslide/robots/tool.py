@@ -58,7 +58,7 @@ class ToolAttitude:
         if self.turns:
             cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
             turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
-            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation(0.0)
+            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation_at(0.0)
             return self._in_world(turn.reshape(*yaw.shape, 3, 3) @ fixed)
         s, c = math.sin(self.tilt), math.cos(self.tilt)
         z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
