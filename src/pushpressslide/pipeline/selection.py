@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
@@ -32,10 +33,11 @@ def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
     """Return the choices for each grasp of ``task``, best first: a leg for which the arms can keep the
     contacts that they have is one more stretch of the leg before it.
     """
-    if task.legs or any(not obstacle.movable for obstacle in task.obstacles):  # the first may not do
+    parts, out = task.parts, list[list[Choice]]()
+    goes_on = any(set(a.modes or MODES) & set(b.modes or MODES) for a, b in pairwise(parts))
+    if goes_on or any(not obstacle.movable for obstacle in task.obstacles):  # the first may not do
         enough = max(enough, ENOUGH)
-    out: list[list[Choice]] = []
-    for leg, part in enumerate(task.parts):
+    for leg, part in enumerate(parts):
         found = [_of_leg(choice, leg) for choice in _select(part, enough)]
         lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
         if any(choice.feasible for choice in lengthened):
