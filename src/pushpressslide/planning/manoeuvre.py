@@ -94,6 +94,9 @@ class _Linkage:
         self._threes = np.stack([i[kept], j[kept], k[kept]])
         self._centers, bars = centers, centers[:, None, :] - centers[:, :, None]
         self._lengths, self._headings = np.abs(bars), np.angle(bars)
+        i, j, k = self._threes
+        a, b = self._lengths[:, i, j], self._lengths[:, j, k]
+        self._nearest, self._farthest = (a - b) ** 2, (a + b) ** 2  # squares of how far they reach
 
     def to(
         self, goals: NDArray[np.complex128], yaws: Array
@@ -104,10 +107,11 @@ class _Linkage:
         i, j, k = self._threes
         first, last = goals[:, None] - self._centers, np.exp(1j * yaws)[:, None] * self._centers
         target = first[:, i] + last[:, k]
-        reach, a, b = np.abs(target), self._lengths[:, i, j], self._lengths[:, j, k]
-        body, three = np.nonzero((reach <= a + b) & (reach >= np.abs(a - b)) & (reach > 0.0))
+        square = target.real**2 + target.imag**2
+        body, three = np.nonzero((square <= self._farthest) & (square >= self._nearest) & (square > 0.0))
         i, j, k = at = self._threes[:, three]
-        reach, a, b, target = (v[body, three] for v in (reach, a, b, target))
+        target, a, b = target[body, three], self._lengths[body, i, j], self._lengths[body, j, k]
+        reach = np.abs(target)
         # of the triangle with the two bars for sides: the angles at its elbow and at its start
         bend = np.arccos(_cosine((reach * reach - a * a - b * b) / (2.0 * a * b)))
         opening = np.arccos(_cosine((reach * reach + a * a - b * b) / (2.0 * a * reach)))
