@@ -16,7 +16,7 @@ from pushpressslide.pipeline.planner import plan as make_plan
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim import joint_path as search
-from pushpressslide.sim.approach import LEAST_GAP
+from pushpressslide.sim.approach import APPROACH_SPEED, LEAST_GAP, led_in
 from pushpressslide.sim.clearance import ClearanceModel
 from pushpressslide.sim.postures import CONDITION_LIMIT, JOINT_MARGIN
 
@@ -109,3 +109,20 @@ def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> Non
             rise = model.smooth_least(ahead, pose, touching=False)[0]
             rise -= model.smooth_least(behind, pose, touching=False)[0]
             assert rise / (2.0 * step) == pytest.approx(slope, abs=2e-3)
+
+
+def test_arms_go_to_their_next_way_from_rest_to_rest_and_in_the_same_time() -> None:
+    facts = arm_kinematics(base().robots[0]).facts
+    home = facts.home
+    path = JointPath(
+        np.array([0.0, 1.0]), np.stack([home, home + 0.1]), np.zeros(1), home[None], 0.0, 1.0, 1.0, 0.1, 0.1
+    )
+    near, far = led_in([path, path], [facts, facts], [home + 0.01, home - 0.8])
+    assert near.approach_time[-1] == pytest.approx(far.approach_time[-1])
+    for led, start in ((near, home + 0.01), (far, home - 0.8)):
+        assert led.approach[0] == pytest.approx(start)
+        assert led.approach[-2:] == pytest.approx(path.approach)
+        assert np.diff(led.approach_time[-2:]) == pytest.approx(1.0)
+        rate = np.abs(np.diff(led.approach[:-1], axis=0)) / np.diff(led.approach_time[:-1])[:, None]
+        assert rate.max() <= 1.01 * APPROACH_SPEED
+        assert max(rate[0].max(), rate[-1].max()) < 0.05 * rate.max()

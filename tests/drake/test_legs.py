@@ -24,6 +24,7 @@ def test_pivot_and_move_puts_the_box_into_its_slot(overrides: list[str]) -> None
     assert found["final_position_error"] < 0.010
     assert math.degrees(found["final_yaw_error"]) < 1.0
     assert found["torque_limit_violation_fraction"] == 0.0
+    assert found["max_torque_share"] < 0.8  # the way to the next contact begins at rest
     for name in ("left", "right"):
         assert found["bodies"][name]["displacement"] < 0.002
     assert found["pivots"][0]["distance"]["pressed"] < 0.01

@@ -112,6 +112,8 @@ def test_the_press_fit_ends_in_the_opening_and_never_leaves_the_wall(overrides) 
     assert found["support_gap_max"] < 0.002
     assert found["seated_depth"] == pytest.approx(0.15, abs=0.002)
     assert found["torque_limit_violation_fraction"] == 0.0
+    assert found["max_normal_force"] < task.limits.normal_force  # the landing on the back too
+    assert 0.0 < found["fall_height"] < 0.04
     assert len(plan.grasps) == 1  # nothing let go on the way
     entered = np.argmax(record.arrays["tip_position"][:, :, 2].max(axis=1) < 0.255)
     before = record.arrays["phase"][:entered]

@@ -122,6 +122,7 @@ def test_a_record_without_ticks_has_every_field_all_the_same(run):
 def test_planar_runs_have_no_joint_figures(run):
     out = figures(run)
     assert out["torque_limit_violation_fraction"] is None
+    assert out["max_torque_share"] is None
     assert out["joint_limit_margin"] is None
     assert out["max_tilt_deg"] is None
     assert out["tick_us"]["execute"] is None
@@ -132,6 +133,7 @@ def test_joint_figures_are_held_to_the_makers_limits(arm_run):
     facts = load_facts("panda")
     out = figures(arm_run)
     assert out["torque_limit_violation_fraction"] == pytest.approx(0.1)
+    assert out["max_torque_share"] == arm_run.record.arrays["torque_share_0"].max()
     margin = np.minimum(facts.home - facts.lower, facts.upper - facts.home).min()
     assert out["joint_limit_margin"] == pytest.approx(margin)
     assert out["max_tilt_deg"] == pytest.approx(0.0, abs=1e-5)

@@ -7,7 +7,8 @@ import pytest
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism
+from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism, Support
 from pushpressslide.sim import frames, replay
 from pushpressslide.sim.frames import look_at, render_frames, write_video
 from pushpressslide.sim.playback import Playback, camera_view, fit_view, ribbon
@@ -174,3 +175,12 @@ def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
     seen = (look_at(view).inverse() @ np.array(corners).T).T
     assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * field)
     assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * field) * 4.0 / 3.0
+
+
+@pytest.mark.parametrize("kind", ["table", "wall"])
+def test_light_falls_on_the_face_of_the_support_from_above(kind):
+    wall = SupportFrame.of_wall((0.86, 0.0, 0.81), np.pi)
+    support = Support() if kind == "table" else Support(kind="wall", frame=wall)
+    light, out = np.array(frames._light(support)), support.frame.direction((0.0, 0.0, 1.0))
+    assert -light @ out > 0.5 * np.linalg.norm(light)
+    assert light[2] < -0.5 * np.linalg.norm(light)

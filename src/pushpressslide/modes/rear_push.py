@@ -35,6 +35,7 @@ GRAVITY = 9.81  # [m/s^2]
 
 STEERING_RESERVE = 0.12  # share of the cone's half angle kept from its edge, for the servo and the model
 LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turned a loop
+TURN_RATE = 0.8  # [rad/s] of the object at most: beyond it the tip slips where the steering jumps
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
 RESOLUTION = 6  # of the base
@@ -143,6 +144,7 @@ class RearPush:
         run_in, use, speed, path = tried[-1]
         if path.length > longest:
             run_in, use, speed, path = min(tried, key=lambda t: t[3].length)
+        speed = min(speed, TURN_RATE / max((abs(k) for k, _ in path.pieces if k), default=TURN_RATE / speed))
         steering = [car.steering(k) for k, _ in path.pieces] or [0.0]
         bounds = car.steering_limits
         margin = min(min(bounds[1] - a, a - bounds[0]) for a in steering)

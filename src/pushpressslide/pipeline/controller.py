@@ -55,6 +55,7 @@ GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond whi
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
 ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
 GOOD_ENOUGH, RETRIES = 0.6, 2  # share of the tolerance at the end up to which it is not tried once more
+SEATED_ENOUGH = 0.3  # that share in an opening, where the fall in has pushed the object off its path
 TOUCH_DETOUR = 1.2  # times the way that is left, for the plan made at a touch
 TOUCH_SLACK = 0.03  # [m]
 
@@ -168,7 +169,8 @@ class Controller:
         left = path.length - state.progress
         speed = wanted_speed + CATCH_UP * (wanted_progress - state.progress)
         braking = FLOOR_SPEED + math.sqrt(profile.acceleration * max(left, 0.0))
-        speed = min(max(speed, FLOOR_SPEED), 1.5 * profile.speed, braking)
+        waits = self.entry is not None and not state.ahead and left <= STOP  # for the object to be seated
+        speed = min(max(speed, 0.0 if waits else FLOOR_SPEED), 1.5 * profile.speed, braking)
 
         started = perf_counter()
         guidance = binding.tracker.step(path, X_WB, state.progress, speed, state.grip)
@@ -181,7 +183,8 @@ class Controller:
         reference = joint_reference(state, measurement.time)
         gain = self.force_gain * drag_ratio(state)
         entry = self.entry
-        speeds = entry.speeds(measurement) if entry is not None else [None] * len(contacts)
+        begun = [memory.start for memory in state.tips]
+        speeds = entry.speeds(measurement, begun) if entry is not None else [None] * len(contacts)
         moved = [
             self.mover.step(
                 memory, measurement.tips[contact.arm], contact, X_WB, guidance.twist, inside, (gain * f[0],
@@ -253,7 +256,8 @@ class Controller:
         task, at = state.stretch.task, measurement.object_pose
         off = math.dist(at.position, task.goal.position) / task.tolerance.position
         turned = abs(wrap_angle(at.yaw - task.goal.yaw)) / task.tolerance.yaw
-        if max(off, turned) < GOOD_ENOUGH or state.retries == RETRIES:
+        enough = GOOD_ENOUGH if self.entry is None else SEATED_ENOUGH
+        if max(off, turned) < enough or state.retries == RETRIES:
             return ()
         plan = state.binding.plan
         again = self.mode.again(plan, X_WB, touched_points(plan, X_WB, measurement.tips))

@@ -8,13 +8,13 @@ from itertools import pairwise
 
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Task
+from pushpressslide.core.task import Box, Obstacle, Shape, Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.pipeline.task_shapes import gap
 
 OBJECT_CLEARANCE = 0.01
-"""Gap [m] that the object keeps from fixed obstacles, unless its start or its goal is nearer already."""
+"""Gap [m] that the object keeps from obstacles, unless its start or its goal is nearer already."""
 
 SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
@@ -110,7 +110,7 @@ def _select(task: Task, enough: int) -> list[Choice]:
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:
-    """Return the choice, infeasible where the object's path comes too near to a fixed obstacle."""
+    """Return the choice, infeasible where the object's path comes too near to an obstacle."""
     problem = obstacle_problem(task, choice) if choice.feasible else None
     return (
         choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
@@ -118,10 +118,27 @@ def _kept_clear(task: Task, choice: Choice) -> Choice:
 
 
 def obstacle_problem(task: Task, choice: Choice) -> str | None:
-    """Return in one line where the object would come too near to a fixed obstacle, or None."""
-    fixed = [obstacle for obstacle in task.obstacles if not obstacle.movable]
-    if choice.path is None or not fixed:
+    """Return in one line where the object would come too near to an obstacle, or None.
+
+    A movable one counts where it stands at first, so that it is not pushed along. What the object is to push
+    as a tool may be touched by it, and is itself kept clear of the others.
+    """
+    if choice.path is None or not task.obstacles:
         return None
+    pushed = next((o for o in task.obstacles if task.tool is not None and o.name == task.tool.body), None)
+    others = [obstacle for obstacle in task.obstacles if obstacle is not pushed]
+    ends = (task.start, task.goal)
+    problem = _too_near("the object", task.object.shape, _swept(task, choice), ends, others)
+    if problem is None and pushed is not None and task.tool is not None:
+        ends = (pushed.pose, task.tool.goal)
+        count = max(1, math.ceil(math.dist(*(X.position for X in ends)) / SWEEP_STEP))
+        poses = [_between(*ends, i / count) for i in range(count + 1)]
+        problem = _too_near(f"{pushed.name!r}", Box(pushed.size), poses, ends, others)
+    return problem
+
+
+def _swept(task: Task, choice: Choice) -> list[Pose2]:
+    """Poses X_WG along the planned paths, SWEEP_STEP apart."""
     poses = []
     for stretch in choice.stretches:
         X_VG = MODES[choice.mode].vehicle_frame(stretch).inverse().compose(task.object.X_GB.inverse())
@@ -129,17 +146,29 @@ def obstacle_problem(task: Task, choice: Choice) -> str | None:
         assert path is not None
         count = max(1, math.ceil(path.length / SWEEP_STEP))
         poses += [path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)]
-    for obstacle in fixed:
+    return poses
+
+
+def _between(a: Pose2, b: Pose2, u: float) -> Pose2:
+    turn = math.remainder(b.yaw - a.yaw, 0.5 * math.pi)  # whichever side is pushed
+    return Pose2(a.x + u * (b.x - a.x), a.y + u * (b.y - a.y), a.yaw + u * turn)
+
+
+def _too_near(
+    what: str, shape: Shape, poses: list[Pose2], ends: tuple[Pose2, Pose2], obstacles: list[Obstacle]
+) -> str | None:
+    """Say where ``what`` comes nearer to an obstacle than it may; at its ``ends`` it may be where it is."""
+    for obstacle in obstacles:
         box = Box(obstacle.size)
 
         def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
-            return gap(task.object.shape, X_WG, box, X_WO)
+            return gap(shape, X_WG, box, X_WO)
 
-        allowed = min(OBJECT_CLEARANCE, apart(task.start), apart(task.goal)) - 1e-6
+        allowed = min(OBJECT_CLEARANCE, *(apart(X) for X in ends)) - 1e-6
         least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
         if least < allowed:
             return (
-                f"but the object comes within {least * 1e3:.0f} mm of obstacle {obstacle.name!r} "
+                f"but {what} comes within {least * 1e3:.0f} mm of obstacle {obstacle.name!r} "
                 f"at ({nearest.x:.3f}, {nearest.y:.3f}), allowed from {allowed * 1e3:.0f} mm"
             )
     return None

@@ -234,6 +234,9 @@ def _check_bodies(task: Task) -> None:
             _check_base(task, field, _box(obstacle), obstacle.pose, base_field, base)
         for other in task.obstacles[:i]:
             _check_apart(task, field, _box(obstacle), obstacle.pose, other)
+        for other in task.obstacles:
+            if task.tool is not None and obstacle.name == task.tool.body != other.name:
+                _check_apart(task, "goal", _box(obstacle), task.tool.goal, other)
 
 
 def _at(pose: Pose2) -> Shown:

@@ -19,6 +19,7 @@ from pushpressslide.pipeline.control_state import (
     contact_yaw,
     pressed,
 )
+from pushpressslide.pipeline.entry import braking
 from pushpressslide.pipeline.touch import held_at
 
 LOSS_SHARE = 0.5  # of its planned load below which a press counts as lost
@@ -84,6 +85,7 @@ class TipMover:
         stiffness, damping, push = 0.0, PRESS_DAMPING, 0.0
         if entry_speed is not None:  # nothing but the damper holds it back
             push, damping, felt = load, load / entry_speed, Felt(False, 0.0)
+            a = (a[0], a[1], braking(-tip.velocity[2], entry_speed))
             most, size = self.friction * max(normal_force, 0.0), math.hypot(*f)
             f = (f[0] * most / size, f[1] * most / size) if size > most else f  # what it holds by friction
         elif contact.kind == "top":

@@ -67,7 +67,7 @@ def result(
         out["pivots"] = pivots(task, grasps)
     duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
     out |= {
-        "torque_limit_violation_fraction": _torque_violations(task, record) if known else None,
+        **_torques(task, record),
         "joint_limit_margin": _joint_margin(task, record) if known else None,
         "realtime_factor": duration / record.wall_time if record.wall_time > 0.0 else None,
         "wall_time": record.wall_time,
@@ -196,10 +196,14 @@ def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
     return off
 
 
-def _torque_violations(task: Task, record: Record) -> float | None:
+def _torques(task: Task, record: Record) -> dict[str, float | None]:
+    """How often a joint is asked for more than its torque limit, and the most that one is asked for."""
     names = [f"torque_share_{i}" for i in range(len(task.robots))]
-    shares = [record.arrays[name] for name in names if name in record.arrays]
-    return float((np.array(shares) > 1.0).any(axis=0).mean()) if shares else None
+    shares = np.array([record.arrays[name] for name in names if name in record.arrays])
+    return {
+        "torque_limit_violation_fraction": float((shares > 1.0).any(axis=0).mean()) if shares.size else None,
+        "max_torque_share": float(shares.max()) if shares.size else None,
+    }
 
 
 def robot_facts(robot: Robot) -> RobotFacts | None:

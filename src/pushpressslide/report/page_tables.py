@@ -46,12 +46,15 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
             ("Slip along the surface", "slip_distance", 1e3, "mm", 2),
             ("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
             ("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
+            ("Falls on the way in", "fall_height", 1e3, "mm", 1),
+            ("Falls as fast as", "fall_speed", 1.0, "m/s", 2),
             ("Depth in the opening", "seated_depth", 1e3, "mm", 1),
         ),
     ),
     (
         "Arms",
         (
+            ("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
             ("Beyond a torque limit", "torque_limit_violation_fraction", 100.0, "% of ticks", 2),
             ("Least distance to a joint limit", "joint_limit_margin", 180.0 / math.pi, "°", 1),
         ),

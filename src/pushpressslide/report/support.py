@@ -1,4 +1,4 @@
-"""How the object lies on its support in a run: its tilt, its gap, how deep it is in an opening."""
+"""How the object lies on its support in a run: its tilt, its gap, its fall into an opening, and how deep."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from pushpressslide.report import series
 
 Array = NDArray[np.float64]
 
+FIELDS = ("max_tilt_deg", "support_gap_max", "fall_height", "fall_speed", "seated_depth")
 ENTERED = 0.003  # [m] of the object's middle behind its place on the support at which it counts as going in
 
 
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
-    """Return the largest tilt [deg], the largest gap [m] before the object goes in, and the depth [m] at the
-    end in the opening that the goal lies in; None where they do not apply.
+    """Return the largest tilt [deg], the largest gap [m] before the object goes in, how far [m] and how fast
+    [m/s] its middle falls on the way in, and the depth [m] at the end in the opening that the goal lies in;
+    None where they do not apply.
     """
-    out: dict[str, float | None] = dict.fromkeys(("max_tilt_deg", "support_gap_max", "seated_depth"))
+    out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")
     if positions is None or not len(positions):
         return out
@@ -30,7 +32,13 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
     before = gap[:until][series.contact_phase(record)[:until]]
     out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task, positions))))
     out["support_gap_max"] = max(0.0, float(before.max())) if before.size else None
-    out["seated_depth"] = -float(gap[-1]) if task.enters else None
+    if not task.enters:
+        return out
+    out["seated_depth"] = -float(gap[-1])
+    if until + 1 < len(gap):
+        height, time = positions[until:, 6], record.arrays["time"][until:]
+        out["fall_height"] = float(height[0] - height.min())
+        out["fall_speed"] = max(0.0, -float((np.diff(height) / np.diff(time)).min()))
     return out
 
 

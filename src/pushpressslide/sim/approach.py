@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
 from pushpressslide.robots.continuation import Continuation, continuations
+from pushpressslide.robots.facts import RobotFacts
 from pushpressslide.robots.inverse import solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
@@ -173,22 +175,46 @@ class Approach:
         for leg, least in legs:
             if len(leg) < 2:
                 continue
-            span, way = self._leg(leg, least)
-            times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(way) + 1)[1:])
-            postures.append(way)
+            span, way = rest_to_rest(self.kin.facts, leg, least)
+            times.append(times[-1][-1] + span * np.linspace(0.0, 1.0, len(way))[1:])
+            postures.append(way[1:])
         return np.concatenate(times), np.concatenate(postures)
 
-    def _leg(self, corners: Array, least: float) -> tuple[float, Array]:
-        """Return the time [s] and the postures of one leg (k, n): as the joints may, at a mean speed for
-        ``least`` [s] or slower.
-        """
-        slides = np.array([joint.kind == "prismatic" for joint in self.kin.facts.moving])
-        speeds = np.where(slides, SLIDE_SPEED, APPROACH_SPEED)
-        rates = (len(corners) - 1) * np.abs(np.diff(corners, axis=0)).max(axis=0)
-        blend = _blend(max(50, math.ceil(FASTEST * float(rates.max()) / FINEST)))
-        span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * least)
-        grid = np.linspace(0.0, 1.0, len(corners))
-        return span, np.column_stack([np.interp(blend[1:], grid, column) for column in corners.T])
+
+def rest_to_rest(facts: RobotFacts, corners: Array, least: float = 0.0) -> tuple[float, Array]:
+    """Return the time [s] and the postures (m, n) of one leg through ``corners`` (k, n), minimum jerk: as
+    fast as the joints may, at a mean speed for ``least`` [s] or slower.
+    """
+    slides = np.array([joint.kind == "prismatic" for joint in facts.moving])
+    speeds = np.where(slides, SLIDE_SPEED, APPROACH_SPEED)
+    rates = (len(corners) - 1) * np.abs(np.diff(corners, axis=0)).max(axis=0)
+    blend = _blend(max(50, math.ceil(FASTEST * float(rates.max()) / FINEST)))
+    span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * least)
+    grid = np.linspace(0.0, 1.0, len(corners))
+    return span, np.column_stack([np.interp(blend, grid, column) for column in corners.T])
+
+
+def led_in(
+    paths: Sequence[JointPath], facts: Sequence[RobotFacts], postures: Sequence[Array]
+) -> list[JointPath]:
+    """Return each arm's path with a way from its posture (n,) [rad] to where the path begins before it.
+
+    All ways take the same time, so that the arms keep clear of each other as planned.
+    """
+    gaps = [np.stack([q, path.approach[0]]) for q, path in zip(postures, paths, strict=True)]
+    longest = max(rest_to_rest(of, gap)[0] for of, gap in zip(facts, gaps, strict=True))
+    out = []
+    for path, of, gap in zip(paths, facts, gaps, strict=True):
+        _, way = rest_to_rest(of, gap)
+        times = np.linspace(0.0, longest, len(way))[:-1]
+        out.append(
+            replace(
+                path,
+                approach_time=np.concatenate([times, longest + path.approach_time]),
+                approach=np.concatenate([way[:-1], path.approach]),
+            )
+        )
+    return out
 
 
 def _levels(low: float, high: float) -> Array:

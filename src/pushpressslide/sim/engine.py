@@ -22,6 +22,7 @@ from pushpressslide.pipeline.controller import Commands, Controller
 from pushpressslide.pipeline.recording import Recorder
 from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.approach import led_in
 from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.grasps import all_joint_paths
@@ -44,7 +45,7 @@ class _Arm:
 
     def __init__(self, plan: Plan, index: int, station: Station, models: str) -> None:
         self.model = ArmModel(plan.task.robots[index], models=models)
-        facts = self.model.instance.facts
+        self.facts = facts = self.model.instance.facts
         self.instance, plant = station.scene.robots[index].model_instance, station.plant
         joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
         moving = [joint for joint in joints if joint.num_positions() == 1]
@@ -57,16 +58,13 @@ class _Arm:
         self.state: ArmState | None = None
 
     def take(self, plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
-        """Follow ``path`` with the tool held as in ``attitude`` from now on, from where the arm is."""
+        """Follow ``path`` with the tool held as in ``attitude`` from now on."""
         motion = plan.task.motion
         self.executor = ArmExecutor(
             *self.limits, attitude.rotation_at, path.tool_yaw_offset,
             motion.joint_stiffness if motion.joint_tracking else 0.0, motion.control_period,
             plan.task.support.frame,
         )  # fmt: skip
-        if self.state is not None:
-            times, q = path.approach_time + SETTLE, path.approach
-            path = replace(path, approach_time=np.append(0.0, times), approach=np.vstack([self.state.q, q]))
         self.path = path
 
     def approach(self, t: float) -> tuple[Array, Array]:
@@ -206,8 +204,10 @@ def run(
         if state is not None and state.phase == "done" and ahead and state.failure is None:
             kept = tuple(c if i in controller.kept else None for i, c in enumerate(commands))
             (grasp, taken), *ahead = ahead
-            for arm, path in zip(arms, taken, strict=True):
-                arm.take(grasp, *path)
+            following, attitudes = zip(*taken, strict=True)
+            led = led_in(following, [arm.facts for arm in arms], [x[arm.q_at] for arm in arms])
+            for arm, path, attitude in zip(arms, led, attitudes, strict=True):
+                arm.take(grasp, path, attitude)
             controller, state, began = _controller(grasp, taken), None, time
             reached = time + _arrival(arms)
             recorder.begin(grasp)

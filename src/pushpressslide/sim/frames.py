@@ -25,7 +25,7 @@ from pydrake.systems.sensors import CameraInfo
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Support, Task
 from pushpressslide.sim.playback import ASPECT, Playback, View
 
 FIELD = math.radians(40.0)  # vertical field of view
@@ -56,7 +56,7 @@ class FrameRenderer:
             default_clear_color=BACKGROUND,
             lights=[
                 LightParameter(
-                    type="directional", frame="world", direction=[-0.4, 0.5, -1.0], intensity=0.75
+                    type="directional", frame="world", direction=_light(task.support), intensity=0.75
                 ),
                 LightParameter(type="directional", frame="camera", direction=[0.1, 0.2, 1.0], intensity=0.6),
             ],
@@ -141,6 +141,12 @@ def write_video(
     finally:
         temporary.unlink(missing_ok=True)
     return out
+
+
+def _light(support: Support) -> list[float]:
+    """The direction of the light that falls on the support's face: onto a wall it comes from above."""
+    along = (-0.4, 0.5, -1.0) if support.kind == "table" else (-0.4, -0.9, -0.8)
+    return list(support.frame.direction(along))
 
 
 def look_at(view: View) -> RigidTransform:

@@ -26,9 +26,11 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.playback import Playback, View, ribbon
 
 Array = NDArray[np.float64]
@@ -116,7 +118,7 @@ def look(meshcat: Meshcat) -> None:
 
 
 class _Marks:
-    """What is drawn over the scene: trace, axle marker and contact forces.
+    """What is drawn over the scene, in the support's frame: trace, axle marker and contact forces.
 
     Meshcat loops each track over its own keys: without one at the last frame they fall out of step.
     """
@@ -127,6 +129,7 @@ class _Marks:
         self._last = len(ticks) - 1
         self._contacts = playback.plan.contacts_by_leg
         self._height = playback.task.object.shape.height
+        self._frame = frame = playback.task.support.frame
         forces = np.nan_to_num(arrays["measured_force"])
         flat, down = np.linalg.norm(forces[:, :, :2], axis=2), np.maximum(-forces[:, :, 2], 0.0)
         self.scale = min(FORCE_SCALE, LONGEST_ARROW / max(float(flat.max(initial=0.0)), 1e-9))
@@ -135,13 +138,15 @@ class _Marks:
         self._pressing = {contact.arm for contact in every if contact.kind == "top"}
         self._arms = {contact.arm for contact in every}
         self.presses = bool(self._pressing)
-        nearer = (view.position - view.target) * np.array([1.0, 1.0, 0.0])
+        nearer = np.array(self._frame.components(view.position - view.target)) * np.array([1.0, 1.0, 0.0])
         self._nearer: Any = nearer / np.linalg.norm(nearer)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
         self._trace = self._draw_trace(np.array([(v.x, v.y) for v in vehicle]), arrays["stretch"][ticks])
-        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._height + 0.03), BLUE)
+        pin = self._height + 0.03
+        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, pin), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
-        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * (self._height + 0.03)]))
+        up = float(np.dot(frame.spin_axis, frame.direction((0.0, 0.0, 1.0))))  # of the axle's own z axis
+        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * pin * up]))
         for arm in self._arms:
             self._add_arrow(f"marks/force_{arm}", PURPLE)
         for arm in self._pressing:
@@ -174,7 +179,7 @@ class _Marks:
                 if apart.sum() > 1:
                     name = f"marks/trace/{len(pieces)}"
                     self._meshcat.SetObject(name, ribbon(kept[apart], 0.006), BLUE)
-                    self._meshcat.SetTransform(name, RigidTransform([0.0, 0.0, TRACE_HEIGHT]))
+                    self._meshcat.SetTransform(name, rigid_transform(Pose2(), TRACE_HEIGHT, self._frame))
                     pieces.append((last, name))
                 first = last
         return pieces
@@ -183,7 +188,8 @@ class _Marks:
         """Record the marks of one frame, at time ``t`` [s] of the animation."""
         meshcat, X_WV = self._meshcat, self._playback.vehicle_pose(tick)
         middle = 0.5 * (self._height + 0.03)
-        meshcat.SetTransform("marks/axle", RigidTransform([X_WV.x, X_WV.y, middle]), time_in_recording=t)
+        axle = rigid_transform(Pose2(X_WV.x, X_WV.y), middle, self._frame)
+        meshcat.SetTransform("marks/axle", axle, time_in_recording=t)
         for at, name in self._trace:
             if frame in (0, at, self._last):
                 meshcat.SetProperty(name, "visible", frame >= at, time_in_recording=t)
@@ -216,11 +222,11 @@ class _Marks:
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         if not (visible or at_end):
             return
-        axis: Any = force / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+        axis = np.array(self._frame.direction(force / size if size > 1e-9 else (1.0, 0.0, 0.0)))
         length = scale * size
         shaft = max(length - HEAD, 0.2 * length, 1e-4)
         R = RotationMatrix.MakeFromOneVector(axis, 2)
-        meshcat.SetTransform(name, RigidTransform(R, tail), time_in_recording=t)
+        meshcat.SetTransform(name, RigidTransform(R, self._frame.point(tail)), time_in_recording=t)
         meshcat.SetProperty(f"{name}/shaft", "scale", [1.0, 1.0, shaft], time_in_recording=t)
         meshcat.SetProperty(f"{name}/shaft", "position", [0.0, 0.0, 0.5 * shaft], time_in_recording=t)
         meshcat.SetProperty(f"{name}/head", "position", [0.0, 0.0, shaft + HEAD], time_in_recording=t)
