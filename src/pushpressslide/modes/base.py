@@ -31,6 +31,7 @@ LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
 TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
 ENOUGH = 8  # choices of one mode that the arms can follow: no other is judged in full
+UNJUDGED = "not judged in full, as there is one that is no slower"
 
 # Makes the choices of one placement, judged but for the arms' reach; or where not asked to judge, tells what
 # they would be.
@@ -152,15 +153,10 @@ def followed(
                 else:
                     out.append(choice)
             continue
-        why = path_problem(task, item, frame(item)) if found < enough else unjudged(enough)
+        why = path_problem(task, item, frame(item)) if found < enough else UNJUDGED
         found += why is None
         out.append(item if why is None else replace(item, feasible=False, reason=told(item.reason, why)))
     return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
-
-
-def unjudged(enough: int) -> str:
-    """Return why a choice was not judged in full."""
-    return f"not judged in full, as {enough} can do it that {'is' if enough == 1 else 'are'} no slower"
 
 
 def instead(reason: str, why: str) -> str:

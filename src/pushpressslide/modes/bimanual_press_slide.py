@@ -109,10 +109,7 @@ class BimanualPressSlide:
         if arms == (1, 0):
             points = (points[1], points[0])
         what = "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
-
-        contacts = tuple(
-            Contact(arm, "top", p, (0.0, 0.0), body.shape.height) for arm, p in enumerate(points)
-        )
+        contacts = tuple(Contact(i, "top", p, (0.0, 0.0), body.shape.height) for i, p in enumerate(points))
 
         def refused(why: str) -> Choice:
             return Choice(self.name, False, f"{what}: {why}", contacts)
@@ -130,18 +127,13 @@ class BimanualPressSlide:
 
     def _draft(self, task: Task, placed: Choice, judged: bool) -> list[Choice]:
         """Judge one pair of contacts but for the arms' reach."""
-        path, (left_contact, right_contact) = placed.path, placed.contacts
+        path, mu, what = placed.path, task.believed.contact_friction, placed.reason
         if not (judged and placed.feasible and isinstance(path, TwistPath)):
             return [placed]
-        body, belief, what = task.object, task.believed, placed.reason
-
-        def refused(why: str) -> list[Choice]:
-            return [replace(placed, feasible=False, reason=f"{what}: {why}")]
-
         try:
-            problem, normals = self._loads(task, (left_contact.point, right_contact.point), path)
+            problem, normals = self._loads(task, (placed.contacts[0].point, placed.contacts[1].point), path)
         except ValueError as error:
-            return refused(str(error))
+            return [replace(placed, feasible=False, reason=f"{what}: {error}")]
         pressed = tuple(replace(c, load=n) for c, n in zip(placed.contacts, normals, strict=True))
         point = _tracking_point(task, pressed, _twist(path, (0.0, 0.0)))
         ends = path.start.compose(Pose2(*point)), path.end.compose(Pose2(*point))
@@ -149,11 +141,11 @@ class BimanualPressSlide:
         try:
             drag = self._drag(task, pressed, path, point)
         except ValueError as error:
-            return refused(f"the object would tip: {error}")
+            return [replace(placed, feasible=False, reason=f"{what}: the object would tip: {error}")]
         if problem is None and drag.room < TIPPING_ROOM:
             problem = (
-                f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
-                f"{drag.room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+                f"drag at {task.object.shape.height:.3f} m tips the object: the centre of pressure comes "
+                f"within {drag.room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
             )
         if problem is None and drag.use > USE[-1]:
             problem = _slipping(normals, drag.use)
@@ -167,14 +159,9 @@ class BimanualPressSlide:
             "speed": task.motion.speed, "track_x": point[0], "track_y": point[1], "press_left": left,
             "press_right": right, "cop_fraction": fraction,
         }  # fmt: skip
-        margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
-        told = what + (reason if problem is None else f": {problem}")
-        return [
-            Choice(
-                self.name, problem is None, told, pressed, path.length, _time(task, path), margin, parameters,
-                path,
-            )
-        ]  # fmt: skip
+        told, time = what + (reason if problem is None else f": {problem}"), _time(task, path)
+        margin, ok = atan(mu) - atan(drag.use * mu), problem is None
+        return [Choice(self.name, ok, told, pressed, path.length, time, margin, parameters, path)]
 
     def _loads(self, task: Task, points: Pair, path: TwistPath) -> tuple[str | None, Point]:
         """Return what stands against the loads, and the loads [N] for ``path``: the largest where none do.

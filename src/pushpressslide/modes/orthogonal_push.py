@@ -26,7 +26,7 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import ENOUGH, path_problem, unjudged
+from pushpressslide.modes.base import ENOUGH, UNJUDGED, path_problem
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import (
@@ -87,7 +87,7 @@ class OrthogonalPush:
                 out.append(draft)
                 continue
             if found >= enough:
-                out.append(_refused(draft, unjudged(enough)))
+                out.append(_refused(draft, UNJUDGED))
                 continue
             poses = [path.pose(share * path.length) for share in (0.0, 0.5, 1.0)]
             ways = assignments(task.bases, [c.point for c in draft.contacts], poses)

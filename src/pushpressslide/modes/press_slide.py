@@ -12,8 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
-from math import atan, inf
-from operator import attrgetter, itemgetter
+from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
@@ -25,10 +24,10 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import MOST_USE, friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import ENOUGH, GRAVITY, path_problem, tool_load, unjudged
+from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.press_ranking import manoeuvre_times
-from pushpressslide.planning.pressed_manoeuvre import CORRECTING, Manoeuvre, pressed_manoeuvres
+from pushpressslide.planning.press_ranking import by_time, soonest
+from pushpressslide.planning.pressed_manoeuvre import CORRECTING, pressed_manoeuvres
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
     BACK_UPS,
@@ -54,9 +53,7 @@ from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTra
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
-TRIED = 40  # manoeuvres that are looked at for the arm's reach
 SAME = 1e-3  # [m] between places that are one
-AT_ONCE = 2  # contacts that manoeuvres are planned for, in the order of how long they may take
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
 
@@ -96,7 +93,7 @@ class PressSlide:
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
         kind, free = task.motion.vehicle or "unicycle", not (task.motion.vehicle or task.tool)
-        manoeuvres = self._manoeuvres(task, places, loads, enough) if free and not given else []
+        manoeuvres = self._manoeuvres(task, places, loads) if free and not given else []
         if manoeuvres and manoeuvres[0].feasible:
             return manoeuvres
         drafts = []
@@ -110,7 +107,7 @@ class PressSlide:
         drafts.sort(key=_quickest)
         out = self._within_reach(task, drafts, CORRECTING, enough)
         if free and given and not any(choice.feasible for choice in out):
-            manoeuvres = self._manoeuvres(task, places, loads, enough)
+            manoeuvres = self._manoeuvres(task, places, loads)
         if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
             out = self._within_reach(task, drafts, 0.0, enough)
         return sorted((*out, *manoeuvres), key=_quickest)
@@ -120,7 +117,7 @@ class PressSlide:
         out, found = [], 0
         for choice in drafts:
             if choice.feasible and found == enough:
-                choice = _refused(choice, unjudged(enough))
+                choice = _refused(choice, UNJUDGED)
             elif choice.feasible:
                 choice = self._steered(task, choice, least)
                 choice = self._judged_for_reach(task, choice) if choice.feasible else choice
@@ -147,9 +144,7 @@ class PressSlide:
         problem = next((problem for problem in problems if problem is not None), None)
         return choice if problem is None else _refused(choice, problem)
 
-    def _manoeuvres(
-        self, task: Task, places: Sequence[Point], loads: Sequence[float], enough: int
-    ) -> list[Choice]:
+    def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
         """Return one manoeuvre per contact, up to the first feasible one, that of the safest press; with how
         long about those take that were not judged in full.
         """
@@ -158,33 +153,16 @@ class PressSlide:
         inside = [p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            times = manoeuvre_times(task, X_WB, [press_of(task, contact) for contact in contacts])
-            ranked = sorted(zip(times, contacts, strict=True), key=itemgetter(0))
-            ranked = [(time, contact) for time, contact in ranked if time < inf]
-            later: list[Manoeuvre] = []
-            for i in range(0, len(ranked), AT_ONCE):
-                found = pressed_manoeuvres(task, X_WB, [contact for _, contact in ranked[i : i + AT_ONCE]])
-                first = {m.contact: m for m in reversed(found)}
-                later += [m for m in found if m is not first[m.contact]]
-                if self._one_feasible(task, sorted(first.values(), key=attrgetter("time")), out):
-                    others = [self._unjudged(task, *of, enough) for of in ranked[i + AT_ONCE :]]
+            ranked = by_time(task, X_WB, contacts)
+            for manoeuvre in soonest(task, X_WB, list(ranked)):
+                choice = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                out[manoeuvre.contact] = choice
+                if choice.feasible:
+                    told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
+                    rest = [(c, t + after) for c, t in ranked.items() if c not in out]
+                    others = [Choice(self.name, False, told.format(*c.point), (c,), time=t) for c, t in rest]
                     return sorted(out.values(), key=lambda choice: not choice.feasible) + others
-            if self._one_feasible(task, sorted(later, key=attrgetter("time"))[:TRIED], out):
-                break
-        return sorted(out.values(), key=lambda choice: not choice.feasible)
-
-    def _one_feasible(self, task: Task, found: Sequence[Manoeuvre], out: dict[Contact, Choice]) -> bool:
-        """Judge manoeuvres up to the first feasible one into ``out``; return whether there is one."""
-        for manoeuvre in found:
-            out[manoeuvre.contact] = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
-            if out[manoeuvre.contact].feasible:
-                return True
-        return False
-
-    def _unjudged(self, task: Task, time: float, contact: Contact, enough: int) -> Choice:
-        (x, y), whole = contact.point, time + overhead(task, pressed=True)
-        why = f"manoeuvre at ({x:.3f}, {y:.3f}): {unjudged(enough)}"
-        return Choice(self.name, False, why, (contact,), None, whole)
+        return list(out.values())
 
     def _draft(
         self,

@@ -10,7 +10,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Obstacle, Shape, Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH
+from pushpressslide.modes.base import ENOUGH, Mode
 from pushpressslide.pipeline.task_shapes import gap
 
 OBJECT_CLEARANCE = 0.01
@@ -35,7 +35,7 @@ def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
     """
     parts, out = task.parts, list[list[Choice]]()
     goes_on = any(set(a.modes or MODES) & set(b.modes or MODES) for a, b in pairwise(parts))
-    if goes_on or any(not obstacle.movable for obstacle in task.obstacles):  # the first may not do
+    if goes_on:  # with contacts that need not be those of the first placement
         enough = max(enough, ENOUGH)
     for leg, part in enumerate(parts):
         found = [_of_leg(choice, leg) for choice in _select(part, enough)]
@@ -105,8 +105,16 @@ def _select(task: Task, enough: int) -> list[Choice]:
         elif task.support.kind == "wall" and not mode.walls:
             out.append(Choice(name, False, "cannot hold an object on a wall; support.kind must be table"))
         else:
-            out.extend(_kept_clear(task, choice) for choice in mode.choices(task, enough))
+            out.extend(_clear(task, mode, enough))
     return _ranked(out)
+
+
+def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
+    """Return the choices of a mode; more of them judged where obstacles are in the way of the first."""
+    judged = mode.choices(task, enough)
+    choices = [_kept_clear(task, choice) for choice in judged]
+    blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
+    return _clear(task, mode, ENOUGH) if blocked and enough < ENOUGH else choices
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:

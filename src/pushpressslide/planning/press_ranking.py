@@ -5,11 +5,13 @@ for their order, not for a plan.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from operator import attrgetter, itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
@@ -23,12 +25,40 @@ from pushpressslide.planning.pressed_manoeuvre import (
     RUN_INS,
     SAFE_ROOM,
     STRAIGHT,
+    Manoeuvre,
+    pressed_manoeuvres,
 )
 from pushpressslide.planning.pressed_turns import COUNT, EVERY, turn_table
-from pushpressslide.planning.pressed_vehicle import SWING
+from pushpressslide.planning.pressed_vehicle import SWING, press_of
 
 RESOLUTION = 2  # of the base: the best press is nearly always among the first three
+AT_ONCE = 2  # contacts that manoeuvres are planned for
+TRIED = 40  # manoeuvres, besides the quickest of each contact
 MANY = 12  # turns of one press, from which on every other one is left out
+
+
+def by_time(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> dict[Contact, float]:
+    """Return contacts in the order of how long [s] manoeuvres by them may take from ``X_WB`` to the task's
+    goal, without those by which nothing leads there; as they are where there are few.
+    """
+    if len(contacts) <= AT_ONCE:
+        return dict.fromkeys(contacts, 0.0)
+    times = manoeuvre_times(task, X_WB, [press_of(task, contact) for contact in contacts]).tolist()
+    ranked = sorted(zip(contacts, times, strict=True), key=itemgetter(1))
+    return {contact: time for contact, time in ranked if time < math.inf}
+
+
+def soonest(task: Task, X_WB: Pose2, contacts: Sequence[Contact]) -> Iterator[Manoeuvre]:
+    """Yield manoeuvres, planned when asked for: of some contacts at a time the quickest of each, then the
+    others.
+    """
+    later: list[Manoeuvre] = []
+    for i in range(0, len(contacts), AT_ONCE):
+        found = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
+        first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(found)}
+        yield from sorted(first.values(), key=attrgetter("time"))
+        later += [manoeuvre for manoeuvre in found if manoeuvre is not first[manoeuvre.contact]]
+    yield from sorted(later, key=attrgetter("time"))[:TRIED]
 
 
 def manoeuvre_times(task: Task, X_WB: Pose2, presses: Sequence[Press]) -> NDArray[np.float64]:
