@@ -69,6 +69,8 @@ class ToolAttitude:
 
     def _in_world(self, R_ST: Array) -> Array:
         """Turn the x and z axes of T, given in S, into the world; its y axis follows, whatever S's hand."""
+        if self.axes is WORLD_AXES:
+            return R_ST
         axes = np.array(self.axes)
         out: Array = axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
         return out
@@ -85,7 +87,7 @@ class ToolAttitude:
         R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
         if self.turns:
             R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
-        return R_ST if self.axes is WORLD_AXES else self._in_world(R_ST)
+        return self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
         """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
