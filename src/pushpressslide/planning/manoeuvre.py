@@ -77,10 +77,12 @@ def least_times(
     The rest as in ``words``, of shape (m, n); NaN for turns that a body does not have.
     """
     body, at, angles = _Linkage(centers).to(goals, yaws)
+    of = senses[body, at], times[body, at], pauses[body, at]
     least = np.full(len(centers), math.inf)
-    for way in angles:
-        _, time = _driven(way, senses[body, at], times[body, at], pauses[body, at])
-        np.minimum.at(least, body, time)
+    some, starts = np.unique(body, return_index=True)  # in order
+    for way in angles if len(some) else ():
+        _, time = _driven(way, *of)
+        least[some] = np.minimum(least[some], np.minimum.reduceat(time, starts))
     return least
 
 
