@@ -65,39 +65,39 @@ def manoeuvre_times(task: Task, X_WB: Pose2, presses: Sequence[Press]) -> NDArra
     """Return about how long (m,) [s] the quickest manoeuvre from ``X_WB`` to the task's goal takes by each of
     m presses of its object; infinite where there is none.
     """
-    table = turn_table(presses, RESOLUTION)
-    levers = np.array([[p.lever] for p in presses])
+    table, levers = turn_table(presses, RESOLUTION), np.array([p.lever for p in presses])
     axes, cops = (
         np.array(of).view(np.complex128) for of in ([p.axis for p in presses], [p.cop for p in presses])
     )
     steering = np.minimum(table.right, table.left)
-    with np.errstate(invalid="ignore"):
-        speed = (
-            task.motion.speed * np.minimum(1.0, SWING / table.pace) * np.minimum(1.0, table.room / SAFE_ROOM)
-        )
-    pauses = PAUSE + NARROW * (steering < CORRECTING)
-    bent = np.copysign(np.maximum(np.abs(table.curvature), STRAIGHT), table.curvature)
+    slower = np.minimum(1.0, SWING / table.pace) * np.minimum(1.0, table.room / SAFE_ROOM)
+    speed, pauses = task.motion.speed * slower, PAUSE + NARROW * (steering < CORRECTING)
     axles, ways = cops + table.ahead * axes, axes * np.exp(1j * table.heading)
     stride = np.where(table.usable[:, ::EVERY].sum(1, keepdims=True) > MANY, 2 * EVERY, EVERY)
-    bent = np.where(table.usable & (np.arange(COUNT) % stride == 0), bent, np.nan)
+    planned = table.usable & (np.arange(COUNT) % stride == 0)
+    bent = np.copysign(np.maximum(np.abs(table.curvature), STRAIGHT), table.curvature)
+    bent = np.where(planned, bent, np.nan)
     back = np.where(np.abs(table.curvature) < STRAIGHT, -bent, np.nan)  # straight turns go with either centre
-    turns = [np.concatenate([v[:, ::EVERY]] * 2, axis=1) for v in (axles, ways, speed, pauses)]
+    # of each press its turns, and NaN after them
     bent = np.concatenate([bent[:, ::EVERY], back[:, ::EVERY]], axis=1)
-    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[
-        :, : int(np.isfinite(bent).sum(1).max(initial=0))
-    ]
-    bent, a, u, v, pauses_ = (np.take_along_axis(of, order, axis=1) for of in (bent, *turns))
-    centers, times = a + 1j * u * (1.0 / bent), 1.0 / (np.abs(bent) * v)
-    goal = task.goal.compose(task.object.X_GB)
-    ahead = X_WB.inverse().compose(goal)
-    turn, out = math.remainder(ahead.yaw, 2.0 * math.pi), np.full(len(presses), math.inf)
-    for end in (0, COUNT // 2):
-        gain, most = np.abs(table.gain[:, end]), steering[:, end]
-        able = table.usable[:, end] & (most >= CORRECTING)
-        needed = np.sqrt(4.0 * CORRECTED * gain / np.tan(np.where(able, most, 1.0)))
-        length = RUN_INS[-1] * np.clip(np.maximum(0.35 * (gain + levers[:, 0]), needed), *LOOK_AHEAD)
+    most = int(np.isfinite(bent).sum(1).max())
+    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :most]
+    bent = np.take_along_axis(bent, order, axis=1)
+    axle, way, pace, pause = (
+        np.take_along_axis(np.concatenate([of[:, ::EVERY]] * 2, axis=1), order, axis=1)
+        for of in (axles, ways, speed, pauses)
+    )
+    centers, times = axle + 1j * way * (1.0 / bent), 1.0 / (np.abs(bent) * pace)
+    ahead = X_WB.inverse().compose(task.goal.compose(task.object.X_GB))
+    turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
+    out = np.full(len(presses), math.inf)
+    for end in (0, COUNT // 2):  # run-ins pulled and pushed
+        gain, free = np.abs(table.gain[:, end]), steering[:, end]
+        able = table.usable[:, end] & (free >= CORRECTING)
+        needed = np.sqrt(4.0 * CORRECTED * gain / np.tan(np.where(able, free, 1.0)))
+        length = RUN_INS[-1] * np.clip(np.maximum(0.35 * (gain + levers), needed), *LOOK_AHEAD)
         staging = complex(ahead.x, ahead.y) - length * ways[:, end] * np.exp(1j * ahead.yaw)
         staging = np.where(able, staging, np.nan)
-        found = least_times(centers, np.sign(bent), times, pauses_, staging, np.full(len(presses), turn))
+        found = least_times(centers, np.sign(bent), times, pause, staging, turn)
         out = np.minimum(out, np.where(able, found + length / speed[:, end] + PAUSE, math.inf))
     return out
