@@ -88,7 +88,7 @@ def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> Non
 def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(tmp_path: Path) -> None:
     patch = """
 import pushpressslide.experiments.run as r
-def select(task):
+def select(task, enough):
     try:
         press()
         while True: pass

@@ -2,12 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, moved, screw, screws
+from pushpressslide.core.twist_path import TwistPath, moved, reached, screw, screws
 
 numbers = st.floats(-1.0, 1.0)
 poses = st.builds(Pose2, numbers, numbers, st.floats(-3.0, 3.0))
@@ -16,18 +17,26 @@ poses = st.builds(Pose2, numbers, numbers, st.floats(-3.0, 3.0))
 @given(poses, numbers, numbers, st.floats(-3.0, 3.0))
 def test_logarithm_and_exponential_are_inverse(start: Pose2, x: float, y: float, turn: float) -> None:
     end = start.compose(Pose2(x, y, turn))
-    reached = moved(start, screw(start, end), 1.0)
-    assert (reached.x, reached.y) == pytest.approx((end.x, end.y), abs=1e-9)
-    assert math.remainder(reached.yaw - end.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    there = moved(start, screw(start, end), 1.0)
+    assert (there.x, there.y) == pytest.approx((end.x, end.y), abs=1e-9)
+    assert math.remainder(there.yaw - end.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(st.lists(poses, min_size=2, max_size=4))
 def test_logarithms_of_all_pairs_are_those_of_each(some: list[Pose2]) -> None:
-    table = screws(some[:-1], some)
+    rows = np.array([(pose.x, pose.y, pose.yaw) for pose in some])
+    table = screws(rows[:-1], rows)
     assert table.shape == (len(some) - 1, len(some), 3)
     for i, start in enumerate(some[:-1]):
         for j, end in enumerate(some):
             assert table[i, j] == pytest.approx(screw(start, end), abs=1e-9)
+
+
+@given(poses, st.lists(st.tuples(numbers, numbers, st.floats(-3.0, 3.0)), min_size=1, max_size=4))
+def test_many_twists_lead_where_each_does(start: Pose2, twists: list[tuple[float, float, float]]) -> None:
+    for row, twist in zip(reached(start, np.array(twists)), twists, strict=True):
+        end = moved(start, twist, 1.0)
+        assert row == pytest.approx((end.x, end.y, end.yaw), abs=1e-9)
 
 
 @given(poses, poses, poses)

@@ -7,7 +7,11 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.errors import TaskError
-from pushpressslide.pipeline.selection import grasps
+from pushpressslide.core.plan import Choice
+from pushpressslide.core.task import Task
+from pushpressslide.experiments.bench_selection import CASES
+from pushpressslide.modes.base import ENOUGH, UNJUDGED
+from pushpressslide.pipeline.selection import grasps, select
 
 TASKS = sorted(
     p.name.removesuffix(".yaml")
@@ -46,3 +50,33 @@ def test_what_a_tool_pushes_is_kept_clear_of_the_others_too() -> None:
     assert any(wanted in choice.reason for choice in pps.select(beside))
     with pytest.raises(TaskError, match=r"goal: .* no overlap with obstacle 'post'"):
         pps.load_task("tool-use", [f"obstacles=[{plank}, {POST % (0.62, 0.55)}]"])
+
+
+def bests(task: Task, enough: int) -> dict[str, Choice]:
+    """The best feasible choice of each mode."""
+    out: dict[str, Choice] = {}
+    for choice in select(task, enough):
+        if choice.feasible:
+            out.setdefault(choice.mode, choice)
+    return out
+
+
+@pytest.mark.parametrize("case", CASES[::3], ids=lambda case: case.name)
+def test_the_first_of_each_mode_is_the_same_however_many_are_judged(case) -> None:
+    assert bests(case.task, 1) == bests(case.task, ENOUGH)
+
+
+def test_what_is_not_judged_in_full_says_so_and_is_no_quicker_than_the_first_of_its_mode() -> None:
+    task = next(case.task for case in CASES if case.name == "large box ahead")
+    first, unjudged = bests(task, 1), [c for c in select(task) if UNJUDGED in c.reason]
+    assert unjudged
+    for choice in unjudged:
+        assert not choice.feasible
+        assert (choice.time or 0.0) > (first[choice.mode].time or 0.0) - 1e-3
+
+
+def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_against_each_other() -> None:
+    task = next(case.task for case in CASES if case.name == "large box ahead")
+    first, second = list(bests(task, 1).values())[:2]
+    assert (first.mode, second.mode) == ("parallel_push", "orthogonal_push")
+    assert first.time == pytest.approx(second.time, abs=1e-3)

@@ -13,7 +13,7 @@ from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, S
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import center_of_pressure, support_pressure
-from pushpressslide.mechanics.virtual_axle import axle_with_height, pushed_twist
+from pushpressslide.mechanics.virtual_axle import axle_with_height, dragged_twist
 from pushpressslide.planar.world import GRAVITY, World
 
 DT = 0.004
@@ -197,7 +197,8 @@ def test_a_push_at_a_height_moves_the_object_as_the_exact_surface_says(steering)
     n, t = 300.0 * 0.05, 300.0 * 0.05 * math.tan(steering)
     run = states(made, lambda s: (command(force=(*s.X_WB.rotate((n, t)), 0.0), yaw=s.X_WB.yaw),), 30)
     force = run[-2].X_WB.unrotate(run[-1].tips[0].force[:2])
-    expected = pushed_twist(pressure_of(BOX), 0.3, REAR.point, REAR.height, math.atan2(force[1], force[0]))
+    along = (force[0] / math.hypot(*force), force[1] / math.hypot(*force))
+    expected = dragged_twist(pressure_of(BOX), 0.3, (0.0, 0.0), REAR.point, REAR.height, along)
     twist = run[-1].twist.moved_to((0.0, 0.0))
     scale = math.hypot(twist.vx, twist.vy, 0.05 * twist.w)
     wanted = math.hypot(expected.vx, expected.vy, 0.05 * expected.w)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.planning.dubins import shortest_path
-from pushpressslide.planning.manoeuvre import words
+from pushpressslide.planning.manoeuvre import least_times, words
 
 CENTERS = np.array([0.1j, -0.1j, 20j, 0.05 + 0.2j, 0.05 - 0.2j, -0.02 + 0.03j])
 SENSES = np.array([1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
@@ -38,3 +38,16 @@ def test_with_the_turns_of_a_car_the_quickest_word_is_as_long_as_dubins_path() -
         best = words(centers, np.array([1.0, -1.0, 1.0]), radius, np.zeros(3), [Pose2(x, y, yaw)], 1)[0][0]
         wanted = shortest_path(Pose2(), Pose2(x, y, yaw), 10.0, 10.0).length
         assert best.time == pytest.approx(wanted, rel=0.01)
+
+
+def test_of_many_bodies_the_least_time_of_each_is_that_of_its_quickest_word() -> None:
+    rng = np.random.default_rng(0)
+    goals, yaws = rng.uniform(-0.4, 0.4, (8, 2)) @ (1.0, 1.0j), rng.uniform(-2.0, 2.0, 8)
+    bodies = CENTERS + 0.01 * rng.standard_normal((8, 6))
+    bodies[1:, 5] = np.nan  # has one turn less
+    senses, times = np.tile(SENSES, (8, 1)), np.abs(bodies)
+    found = least_times(bodies, senses, times, np.full((8, 6), 0.1), goals, yaws)
+    for body, time, goal, yaw, least in zip(bodies, times, goals, yaws, found, strict=True):
+        n, pose = np.isfinite(body).sum(), Pose2(goal.real, goal.imag, yaw)
+        best = words(body[:n], SENSES[:n], time[:n], np.full(n, 0.1), [pose], 1)[0][0]
+        assert least == pytest.approx(best.time)

@@ -7,9 +7,9 @@ import pytest
 
 from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
-from pushpressslide.mechanics.face_push import turning
+from pushpressslide.mechanics.face_push import Push, turnings
 from pushpressslide.mechanics.faces import faces
-from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_car
+from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_cars
 
 TASK = load_task(
     "parallel-push",
@@ -22,33 +22,33 @@ D, MU = 0.2, TASK.believed.contact_friction
 
 
 def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> None:
-    car = pushed_car(TOLD, REAR, HALF, HEIGHT, synchronised=False)
+    (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=False)
     assert (car.left, car.right) == pytest.approx((HALF / 0.13**2, HALF / 0.13**2))
     assert car.lead == 0.0
     assert car.axle == pytest.approx(HEIGHT * 0.3)  # the CoP under way
 
 
 def test_on_the_ellipsoid_equal_forces_make_it_a_rear_steer_car_with_mu_d_over_rho_squared() -> None:
-    car = pushed_car(TOLD, REAR, HALF, HEIGHT, synchronised=True)
+    (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=True)
     assert car.tightest == pytest.approx(MU * D / 0.13**2)
     assert car.lead == pytest.approx(0.13**2 / D)
 
 
 @pytest.mark.parametrize("synchronised", [False, True])
 def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(synchronised: bool) -> None:
-    car = pushed_car(TASK, REAR, HALF, HEIGHT, synchronised)
+    (car,) = pushed_cars(TASK, [(REAR, HALF)], HEIGHT, synchronised)
     use = TASK.motion.curvature_margin
     limit = (0.0, MU) if synchronised else (HALF, 0.0)
-    axle, curvature = turning(TASK.object, 0.3, REAR, HEIGHT, use * limit[0], use * limit[1])
+    pushes = [Push(REAR, share * limit[0], share * limit[1]) for share in (use, 1.0)]
+    (axle, curvature), (_, tightest) = turnings(TASK.object, 0.3, HEIGHT, pushes)
     assert car.axle == pytest.approx(axle, abs=1e-4)
     model = use * (D * limit[1] + limit[0]) / car.rho**2
     assert model == pytest.approx(-curvature, rel=1e-6)
-    tightest = turning(TASK.object, 0.3, REAR, HEIGHT, *limit).curvature
     assert car.tightest <= abs(tightest) + 1e-9
 
 
 def test_a_choice_remembers_the_whole_car() -> None:
-    car = pushed_car(TASK, REAR, HALF, HEIGHT, synchronised=False)
+    (car,) = pushed_cars(TASK, [(REAR, HALF)], HEIGHT, synchronised=False)
     assert PushedCar.remembered(car.figures) == car
 
 

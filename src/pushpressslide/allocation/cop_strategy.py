@@ -47,7 +47,7 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
     """Return the least loads [N] of the left and right contact for ``twist``; None if the cap, or any press,
     is not enough with that centre of pressure.
     """
-    loads = presses.for_share(cop, twist) if isinstance(cop, str) else presses.for_cop(cop, twist)
+    loads = presses.in_ratio(cop, twist) if isinstance(cop, str) else presses.for_cop(cop, twist)
     return loads.normals if loads.status == "ok" else None
 
 

@@ -81,6 +81,11 @@ class TwoPresses:
         status: AllocationStatus = "ok" if allocation.status == "ok" else "infeasible"
         return PressLoads(forces, normals, cop, allocation.margin, needed, status)
 
+    def in_ratio(self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
+        """Return the least loads in a ratio; at the cap and "infeasible" if that is not enough."""
+        total = min(self._least_total(share, twist, gravity), self._most(share))
+        return self.at(self._shared(share, total), twist, gravity)
+
     def for_share(self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
         """Return the least loads for ``twist`` with ``share`` of the two presses on the right contact.
 
@@ -88,7 +93,7 @@ class TwoPresses:
         the spot allows. Where that needs more than the cap: the ratio that needs least, "projected"; where
         this does too: this ratio at the cap, "infeasible".
         """
-        found = self._least(share, twist, gravity)
+        found = self.in_ratio(share, twist, gravity)
         return found if found.status == "ok" else self._instead(twist, gravity)
 
     def for_cop(self, fraction: float, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
@@ -129,13 +134,13 @@ class TwoPresses:
         step = 1.0 / RATIOS
         middle = min([step * i for i in range(1, RATIOS)], key=press)
         if press(middle) == math.inf:
-            return self._least(0.5, twist, gravity)
+            return self.in_ratio(0.5, twist, gravity)
         low, high = middle - step, middle + step
         for _ in range(SECTIONS):
             a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
             low, high = (low, b) if press(a) <= press(b) else (a, high)
         refined = 0.5 * (low + high)
-        return self._least(refined if press(refined) < press(middle) else middle, twist, gravity)
+        return self.in_ratio(refined if press(refined) < press(middle) else middle, twist, gravity)
 
     def _instead(self, twist: Twist, gravity: Point) -> PressLoads:
         other = self.for_least_press(twist, gravity)
@@ -154,11 +159,6 @@ class TwoPresses:
         slide = EllipsoidLimitSurface(self.support_friction * load, self.rho, cop).wrench(twist)
         held = Wrench(*gravity, 0.0).moved_to(cop)
         return cop, (slide.fx - held.fx, slide.fy - held.fy, slide.tau - held.tau)
-
-    def _least(self, share: float | Side, twist: Twist, gravity: Point) -> PressLoads:
-        """Return the least loads in a ratio; at the cap and "infeasible" if that is not enough."""
-        total = min(self._least_total(share, twist, gravity), self._most(share))
-        return self.at(self._shared(share, total), twist, gravity)
 
     def _least_total(self, share: float | Side, twist: Twist, gravity: Point) -> float:
         """Return the least sum [N] of normals in a ratio, inf if it is above the cap."""

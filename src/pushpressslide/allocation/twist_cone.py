@@ -111,4 +111,4 @@ class TwistCone:
             wrench = Wrench(*(0.5 * (1.0 - INWARD) * (p + q) + INWARD * m for p, q, m in parts))
             twist = self.surface.twist_direction(wrench).moved_to(ORIGIN)
             out.append((twist.vx, twist.vy, twist.w))
-        return [ray for ray in out if self.spare(*ray) >= least]
+        return [ray for ray, spare in zip(out, self.spares(np.array(out)), strict=True) if spare >= least]

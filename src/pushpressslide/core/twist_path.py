@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -45,12 +44,24 @@ def screw(start: Pose2, end: Pose2) -> TwistRate:
     return (k * x + half * y, k * y - half * x, w)
 
 
-def screws(starts: Sequence[Pose2], ends: Sequence[Pose2]) -> NDArray[np.float64]:
-    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends."""
+def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the poses (m, 3) reached from ``pose`` after one unit of each of ``twists`` (m, 3) of it."""
     import numpy as np
 
-    x0, y0, yaw0 = np.array([(p.x, p.y, p.yaw) for p in starts]).T[:, :, None]
-    x1, y1, yaw1 = np.array([(p.x, p.y, p.yaw) for p in ends]).T[:, None, :]
+    vx, vy, w = twists.T
+    half = 0.5 * w
+    # of the chord: its length over the arc's, and where it leads
+    chord, heading = np.sinc(half / math.pi), pose.yaw + half
+    c, s = chord * np.cos(heading), chord * np.sin(heading)
+    return np.stack([pose.x + c * vx - s * vy, pose.y + s * vx + c * vy, pose.yaw + w], axis=-1)
+
+
+def screws(starts: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends, poses (x, y, yaw) as rows."""
+    import numpy as np
+
+    x0, y0, yaw0 = starts.T[:, :, None]
+    x1, y1, yaw1 = ends.T[:, None, :]
     dx, dy, w = x1 - x0, y1 - y0, math.pi - np.remainder(math.pi - (yaw1 - yaw0), 2.0 * math.pi)
     x, y = np.cos(yaw0) * dx + np.sin(yaw0) * dy, np.cos(yaw0) * dy - np.sin(yaw0) * dx
     half = 0.5 * w

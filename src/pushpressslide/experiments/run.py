@@ -18,6 +18,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.experiments.interrupt import Interrupt, Interrupted
+from pushpressslide.modes.base import ENOUGH
 from pushpressslide.pipeline.planner import chained, grasp, refusal, usable
 from pushpressslide.pipeline.selection import select
 
@@ -58,7 +59,8 @@ def simulate(
     task.
     """
     held, stop = (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
-    judged = list(select(task) if choices is None else choices)
+    enough = 1 if engine == "planar" else ENOUGH  # the others are for where there is no joint path
+    judged = list(select(task, enough) if choices is None else choices)
     candidates = [
         usable(task, list(of), force=force) for _, of in groupby(judged, key=lambda choice: choice.leg)
     ]

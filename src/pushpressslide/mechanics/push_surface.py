@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
@@ -11,6 +13,7 @@ from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 GRAVITY = 9.81  # [m/s^2]
 
 
+@lru_cache(maxsize=16)
 def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
     """Return the ellipsoid that touches the exact surface at ``twist`` (any body point), as believed.
 

@@ -122,24 +122,6 @@ def axle_with_height(
     return (cop[0] - reach * e[0], cop[1] - reach * e[1])
 
 
-def pushed_twist(
-    pressure_at: Callable[[Point], PressureSamples],
-    mu: float,
-    contact: Point,
-    height: float,
-    force_angle: float,
-) -> Twist:
-    """Return the twist of B's origin, the CoM, under a push that nothing else loads, on the exact surface;
-    only its direction counts.
-
-    ``force_angle`` [rad] from the axis contact to CoM; the rest as in ``sliding``.
-    """
-    d = math.hypot(contact[0], contact[1])
-    axle_distance(1.0, d)
-    direction = turned((-contact[0] / d, -contact[1] / d), force_angle)
-    return dragged_twist(pressure_at, mu, (0.0, 0.0), contact, height, direction)
-
-
 def turned(e: Point, angle: float) -> Point:
     """Return ``e`` turned by ``angle`` [rad] to the left."""
     c, s = math.cos(angle), math.sin(angle)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from heapq import heapify, heappop, heappush
+from itertools import count
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +30,12 @@ ASIDE = (math.radians(20.0), math.radians(60.0))
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
 TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
+ENOUGH = 8  # choices of one mode that the arms can follow: no other is judged in full
+UNJUDGED = "not judged in full, as there is one that is no slower"
+
+# Makes the choices of one placement, judged but for the arms' reach; or where not asked to judge, tells what
+# they would be.
+Draft = Callable[[bool], list[Choice]]
 
 
 class Tracker(Protocol):
@@ -53,9 +61,9 @@ class Mode(Protocol):
     cop_steering: bool
     walls: bool  # whether it can hold an object on a wall
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each judged feasible or
-        not.
+        not; in full no more than it takes to find ``enough`` that are.
         """
         ...
 
@@ -121,29 +129,34 @@ def tool_load(task: Task, heading: float) -> tuple[float, float]:
 
 def followed(
     task: Task,
-    drafts: Iterable[Choice],
+    drafts: Iterable[tuple[float, Draft]],
     frame: Callable[[Choice], Pose2],
     enough: int,
     told: Callable[[str, str], str],
-    late: str = "later",
 ) -> list[Choice]:
-    """Return ``drafts``, best first, those first that the arms can follow; after ``enough`` of them no other
-    is looked at, being ``late``.
+    """Return the choices that ``drafts`` make, those first that the arms can follow, the quickest first;
+    after ``enough`` of them no other is judged in full.
 
-    ``frame`` gives X_BV; ``told(reason, why)`` is the reason of one that is refused.
+    A draft comes with the least time [s] that its choices can take. They are made in that order, and the arms
+    are asked for a choice once no draft that is left can be quicker. ``frame`` gives X_BV; ``told(reason,
+    why)`` is the reason of one that is refused.
     """
-    out, found = [], 0
-    for draft in drafts:
-        choice, why = draft, None
-        if choice.feasible and found == enough:
-            why = f"{late} than {enough} others"
-        elif choice.feasible:
-            why = path_problem(task, choice, frame(choice))
-            found += why is None
-        if why is not None:
-            choice = replace(choice, feasible=False, reason=told(choice.reason, why))
-        out.append(choice)
-    return sorted(out, key=lambda c: not c.feasible)
+    turn, out, found = count(), [], 0
+    waiting: list[tuple[float, bool, int, Draft | Choice]] = [(t, True, next(turn), d) for t, d in drafts]
+    heapify(waiting)
+    while waiting:
+        *_, item = heappop(waiting)
+        if not isinstance(item, Choice):
+            for choice in item(found < enough):
+                if choice.feasible and choice.time is not None:
+                    heappush(waiting, (choice.time, False, next(turn), choice))
+                else:
+                    out.append(choice)
+            continue
+        why = path_problem(task, item, frame(item)) if found < enough else UNJUDGED
+        found += why is None
+        out.append(item if why is None else replace(item, feasible=False, reason=told(item.reason, why)))
+    return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
 
 def instead(reason: str, why: str) -> str:

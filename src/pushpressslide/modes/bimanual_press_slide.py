@@ -31,7 +31,7 @@ from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures, to
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
-from pushpressslide.modes.base import followed, instead
+from pushpressslide.modes.base import ENOUGH, followed, instead
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.tracking.carried import CarriedTracker
@@ -45,7 +45,6 @@ ROUNDING = 1e-6  # [m] by which it may be nearer
 APART = 0.10  # [m] between the contacts, so that the arms have room
 TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
-ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
 
 Pair = tuple[Point, Point]
 
@@ -69,14 +68,15 @@ class BimanualPressSlide:
     cop_steering = True
     walls = True
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per pair of contacts, feasible ones first, those with the shortest arms first."""
-        cop = COP if task.motion.cop is None else task.motion.cop
-        drafts = [self._draft(task, points, cop) for points in self._pairs(task)]
-        if not drafts:
+        farthest = max((hypot(*p) for p in top_places(task.object, EDGE)), default=0.0)
+        placed = [self._placed(task, points, farthest) for points in self._pairs(task)]
+        if not placed:
             return [Choice(self.name, False, f"the top has no two places {APART * 1e3:.0f} mm apart")]
-        drafts.sort(key=lambda c: _arm_length(task, c.contacts))
-        return followed(task, drafts, self.vehicle_frame, ENOUGH, instead)
+        placed.sort(key=lambda c: _arm_length(task, c.contacts))
+        drafts = [(c.time or inf, partial(self._draft, task, c)) for c in placed]
+        return followed(task, drafts, self.vehicle_frame, enough, instead)
 
     @staticmethod
     def _pairs(task: Task) -> list[Pair]:
@@ -95,11 +95,13 @@ class BimanualPressSlide:
                 pairs.append((p, q))
         return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
 
-    def _draft(self, task: Task, points: Pair, cop: Cop) -> Choice:
-        """Judge one pair of contacts but for the arms' reach."""
-        body, belief, motion = task.object, task.believed, task.motion
+    def _placed(self, task: Task, points: Pair, farthest: float) -> Choice:
+        """Return the choice of one pair of contacts, and how long it takes, but for their loads; ``farthest``
+        [m] that a place is from the CoM.
+        """
+        body, motion = task.object, task.motion
         start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
-        radius = max(hypot(*p) for p in (*top_places(body, EDGE), *points))
+        radius = max(farthest, *(hypot(*p) for p in points))
         path = TwistPath.between((start, goal), radius)
         poses = [path.pose(0.25 * i * path.length) for i in range(5)]
         ways = assignments(task.bases, points, poses)
@@ -107,13 +109,10 @@ class BimanualPressSlide:
         if arms == (1, 0):
             points = (points[1], points[0])
         what = "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
-
-        def contacts(normals: Point) -> tuple[Contact, ...]:
-            placed = zip((0, 1), points, normals, strict=True)
-            return tuple(Contact(arm, "top", p, (0.0, 0.0), body.shape.height, n) for arm, p, n in placed)
+        contacts = tuple(Contact(i, "top", p, (0.0, 0.0), body.shape.height) for i, p in enumerate(points))
 
         def refused(why: str) -> Choice:
-            return Choice(self.name, False, f"{what}: {why}", contacts((0.0, 0.0)))
+            return Choice(self.name, False, f"{what}: {why}", contacts)
 
         if not all(inside_top(body, p, EDGE - ROUNDING) for p in points):
             return refused(f"the contacts must be {EDGE * 1e3:.0f} mm inside the object's top")
@@ -124,21 +123,29 @@ class BimanualPressSlide:
             return refused("the arms would cross, whichever takes which contact")
         if path.length == 0.0:
             return refused("the goal is the start")
+        return Choice(self.name, True, what, contacts, path.length, _time(task, path), path=path)
+
+    def _draft(self, task: Task, placed: Choice, judged: bool) -> list[Choice]:
+        """Judge one pair of contacts but for the arms' reach."""
+        path, mu, what = placed.path, task.believed.contact_friction, placed.reason
+        if not (judged and placed.feasible and isinstance(path, TwistPath)):
+            return [placed]
         try:
-            problem, normals = self._loads(task, points, path, cop)
+            problem, normals = self._loads(task, (placed.contacts[0].point, placed.contacts[1].point), path)
         except ValueError as error:
-            return refused(str(error))
-        pressed = contacts(normals)
+            return [replace(placed, feasible=False, reason=f"{what}: {error}")]
+        pressed = tuple(replace(c, load=n) for c, n in zip(placed.contacts, normals, strict=True))
         point = _tracking_point(task, pressed, _twist(path, (0.0, 0.0)))
-        path = TwistPath.between((start.compose(Pose2(*point)), goal.compose(Pose2(*point))), radius)
+        ends = path.start.compose(Pose2(*point)), path.end.compose(Pose2(*point))
+        path = TwistPath.between(ends, path.radius)
         try:
             drag = self._drag(task, pressed, path, point)
         except ValueError as error:
-            return refused(f"the object would tip: {error}")
+            return [replace(placed, feasible=False, reason=f"{what}: the object would tip: {error}")]
         if problem is None and drag.room < TIPPING_ROOM:
             problem = (
-                f"drag at {body.shape.height:.3f} m tips the object: the centre of pressure comes within "
-                f"{drag.room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+                f"drag at {task.object.shape.height:.3f} m tips the object: the centre of pressure comes "
+                f"within {drag.room:.2f} half widths of the base's edge, allowed {TIPPING_ROOM:g}"
             )
         if problem is None and drag.use > USE[-1]:
             problem = _slipping(normals, drag.use)
@@ -148,24 +155,21 @@ class BimanualPressSlide:
             f"{fraction:.2f} of the way from left to right, {drag.use:.2f} of the tips' friction used"
         )
         parameters = {
-            **_figures(drag), "lever": lever(task, sum(normals)), "radius": radius, "speed": motion.speed,
-            "track_x": point[0], "track_y": point[1], "press_left": left, "press_right": right,
-            "cop_fraction": fraction,
+            **_figures(drag), "lever": lever(task, sum(normals)), "radius": path.radius,
+            "speed": task.motion.speed, "track_x": point[0], "track_y": point[1], "press_left": left,
+            "press_right": right, "cop_fraction": fraction,
         }  # fmt: skip
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration
-        time += overhead(task, pressed=True)
-        margin = atan(belief.contact_friction) - atan(drag.use * belief.contact_friction)
-        return Choice(
-            self.name, problem is None, what + (reason if problem is None else f": {problem}"), pressed,
-            path.length, round(time, 3), margin, parameters, path,
-        )  # fmt: skip
+        told, time = what + (reason if problem is None else f": {problem}"), _time(task, path)
+        margin, ok = atan(mu) - atan(drag.use * mu), problem is None
+        return [Choice(self.name, ok, told, pressed, path.length, time, margin, parameters, path)]
 
-    def _loads(self, task: Task, points: Pair, path: TwistPath, cop: Cop) -> tuple[str | None, Point]:
+    def _loads(self, task: Task, points: Pair, path: TwistPath) -> tuple[str | None, Point]:
         """Return what stands against the loads, and the loads [N] for ``path``: the largest where none do.
 
         Raises ValueError where no two tips can press so.
         """
         belief, cap, given = task.believed, task.limits.normal_force, task.motion.press_force
+        cop: Cop = COP if task.motion.cop is None else task.motion.cop
         twist = _twist(path, (0.0, 0.0))
         weight, mu_s, mu_a = task.weight_on_support, belief.support_friction, belief.contact_friction
         resting = pressures(task)((0.0, 0.0))
@@ -287,6 +291,12 @@ class BimanualPressSlide:
         )  # fmt: skip
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile)
+
+
+def _time(task: Task, path: TwistPath) -> float:
+    """How long the whole run takes [s]."""
+    motion = SpeedProfile(path.length, task.motion.speed, task.motion.acceleration).duration
+    return round(motion + overhead(task, pressed=True), 3)
 
 
 def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:

@@ -26,7 +26,7 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import path_problem
+from pushpressslide.modes.base import ENOUGH, UNJUDGED, path_problem
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import (
@@ -51,7 +51,6 @@ SQUEEZE = 1.6  # times the drag that one contact may push with: more is spent ag
 LOOP_RATIO = 1.6  # times the direct way: a longer one is not taken
 PIECEWISE = 5  # placements on two faces for which ways of several twists are looked for
 OFFERED = 6  # placements on two faces that are looked at further
-ENOUGH = 6  # choices that the arms can follow: worse ones are not looked at
 
 
 class OrthogonalPush:
@@ -64,7 +63,7 @@ class OrthogonalPush:
     cop_steering = False
     walls = False
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the best placements on every two faces, feasible ones first, the quickest first; of equally
         quick ones that with the least force, if it is well inside its cone.
         """
@@ -87,8 +86,8 @@ class OrthogonalPush:
             if not draft.feasible or path is None or time is None:
                 out.append(draft)
                 continue
-            if found == ENOUGH:
-                out.append(_refused(draft, f"slower or nearer to slipping than {ENOUGH} others"))
+            if found >= enough:
+                out.append(_refused(draft, UNJUDGED))
                 continue
             poses = [path.pose(share * path.length) for share in (0.0, 0.5, 1.0)]
             ways = assignments(task.bases, [c.point for c in draft.contacts], poses)
@@ -127,11 +126,12 @@ class OrthogonalPush:
         except ValueError as error:
             return refused(str(error))
         cones = [TwistCone(contacts, task.believed.contact_friction, surface) for contacts in placed]
-        cones.sort(key=lambda cone: (-round(cone.spare(*direct), 6), _spread(cone.contacts)))
-        best = cones[0].spare(*direct)
+        spares = {cone: round(cone.spare(*direct), 6) for cone in cones}
+        cones.sort(key=lambda cone: (-spares[cone], _spread(cone.contacts)))
+        count = max(PIECEWISE, sum(spare >= SPARE for spare in spares.values()))
         longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length
         out = []
-        for cone in cones if best >= SPARE else cones[:PIECEWISE]:
+        for cone in cones[:count]:
             path = path_in_cone(start, goal, cone, SPARE, radius, longest)
             if path is not None:
                 out.append(self._draft(task, names, path, cone))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
@@ -25,10 +26,10 @@ from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import beside, followed
+from pushpressslide.modes.base import ENOUGH, beside, followed
 from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_car
+from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_cars
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
@@ -55,7 +56,8 @@ STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
 SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: of a plan, and of one made anew
 KEPT = 0.9  # of the friction: what corrections may use
 LOOP_RATIO, SLACK = 1.25, 0.03  # times the straight way, and [m]: a longer path has turned a loop
-ENOUGH = 6  # choices that the arms can follow: slower ones are not looked at
+
+Cars = Callable[[Face, bool], dict[tuple[Contact, ...], PushedCar]]
 
 
 class ParallelPush:
@@ -68,24 +70,34 @@ class ParallelPush:
     cop_steering = False
     walls = False
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the ways to push each face, feasible ones first, the quickest first."""
         if isinstance(task.object.shape, Cylinder):
             return [Choice(self.name, False, "a cylinder has no flat face for two tips side by side")]
-        drafts = [
-            draft
-            for face in faces(task.object, CORNER_CLEARANCE)
-            if task.motion.face in (None, face.index)
-            for contacts in _places(task, face)
-            for draft in self._drafts(task, face, contacts)
-        ]
-        drafts.sort(key=lambda c: c.time if c.time is not None else math.inf)
-        return followed(task, drafts, self.vehicle_frame, ENOUGH, beside, "slower")
+        pushed = [f for f in faces(task.object, CORNER_CLEARANCE) if task.motion.face in (None, f.index)]
+        places = [(face, contacts) for face in pushed for contacts in _places(task, face)]
 
-    def _drafts(self, task: Task, face: Face, contacts: tuple[Contact, ...]) -> list[Choice]:
+        @cache
+        def cars(face: Face, synchronised: bool) -> dict[tuple[Contact, ...], PushedCar]:
+            contacts = [c for f, c in places if f == face]
+            halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
+            made = pushed_cars(task, halves, contact_height(task), synchronised)
+            return dict(zip(contacts, made, strict=True))
+
+        drafts = [
+            (_least_time(task, face), partial(self._drafts, task, face, contacts, cars))
+            for face, contacts in places
+        ]
+        return followed(task, drafts, self.vehicle_frame, enough, beside)
+
+    def _drafts(
+        self, task: Task, face: Face, contacts: tuple[Contact, ...], cars: Cars, judged: bool
+    ) -> list[Choice]:
         """Judge contacts on a face but for the arms' reach: one choice for each way to give them to arms."""
         (left, right), height = (c.point for c in contacts), contacts[0].height
         what = f"face {face.index} at ({left[0]:.3f}, {left[1]:.3f}) and ({right[0]:.3f}, {right[1]:.3f})"
+        if not judged:
+            return [Choice(self.name, True, what, contacts, time=_least_time(task, face))]
         apart, needed = math.dist(left, right), least_distance(task)
         problem = drag_problem(task, (face,), height)
         if apart < needed:
@@ -100,7 +112,7 @@ class ParallelPush:
                 if drive == "mixed":
                     choice = self._mixed(task, contacts)
                 else:
-                    choice = self._as_car(task, face, contacts, drive)
+                    choice = self._as_car(task, cars(face, drive == "synchronised")[contacts])
             except ValueError as error:
                 choice = Choice(self.name, False, str(error))
             why.append(f"{drive}: {choice.reason}")
@@ -127,10 +139,8 @@ class ParallelPush:
             return [replace(choice, feasible=False, reason=f"{choice.reason}; the arms would cross")]
         return [replace(choice, contacts=given_to(contacts, arms)) for arms in ways]
 
-    def _as_car(self, task: Task, face: Face, contacts: Sequence[Contact], drive: str) -> Choice:
+    def _as_car(self, task: Task, car: PushedCar) -> Choice:
         """Return the choice to push as a car, without what all drives have in common."""
-        half_width = 0.5 * math.dist(contacts[0].point, contacts[1].point)
-        car = pushed_car(task, face, half_width, contacts[0].height, drive == "synchronised")
         start, goal = (X.compose(task.object.X_GB).compose(car.X_BV) for X in (task.start, task.goal))
         curvature = task.motion.curvature_margin * car.tightest
         longest = LOOP_RATIO * math.hypot(goal.x - start.x, goal.y - start.y) + SLACK
@@ -234,6 +244,21 @@ class ParallelPush:
         choice = replace(plan.choice, contacts=contacts, path=path, path_length=path.length)
         profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
         return replace(plan, choice=choice, path=path, profile=profile)
+
+
+def _least_time(task: Task, face: Face) -> float:
+    """The least time [s] that a push on a face can take: about straight to the goal."""
+    start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
+    drives = DRIVES.get(task.motion.vehicle or "", EITHER)
+    direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
+    # of a car's axle, somewhere ahead of the CoM
+    (ax, ay), (bx, by) = (X.rotate(face.normal) for X in (start, goal))
+    x, y, dx, dy = goal.x - start.x, goal.y - start.y, bx - ax, by - ay
+    square = dx * dx + dy * dy
+    ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
+    axle = math.hypot(x + ahead * dx, y + ahead * dy)
+    least = direct if drives == ("mixed",) else axle if "mixed" not in drives else min(direct, axle)
+    return SpeedProfile(least, task.motion.speed, task.motion.acceleration).duration + overhead(task)
 
 
 def _places(task: Task, face: Face) -> list[tuple[Contact, ...]]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import atan, hypot, inf
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
@@ -26,7 +27,7 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
-from pushpressslide.modes.base import followed, instead
+from pushpressslide.modes.base import ENOUGH, followed, instead
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments, contact_height
@@ -41,7 +42,6 @@ EDGE = 0.012  # [m] that the press stays away from the top's edges
 LEAST_TURN = math.radians(3.0)  # of a goal
 TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
-ENOUGH = 8  # choices that the arms can follow: later ones are not looked at
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ class PressAndPush:
     cop_steering = True
     walls = False
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per place to push and way to give the contacts to the arms, feasible ones first,
         those with the longest lever first.
         """
@@ -80,11 +80,17 @@ class PressAndPush:
             return [
                 Choice(self.name, False, f"no face has a lever of {least:.0f} mm about the pressed point")
             ]
-        radius = max(math.dist(pin, place.point) for place in places)
-        drafts = (draft for place in places for draft in self._drafts(task, pin, place, radius))
-        return followed(task, drafts, self.vehicle_frame, ENOUGH, instead)
+        body, radius = task.object, max(math.dist(pin, place.point) for place in places)
+        start, goal = (X.compose(body.X_GB).compose(Pose2(*pin)) for X in (task.start, task.goal))
+        path = TwistPath.between((start, goal), radius)
+        time = SpeedProfile(path.length, task.motion.speed, task.motion.acceleration).duration
+        time += overhead(task, pressed=True)
+        drafts = [(time, partial(self._drafts, task, pin, place, path, time)) for place in places]
+        return followed(task, drafts, self.vehicle_frame, enough, instead)
 
-    def _drafts(self, task: Task, pin: Point, lever: Lever, radius: float) -> list[Choice]:
+    def _drafts(
+        self, task: Task, pin: Point, lever: Lever, path: TwistPath, time: float, judged: bool
+    ) -> list[Choice]:
         """Judge one place to push but for the arms' reach: one choice for each way to give the two to the
         arms.
         """
@@ -107,8 +113,8 @@ class PressAndPush:
         top = body.shape.height
         if height >= top:
             return refused(f"the push is at {height * 1e3:.0f} mm, the object is {top * 1e3:.0f} mm high")
-        start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
-        path = TwistPath.between((start.compose(Pose2(*pin)), goal.compose(Pose2(*pin))), radius)
+        if not judged:
+            return [Choice(self.name, True, what, contacts(0.0), path.length, time)]
         poses = [path.pose(0.25 * i * path.length).compose(Pose2(*pin).inverse()) for i in range(5)]
         ways = assignments(task.bases, (pin, lever.point), poses)
         if not ways:
@@ -138,13 +144,10 @@ class PressAndPush:
             f"path {path.length:.3f} m, {drag.use:.2f} of the press's friction used"
         )
         parameters = {
-            **_figures(drag, lever.point, lever.face.normal), "radius": radius, "lever": lever.length,
+            **_figures(drag, lever.point, lever.face.normal), "radius": path.radius, "lever": lever.length,
             "face": float(lever.face.index),
             "contact_height": height, "press_force": load, "speed": speed,
         }  # fmt: skip
-        time = SpeedProfile(path.length, speed, task.motion.acceleration).duration + overhead(
-            task, pressed=True
-        )
         choice = Choice(
             self.name, problem is None, what + (reason if problem is None else f": {problem}"),
             contacts(load), path.length, time, atan(mu) - atan(drag.use * mu), parameters, path,

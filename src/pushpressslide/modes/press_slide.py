@@ -24,8 +24,9 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import GRAVITY, path_problem, tool_load
+from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.press_ranking import by_time, soonest
 from pushpressslide.planning.pressed_manoeuvre import CORRECTED, CORRECTING, pressed_manoeuvres
 from pushpressslide.planning.pressed_onward import onward, pressed_at
 from pushpressslide.planning.pressed_turns import steering_of
@@ -55,9 +56,8 @@ from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTra
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
+SAME = 1e-3  # [m] between places that are one
 AGAIN = 1.0  # [rad] that another attempt may turn the object: the arm holds on, and has only so much room
-TRIED = 40  # manoeuvres that are looked at for the arm's reach
-ENOUGH = 8  # choices that the arm can follow: slower ones are not looked at
 PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
 DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
 
@@ -72,21 +72,21 @@ class PressSlide:
     cop_steering = True
     walls = False
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first: manoeuvres where the contact is free, else one per
         direction.
 
         Where a believed rho leads every path out of bounds, that of the object's shape is planned with.
         """
-        judged = self._judged(task)
+        judged = self._judged(task, enough)
         told = task.believed.rho
         if told is None or any(choice.feasible for choice in judged):
             return judged
-        own = self._judged(replace(task, belief=replace(task.believed, rho=None)))
+        own = self._judged(replace(task, belief=replace(task.believed, rho=None)), enough)
         note = f"; planned with the shape's rho, belief.rho {told:g} m leads out of bounds"
         return [replace(c, reason=c.reason + note) for c in own if c.feasible] or judged
 
-    def _judged(self, task: Task) -> list[Choice]:
+    def _judged(self, task: Task, enough: int) -> list[Choice]:
         belief, most = task.believed, task.limits.normal_force
         problem, loads = press_loads(
             belief.mass * GRAVITY, belief.support_friction, belief.contact_friction, most,
@@ -109,19 +109,19 @@ class PressSlide:
                     break
             drafts.append(draft)
         drafts.sort(key=_quickest)
-        out = self._within_reach(task, drafts, CORRECTING)
+        out = self._within_reach(task, drafts, CORRECTING, enough)
         if free and given and not any(choice.feasible for choice in out):
             manoeuvres = self._manoeuvres(task, places, loads)
         if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
-            out = self._within_reach(task, drafts, 0.0)
+            out = self._within_reach(task, drafts, 0.0, enough)
         return sorted((*out, *manoeuvres), key=_quickest)
 
-    def _within_reach(self, task: Task, drafts: Sequence[Choice], least: float) -> list[Choice]:
+    def _within_reach(self, task: Task, drafts: Sequence[Choice], least: float, enough: int) -> list[Choice]:
         """Return drafts planned with their turns' axle; feasible the quickest that the arm can follow."""
         out, found = [], 0
         for choice in drafts:
-            if choice.feasible and found == ENOUGH:
-                choice = _refused(choice, f"slower than {ENOUGH} others")
+            if choice.feasible and found == enough:
+                choice = _refused(choice, UNJUDGED)
             elif choice.feasible:
                 choice = self._steered(task, choice, least)
                 choice = self._judged_for_reach(task, choice) if choice.feasible else choice
@@ -145,23 +145,26 @@ class PressSlide:
 
     def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
-        problem = next((problem for problem in problems if problem is not None), None)
-        return choice if problem is None else _refused(choice, problem)
+        return next((_refused(choice, problem) for problem in problems if problem is not None), choice)
 
     def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        """Return one manoeuvre per contact, up to the first feasible one: that of the safest press."""
+        """Return one manoeuvre per contact, up to the first feasible one, that of the safest press; with how
+        long about those take that were not judged in full.
+        """
         X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
         out: dict[Contact, Choice] = {}
-        inside = [place for place in places if inside_top(task.object, place, EDGE)]
+        inside = [p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)]
         for arm, load in product(range(len(task.robots)), loads):
-            contacts = (Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside)
-            found = pressed_manoeuvres(task, X_WB, tuple(contacts))
-            first = {m.contact.point: m for m in reversed(found)}
-            found.sort(key=lambda m: (m is not first[m.contact.point], m.time))
-            for manoeuvre in found[:TRIED]:
-                out[manoeuvre.contact] = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
-                if out[manoeuvre.contact].feasible:
-                    return sorted(out.values(), key=lambda choice: not choice.feasible)
+            contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
+            ranked = by_time(task, X_WB, contacts)
+            for manoeuvre in soonest(task, X_WB, list(ranked)):
+                choice = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                out[manoeuvre.contact] = choice
+                if choice.feasible:
+                    told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
+                    rest = [(c, t + after) for c, t in ranked.items() if c not in out]
+                    others = [Choice(self.name, False, told.format(*c.point), (c,), time=t) for c, t in rest]
+                    return sorted(out.values(), key=lambda choice: not choice.feasible) + others
         return list(out.values())
 
     def _draft(
@@ -271,10 +274,8 @@ class PressSlide:
         if isinstance(plan.path, TwistPath):
             return None
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
-        contact, angle = replace(contact, point=touched[0]), PLANNED * planned["steepest"]
-        choice = self._draft(
-            task, contact, planned["backward"] > 0.0, angle, BACK_UPS[1:], planned["steepest"]
-        )
+        contact, most, backward = replace(contact, point=touched[0]), planned["steepest"], planned["backward"]
+        choice = self._draft(task, contact, backward > 0.0, PLANNED * most, BACK_UPS[1:], most)
         if not choice.feasible or "manoeuvre" in planned:
             found = [m for m in pressed_manoeuvres(task, X_WB, [contact]) if m.swing < AGAIN]
             if not found:
@@ -312,11 +313,10 @@ class PressSlide:
         start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
         path: MotionPath
         ahead, left = goal.unapply(start.position)
+        straight = "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
         if pivots:
             path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
-        elif (
-            "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
-        ):  # steering along the run-in is enough
+        elif straight:  # steering along the run-in is enough
             path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
             curvatures = turns(car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach))

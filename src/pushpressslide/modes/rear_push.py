@@ -7,6 +7,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
@@ -14,16 +18,18 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.identification.online import Identified
+from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face, faces
-from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
-from pushpressslide.mechanics.virtual_axle import pushed_twist
-from pushpressslide.modes.base import path_problem
+from pushpressslide.mechanics.virtual_axle import turned
+from pushpressslide.modes.base import ENOUGH, followed
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import contact_height, drag_problem
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
+
+Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # [m/s^2]
 
@@ -32,7 +38,7 @@ LOOP_RATIO = 1.5  # a path longer than this times the straight distance has turn
 TURN_RATE = 0.8  # [rad/s] of the object at most: beyond it the tip slips where the steering jumps
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
-PRESSURE_RESOLUTION = 8  # cells across the base; the axle is then right to 0.2 mm
+RESOLUTION = 6  # of the base
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited curvature that the
 # path
 # uses, and on the speed: near the cone's edge the contact's sideways jumps, which grow with it, must be
@@ -41,6 +47,12 @@ COMFORT = (
     (1.0, 1.0, 1.0), (0.6, 1.0, 1.0), (0.6, 1.2, 0.8), (0.35, 1.2, 0.7),
     (0.25, 1.35, 0.6), (0.1, 1.35, 0.5), (0.0, 1.35, 0.5),
 )  # fmt: skip
+
+
+def _angles(task: Task) -> tuple[float, float]:
+    """Force angles [rad]: at which the path turns, and at the cone's edge."""
+    edge = math.atan(task.believed.contact_friction)
+    return task.motion.curvature_margin * edge, edge
 
 
 def _goal_path(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
@@ -60,44 +72,35 @@ class RearPush:
     cop_steering = False
     walls = False
 
-    def car(self, task: Task, face: Face, height: float) -> tuple[RearSteerCar, float]:
+    def _car(self, task: Task, face: Face, height: float, twists: Array) -> tuple[RearSteerCar, float]:
         """Return the reduced model of a push on ``face`` at ``height`` [m], and how far ahead of the CoM its
         CoP is [m].
 
         On the exact limit surface, under the load that the push itself shifts, both the axle's place and the
         ratio of tan(force angle) to curvature change with the force angle. The car has those of the angle at
-        which the path turns, ``curvature_margin`` times the cone's half angle; its friction is lowered by the
-        ratio's growth up to the cone's edge, so that its tightest curve is the object's. Raises ValueError
-        where the object tips.
+        which the path turns, the first of ``twists``; its friction is lowered by the ratio's growth up to the
+        cone's edge, so that its tightest curve is the object's. Raises ValueError where the object tips.
         """
         belief = task.believed
-        mu = belief.contact_friction
+        mu, shift = belief.contact_friction, height * belief.support_friction
         if belief.rho is not None:
-            return RearSteerCar(
-                face.foot, face.normal, (0.0, 0.0), belief.rho, mu
-            ), height * belief.support_friction
+            return RearSteerCar(face.foot, face.normal, (0.0, 0.0), belief.rho, mu), shift
+        if np.isnan(twists).any():
+            raise ValueError(f"a push at {height * 1e3:.0f} mm tips the object")
         lever = math.hypot(*face.foot)
-        e = (-face.foot[0] / lever, -face.foot[1] / lever)
-        body = task.object
+        ex, ey = -face.foot[0] / lever, -face.foot[1] / lever
 
-        def pressure_at(cop: Point) -> PressureSamples:
-            return support_pressure(body.shape, 1.0, body.center_of_mass, cop, PRESSURE_RESOLUTION)
-
-        def car_like(angle: float) -> tuple[float, float]:
+        def car_like(twist: Array, angle: float) -> tuple[float, float]:
             """Distance of the axle from the CoM, and tan(angle) / curvature."""
-            twist = pushed_twist(pressure_at, belief.support_friction, face.foot, height, angle)
-            along, across = twist.vx * e[0] + twist.vy * e[1], e[0] * twist.vy - e[1] * twist.vx
-            axle, ratio = -across / twist.w, -math.tan(angle) * along / twist.w
+            vx, vy, w = (float(part) for part in twist)
+            axle, ratio = (ey * vx - ex * vy) / w, -math.tan(angle) * (vx * ex + vy * ey) / w
             # on an ellipsoid about the shifted CoP the two would agree; the longer is the stable side
-            return axle, max(ratio, axle - height * belief.support_friction)
+            return axle, max(ratio, axle - shift)
 
-        edge = math.atan(mu)
-        axle, turning = car_like(task.motion.curvature_margin * edge)
-        _, tightest = car_like(edge)
-        car = RearSteerCar(
-            face.foot, face.normal, (0.0, 0.0), math.sqrt(lever * turning), mu * min(1.0, turning / tightest)
-        )
-        return car, axle - turning
+        used, edge = _angles(task)
+        (axle, turning), (_, tightest) = car_like(twists[0], used), car_like(twists[1], edge)
+        friction, rho = mu * min(1.0, turning / tightest), math.sqrt(lever * turning)
+        return RearSteerCar(face.foot, face.normal, (0.0, 0.0), rho, friction), axle - turning
 
     def _contact_problem(self, task: Task, face: Face, height: float) -> str | None:
         """What stands against pushing there at all: the contact's place, tipping, the force."""
@@ -109,7 +112,8 @@ class RearPush:
             )
         return drag_problem(task, (face,), height)
 
-    def _judge(self, task: Task, face: Face) -> Choice:
+    def _draft(self, task: Task, face: Face, twists: Array, judged: bool) -> list[Choice]:
+        """Judge a push on a face but for the arm's reach."""
         belief = task.believed
         height = contact_height(task)
         contact = Contact(0, "side", face.foot, face.normal, height)
@@ -118,13 +122,13 @@ class RearPush:
 
         problem = self._contact_problem(task, face, height)
         try:
-            car, shift = self.car(task, face, height)
+            car, shift = self._car(task, face, height, twists)
         except ValueError as error:
-            return Choice(self.name, False, f"face {face.index}: {problem or error}", (contact,))
+            return [Choice(self.name, False, f"face {face.index}: {problem or error}", (contact,))]
         low, high = car.curvature_limits
         if not low < 0.0 < high:
             straight_only = f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
-            return Choice(self.name, False, f"face {face.index}: {problem or straight_only}", (contact,))
+            return [Choice(self.name, False, f"face {face.index}: {problem or straight_only}", (contact,))]
         X_BV = self._frame(car, shift)
         X_GB = task.object.X_GB
         start, goal = (X.compose(X_GB).compose(X_BV) for X in (task.start, task.goal))
@@ -163,28 +167,15 @@ class RearPush:
             "speed": speed,
             "push_force": level,
         }
-        looped = path.length > longest
-        reason = (
-            f"face {face.index}: path {path.length:.3f} m, "
-            f"tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
+        looped, problem = path.length > longest, problem or self._turning_problem(path)
+        reason = f"face {face.index}: " + (
+            problem
+            or f"path {path.length:.3f} m, tightest radius {1.0 / max(high * use, -low * use):.3f} m, "
             f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone"
             + (", with a loop" if looped else "")
         )
-        choice = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        problem = problem or self._turning_problem(path) or path_problem(task, choice, X_BV)
-        if problem:
-            return Choice(
-                self.name,
-                False,
-                f"face {face.index}: {problem}",
-                (contact,),
-                path.length,
-                time,
-                margin,
-                parameters,
-                path,
-            )
-        return choice
+        feasible = problem is None
+        return [Choice(self.name, feasible, reason, (contact,), path.length, time, margin, parameters, path)]
 
     @staticmethod
     def _frame(car: RearSteerCar, shift: float) -> Pose2:
@@ -200,13 +191,22 @@ class RearPush:
             return f"the path turns by {math.degrees(turning):.0f} deg, allowed {allowed:.0f} deg"
         return None
 
-    def choices(self, task: Task) -> list[Choice]:
+    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per face, feasible ones first, the quickest first."""
         candidates = faces(task.object, CORNER_CLEARANCE)
         if task.motion.face is not None:
             candidates = tuple(face for face in candidates if face.index == task.motion.face)
-        judged = [self._judge(task, face) for face in candidates]
-        return sorted(judged, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+        feet = np.repeat([face.foot for face in candidates], 2, axis=0)
+        axes = [turned((-x / math.hypot(x, y), -y / math.hypot(x, y)), angle)
+                for x, y in (face.foot for face in candidates) for angle in _angles(task)]  # fmt: skip
+        base = DraggedBase(task.object, contact_height(task) * task.believed.support_friction, RESOLUTION)
+        twists = base.slide(np.zeros_like(feet), feet, np.array(axes)).twists.reshape(-1, 2, 3)
+        drafts = [
+            (0.0, partial(self._draft, task, face, of)) for face, of in zip(candidates, twists, strict=True)
+        ]
+        return followed(
+            task, drafts, self.vehicle_frame, enough, lambda reason, why: f"{reason.split(':')[0]}: {why}"
+        )
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual front axle, x along the heading axis from the contact through

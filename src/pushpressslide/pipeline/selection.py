@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Obstacle, Shape, Task
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import ENOUGH, Mode
 from pushpressslide.pipeline.opening_path import opening_problem
 from pushpressslide.pipeline.task_shapes import gap
 
@@ -18,22 +20,26 @@ OBJECT_CLEARANCE = 0.01
 SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
 
-def select(task: Task) -> list[Choice]:
+def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, feasible ones first and the quickest first; never empty.
 
-    A choice that cannot do the task says in ``reason`` why not, with the number that decides. Of a task with
-    legs, the choices of one grasp after the other; ``leg`` says which leg they begin with.
+    A choice that cannot do the task says in ``reason`` why not, with the number that decides; or that it was
+    not judged in full, as ``enough`` of its mode can that are no slower. Of a task with legs, the choices of
+    one grasp after the other; ``leg`` says which leg they begin with.
     """
-    return [choice for grasp in grasps(task) for choice in grasp]
+    return [choice for grasp in grasps(task, enough) for choice in grasp]
 
 
-def grasps(task: Task) -> list[list[Choice]]:
+def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
     """Return the choices for each grasp of ``task``, best first: a leg for which the arms can keep the
     contacts that they have is one more stretch of the leg before it.
     """
-    out: list[list[Choice]] = []
-    for leg, part in enumerate(task.parts):
-        found = [_of_leg(choice, leg) for choice in _select(part)]
+    parts, out = task.parts, list[list[Choice]]()
+    goes_on = any(set(a.modes or MODES) & set(b.modes or MODES) for a, b in pairwise(parts))
+    if goes_on:  # with contacts that need not be those of the first placement
+        enough = max(enough, ENOUGH)
+    for leg, part in enumerate(parts):
+        found = [_of_leg(choice, leg) for choice in _select(part, enough)]
         lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
         if any(choice.feasible for choice in lengthened):
             out[-1] = _ranked(lengthened)
@@ -67,10 +73,29 @@ def _sum(a: float | None, b: float | None) -> float | None:
 
 
 def _ranked(choices: list[Choice]) -> list[Choice]:
-    return sorted(choices, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
+    """Return ``choices``, those of each mode in its own order, ranked: of equally quick modes that one first
+    whose contacts push least against each other.
+    """
+    against: dict[str, float] = {}
+    for choice in choices:
+        against.setdefault(choice.mode, _against(choice))
+
+    def rank(choice: Choice) -> tuple[bool, float, float]:
+        time = math.inf if choice.time is None else round(choice.time, 3)
+        return (not choice.feasible, time, against[choice.mode])
+
+    return sorted(choices, key=rank)
 
 
-def _select(task: Task) -> list[Choice]:
+def _against(choice: Choice) -> float:
+    """Return which share of equal pushes of its contacts would be spent against each other."""
+    normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
+    return (
+        round(1.0 - math.hypot(*map(sum, zip(*normals, strict=True))) / len(normals), 6) if normals else 0.0
+    )
+
+
+def _select(task: Task, enough: int) -> list[Choice]:
     """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
     names = task.modes if task.modes is not None else tuple(MODES)
@@ -81,8 +106,16 @@ def _select(task: Task) -> list[Choice]:
         elif task.support.kind == "wall" and not mode.walls:
             out.append(Choice(name, False, "cannot hold an object on a wall; support.kind must be table"))
         else:
-            out.extend(_kept_clear(task, choice) for choice in mode.choices(task))
+            out.extend(_clear(task, mode, enough))
     return _ranked(out)
+
+
+def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
+    """Return the choices of a mode; more of them judged where obstacles are in the way of the first."""
+    judged = mode.choices(task, enough)
+    choices = [_kept_clear(task, choice) for choice in judged]
+    blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
+    return _clear(task, mode, ENOUGH) if blocked and enough < ENOUGH else choices
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:

@@ -7,14 +7,13 @@ a third piece gain comes from turning the cone: first towards where the goal lie
 from __future__ import annotations
 
 import math
-from itertools import product
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import TwistPath, TwistRate, moved, screw, screws
+from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
 
 SHARES = (0.15, 0.3, 0.5, 0.75)  # lengths of the first and the last piece, in units of the screw to the goal
 
@@ -50,20 +49,18 @@ def path_in_cone(
         return None
     if cone.spare(*direct) >= least:
         return TwistPath.between((start, goal), radius)
-    ways = [((0.0, 0.0, 0.0), 0.0)]
-    for ray, share in product(cone.rays(least), SHARES):
-        k = share * whole / _size(ray, radius)
-        ways.append(((k * ray[0], k * ray[1], k * ray[2]), share * whole))
-    firsts = [(moved(start, twist, 1.0), length) for twist, length in ways]
-    lasts = [(moved(goal, twist, -1.0), length) for twist, length in ways]
-    middles = screws([pose for pose, _ in firsts], [pose for pose, _ in lasts])
-    lengths = np.sqrt((middles**2 * (1.0, 1.0, radius**2)).sum(axis=-1))
-    lengths += np.add.outer(*(np.array([length for _, length in ends]) for ends in (firsts, lasts)))
+    scale, rays = np.array([1.0, 1.0, radius]), np.array(cone.rays(least)).reshape(-1, 3)
+    rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
+    ways = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
+    twists = ways[:, None] * np.concatenate([np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))])
+    firsts, lasts = reached(start, twists), reached(goal, -twists)
+    middles = screws(firsts, lasts)
+    lengths = np.linalg.norm(middles * scale, axis=-1) + ways[:, None] + ways
     lengths = np.where(cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least, lengths, math.inf)
-    i, j = divmod(int(np.argmin(lengths)), len(lasts))
+    i, j = divmod(int(np.argmin(lengths)), len(ways))
     if lengths[i, j] >= longest:
         return None
-    return TwistPath.between((start, firsts[i][0], lasts[j][0], goal), radius)
+    return TwistPath.between((start, Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()), goal), radius)
 
 
 def least_spare(path: TwistPath, cone: Cone) -> float:

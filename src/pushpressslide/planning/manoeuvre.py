@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
 
+Array = NDArray[np.float64]
+
 TURN = 2.0 * math.pi
 LARGEST = 1.9 * math.pi  # of one turn
 NOTHING = 1e-5  # [rad] up to which a turn is left out
@@ -33,9 +35,9 @@ class Word:
 
 def words(
     centers: NDArray[np.complex128],
-    senses: NDArray[np.float64],
-    times: NDArray[np.float64],
-    pauses: NDArray[np.float64],
+    senses: Array,
+    times: Array,
+    pauses: Array,
     goals: Sequence[Pose2],
     count: int,
 ) -> list[list[Word]]:
@@ -45,33 +47,12 @@ def words(
     ``centers`` (n,) [m] in the body, x + iy; ``senses`` (n,) +1 or -1, the way about a centre that can be
     driven; ``times`` (n,) [s/rad]; ``pauses`` (n,) [s] that a turn takes besides.
     """
-    n = len(centers)
-    i, j, k = (v.ravel() for v in np.meshgrid(*[np.arange(n)] * 3, indexing="ij"))
-    kept = (i != j) & (j != k)
-    i, j, k = i[kept], j[kept], k[kept]
-    bars = centers[None, :] - centers[:, None]
-    lengths, headings = np.abs(bars), np.angle(bars)
-    a, b, bearing, elbow = lengths[i, j], lengths[j, k], headings[i, j], headings[j, k] - headings[i, j]
-    out = []
+    linkage, out = _Linkage(centers[None]), []
     for goal in goals:
-        target = complex(goal.x, goal.y) - centers[i] + (np.exp(1j * goal.yaw) * centers)[k]
-        reach = np.abs(target)
-        solvable = np.flatnonzero((reach <= a + b) & (reach >= np.abs(a - b)) & (reach > 0.0))
-        at = tuple(v[solvable] for v in (i, j, k))
-        reach, a_, b_ = reach[solvable], a[solvable], b[solvable]
-        # of the triangle with the two bars for sides: the angles at its elbow and at its start
-        bend = np.arccos(_cosine((reach * reach - a_ * a_ - b_ * b_) / (2.0 * a_ * b_)))
-        opening = np.arccos(_cosine((reach * reach + a_ * a_ - b_ * b_) / (2.0 * a_ * reach)))
-        ahead = np.angle(target[solvable]) - bearing[solvable]
+        _, at, angles = linkage.to(np.array([complex(goal.x, goal.y)]), np.array([goal.yaw]))
         found: list[Word] = []
-        for sign in (1.0, -1.0):
-            a1, a2 = ahead - sign * opening, sign * bend - elbow[solvable]
-            angles = np.array([a1, a2, goal.yaw - a1 - a2])
-            sides = senses[np.array(at)]
-            turned = sides * _positive(sides * angles)
-            sizes = np.abs(turned)
-            time = (times[np.array(at)] * sizes + pauses[np.array(at)] * (sizes > NOTHING)).sum(0)
-            time = np.where(sizes.max(0) <= LARGEST, time, np.inf)
+        for way in angles:
+            turned, time = _driven(way, senses[at], times[at], pauses[at])
             for best in _least(time, count):
                 pieces = [(int(c[best]), float(turn[best])) for c, turn in zip(at, turned, strict=True)
                           if abs(turn[best]) > NOTHING]  # fmt: skip
@@ -82,18 +63,90 @@ def words(
     return out
 
 
-def _least(values: NDArray[np.float64], count: int) -> NDArray[np.intp]:
+def least_times(
+    centers: NDArray[np.complex128],
+    senses: Array,
+    times: Array,
+    pauses: Array,
+    goals: NDArray[np.complex128],
+    yaws: Array,
+) -> Array:
+    """Return the time (m,) [s] of the quickest word for each of m bodies, with n turns each, to its own goal,
+    at ``goals`` (m,) [m], x + iy, with ``yaws`` (m,) [rad]; infinite where there is none.
+
+    The rest as in ``words``, of shape (m, n); NaN for turns that a body does not have.
+    """
+    body, at, angles = _Linkage(centers).to(goals, yaws)
+    of = senses[body, at], times[body, at], pauses[body, at]
+    least = np.full(len(centers), math.inf)
+    some, starts = np.unique(body, return_index=True)  # in order
+    for way in angles if len(some) else ():
+        _, time = _driven(way, *of)
+        least[some] = np.minimum(least[some], np.minimum.reduceat(time, starts))
+    return least
+
+
+class _Linkage:
+    """Two bars from the first centre over the second to the third, for all threes of each body's centres."""
+
+    def __init__(self, centers: NDArray[np.complex128]) -> None:
+        """Prepare for ``centers`` (m, n) [m]."""
+        i, j, k = (v.ravel() for v in np.meshgrid(*[np.arange(centers.shape[1])] * 3, indexing="ij"))
+        kept = (i != j) & (j != k)
+        self._threes = np.stack([i[kept], j[kept], k[kept]])
+        self._centers, bars = centers, centers[:, None, :] - centers[:, :, None]
+        self._lengths, self._headings = np.abs(bars), np.angle(bars)
+        i, j, k = self._threes
+        a, b = self._lengths[:, i, j], self._lengths[:, j, k]
+        self._nearest, self._farthest = (a - b) ** 2, (a + b) ** 2  # squares of how far they reach
+
+    def to(
+        self, goals: NDArray[np.complex128], yaws: Array
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], tuple[Array, Array]]:
+        """Return body (s,), centres (3, s), and the angles (3, s) [rad] of both solutions, for all threes
+        that lead to the bodies' ``goals`` (m,) [m] and ``yaws`` (m,) [rad].
+        """
+        i, j, k = self._threes
+        first, last = goals[:, None] - self._centers, np.exp(1j * yaws)[:, None] * self._centers
+        target = first[:, i] + last[:, k]
+        square = target.real**2 + target.imag**2
+        body, three = np.nonzero((square <= self._farthest) & (square >= self._nearest) & (square > 0.0))
+        i, j, k = at = self._threes[:, three]
+        target, a, b = target[body, three], self._lengths[body, i, j], self._lengths[body, j, k]
+        reach = np.abs(target)
+        # of the triangle with the two bars for sides: the angles at its elbow and at its start
+        bend = np.arccos(_cosine((reach * reach - a * a - b * b) / (2.0 * a * b)))
+        opening = np.arccos(_cosine((reach * reach + a * a - b * b) / (2.0 * a * reach)))
+        bearing = self._headings[body, i, j]
+        ahead, elbow = np.angle(target) - bearing, self._headings[body, j, k] - bearing
+        ways = []
+        for sign in (1.0, -1.0):
+            a1, a2 = ahead - sign * opening, sign * bend - elbow
+            ways.append(np.stack([a1, a2, yaws[body] - a1 - a2]))
+        return body, at, (ways[0], ways[1])
+
+
+def _driven(angles: Array, senses: Array, times: Array, pauses: Array) -> tuple[Array, Array]:
+    """Return the angles (3, s), turned the way that can be driven, and the times (s,), infinite where a turn
+    is too large.
+    """
+    sizes = _positive(senses * angles)
+    time = (times * sizes + pauses * (sizes > NOTHING)).sum(0)
+    return senses * sizes, np.where(sizes.max(0) <= LARGEST, time, np.inf)
+
+
+def _least(values: Array, count: int) -> NDArray[np.intp]:
     """Return the indices of up to ``count`` least values that are finite."""
     count = min(count, len(values))
     least = np.argpartition(values, count - 1)[:count] if count else np.zeros(0, dtype=np.intp)
     return least[np.isfinite(values[least])]
 
 
-def _cosine(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cosine(values: Array) -> Array:
     return np.clip(values, -1.0, 1.0)
 
 
-def _positive(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+def _positive(angles: Array) -> Array:
     """Return angles in [0, 2 pi); a turn short of a full one by no more than round-off is none."""
-    out = np.mod(angles, TURN)
+    out = angles - TURN * np.floor(angles / TURN)
     return np.where(out > TURN - NOTHING, 0.0, out)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.mechanics.dragging import DraggedBase
+from pushpressslide.mechanics.dragging import RESOLUTION, DraggedBase
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
@@ -55,29 +55,92 @@ class PressedTurn:
     pace: float  # speed of the contact per speed of the axle
 
 
-def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
-    """Return the turns that each press of one object can be driven with."""
-    if not presses:
-        return []
+@dataclass(frozen=True, slots=True)
+class TurnTable:
+    """What forces at all angles STEP i do to m presses of an object; arrays (m, COUNT), as in PressedTurn."""
+
+    usable: NDArray[np.bool_]  # as one unicycle's turn
+    ahead: Array  # [m] of the axle from the centre of pressure, along the heading axis
+    heading: Array  # [rad] of its motion from that axis
+    curvature: Array
+    gain: Array
+    share: Array
+    pace: Array
+    right: Array  # [rad] > 0
+    left: Array
+    room: Array
+
+
+def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTable:
+    """Return what forces at all angles do to presses of one object, its base cut up as finely as
+    ``resolution`` says (mechanics/dragging.py).
+    """
     m, body, shift = len(presses), presses[0].body, presses[0].shift
     axes, cops = np.array([p.axis for p in presses]), np.array([p.cop for p in presses])
+    levers = np.array([[p.lever] for p in presses])
     angles = STEP * np.arange(COUNT)
     c, s = np.cos(angles)[None, :, None], np.sin(angles)[None, :, None]
     across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
     forces = c * axes[:, None] + s * across[:, None]
     rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(m, COUNT)
-    free = rooms >= TIPPING_ROOM
-    rows, columns = np.nonzero(free)
+    rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
     contacts = np.array([p.contact for p in presses])
-    slid = DraggedBase(body, shift).slide(cops[rows], contacts[rows], forces[rows, columns])
-    # of the centre of pressure, along the axis and to its left
-    motion, shares = np.full((m, COUNT, 3), np.nan), np.full((m, COUNT), np.nan)
+    slid = DraggedBase(body, shift, resolution).slide(cops[rows], contacts[rows], forces[rows, columns])
+    # of the centre of pressure, along the axis and to its left, and how it changes with the force's angle
+    motion, shares = np.full((3, m, COUNT), np.nan), np.full((m, COUNT), np.nan)
     vx, vy, w = slid.twists.T
     vx, vy = vx - w * cops[rows, 1], vy + w * cops[rows, 0]
     (ex, ey), (tx, ty) = axes[rows].T, across[rows].T
-    motion[rows, columns] = np.stack([vx * ex + vy * ey, vx * tx + vy * ty, w], axis=-1)
+    motion[:, rows, columns] = vx * ex + vy * ey, vx * tx + vy * ty, w
     shares[rows, columns] = slid.shares
-    return [_turns(*of_press) for of_press in zip(presses, rooms, motion, shares, strict=True)]
+    before, after = np.roll(motion, 1, axis=-1), np.roll(motion, -1, axis=-1)
+    a, b, w = 0.5 * (before + after)
+    da, db, dw = 0.5 / STEP * (after - before)
+    x = (b * da - a * db) / (dw * a - w * da)
+    speed = np.hypot(a, b + w * x)
+    curvature = w / speed
+    gain = speed / (dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed)
+    pace = np.hypot(a, b + w * levers) / speed
+    heading = np.arctan2(b + w * x, a)
+    along = np.arctan2(motion[1] + motion[2] * levers, motion[0])  # of the contact
+    firm = _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP  # between an angle and the next
+    leads = np.round(np.cos(angles), 9)  # neither way at a right angle
+    usable = (
+        (np.abs(x) < FAR) & (np.abs(curvature) < TIGHTEST) & (pace > PACE[0]) & (pace < PACE[1])
+        & (gain * leads >= 0.0)
+    )  # fmt: skip
+    sides = []
+    for side in (-1, 1):
+        steps, free = np.zeros((m, COUNT)), usable
+        for k in range(1, STEERING + 1):
+            va, vb, vw = np.roll(motion, -side * k, axis=-1)
+            slip = _wrapped(np.arctan2(vb + vw * x, va) - heading)
+            free = free & (np.abs(slip) < SLIP) & np.roll(firm, -k + 1 if side > 0 else k, axis=-1)
+            steps += free
+        sides.append(steps)
+    right, left = sides
+    usable = usable & (np.minimum(right, left) >= LEAST)
+    return TurnTable(usable, x, heading, curvature, gain, shares, pace, STEP * right, STEP * left, rooms)
+
+
+def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
+    """Return the turns that each press of one object can be driven with."""
+    if not presses:
+        return []
+    table, out = turn_table(presses), []
+    for row, press in enumerate(presses):
+        (ex, ey), (cx, cy), turns = press.axis, press.cop, []
+        for i in np.flatnonzero(table.usable[row, ::EVERY]) * EVERY:
+            ahead, heading, curvature, gain, share, pace, right, left, room = (
+                float(of[row, i])
+                for of in (table.ahead, table.heading, table.curvature, table.gain, table.share, table.pace,
+                           table.right, table.left, table.room)
+            )  # fmt: skip
+            axle = Pose2(cx + ahead * ex, cy + ahead * ey, math.atan2(ey, ex) + heading)
+            angle = math.remainder(float(i) * STEP, 2.0 * math.pi)
+            turns.append(PressedTurn(press, angle, -right, left, room, axle, curvature, gain, share, pace))
+        out.append(turns)
+    return out
 
 
 def steering_of(press: Press, backward: bool) -> float:
@@ -86,46 +149,6 @@ def steering_of(press: Press, backward: bool) -> float:
     return min((min(-turn.right, turn.left) for turn in turns), default=0.0)
 
 
-def _turns(press: Press, rooms: Array, motion: Array, shares: Array) -> list[PressedTurn]:
-    before, after = np.roll(motion, 1, axis=0), np.roll(motion, -1, axis=0)
-    a, b, w = (0.5 * (before + after)).T
-    da, db, dw = (0.5 / STEP * (after - before)).T
-    x = (b * da - a * db) / (dw * a - w * da)
-    speed = np.hypot(a, b + w * x)
-    curvature = w / speed
-    gain = speed / (dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed)
-    pace = np.hypot(a, b + w * press.lever) / speed
-    heading = np.arctan2(b + w * x, a)
-    along = np.arctan2(motion[:, 1] + motion[:, 2] * press.lever, motion[:, 0])  # of the contact
-    firm = _wrapped(np.roll(along, -1) - along) > FIRM * STEP  # between an angle and the next
-    leads = np.round(np.cos(STEP * np.arange(COUNT)), 9)  # neither way at a right angle
-    usable = (
-        (np.abs(x) < FAR) & (np.abs(curvature) < TIGHTEST) & (pace > PACE[0]) & (pace < PACE[1])
-        & (gain * leads >= 0.0)
-    )  # fmt: skip
-    (ex, ey), (cx, cy) = press.axis, press.cop
-    out = []
-    for i in np.flatnonzero(usable[::EVERY]) * EVERY:
-        slip = _wrapped(np.arctan2(motion[:, 1] + motion[:, 2] * x[i], motion[:, 0]) - heading[i])
-        straight = np.abs(slip) < SLIP
-        right = _steps(straight & firm, int(i), -1)
-        left = _steps(straight & np.roll(firm, 1), int(i), 1)
-        if min(right, left) < LEAST:
-            continue
-        axle = Pose2(float(cx + x[i] * ex), float(cy + x[i] * ey), float(math.atan2(ey, ex) + heading[i]))
-        angle, sides = math.remainder(i * STEP, 2.0 * math.pi), (-right * STEP, left * STEP)
-        figures = (float(curvature[i]), float(gain[i]), float(shares[i]), float(pace[i]))
-        out.append(PressedTurn(press, angle, *sides, float(rooms[i]), axle, *figures))
-    return out
-
-
 def _wrapped(angles: Array) -> Array:
     wrapped: Array = np.remainder(angles + math.pi, 2.0 * math.pi) - math.pi
     return wrapped
-
-
-def _steps(good: NDArray[np.bool_], at: int, sign: int) -> int:
-    k = 0
-    while k < STEERING and good[(at + sign * (k + 1)) % COUNT]:
-        k += 1
-    return k

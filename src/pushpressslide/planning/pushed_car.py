@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.face_push import on_face, turning
+from pushpressslide.mechanics.face_push import Push, on_face, turnings
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.run_in import with_run_in
 from pushpressslide.rom.differential_car import DifferentialCar
@@ -52,39 +52,46 @@ class PushedCar:
         return cls(*(figures[name] for name in ("heading", "axle", "lead", "rho", "left", "right")))
 
 
-def pushed_car(task: Task, face: Face, half_width: float, height: float, synchronised: bool) -> PushedCar:
-    """Return the reduced model, as believed, of contacts ``half_width`` [m] either side of the CoM's line.
+def pushed_cars(
+    task: Task, places: Sequence[tuple[Face, float]], height: float, synchronised: bool
+) -> list[PushedCar]:
+    """Return the reduced model, as believed, of contacts on each face, as far [m] either side of the CoM's
+    line.
 
     Turned by normal forces alone it is a differential car, ``synchronised``, by equal forces, a rear-steer
     one (docs/mechanics.md, section 5). Axle and rho are those of the exact surface, under the load that the
     push at ``height`` [m] itself shifts, at ``curvature_margin`` of the force's way to its limits; the
     tightest curves are no tighter than the object's. Raises ValueError where the object tips.
     """
-    belief, body, use = task.believed, task.object, task.motion.curvature_margin
-    mu_s, mu_a, (nx, ny) = belief.support_friction, belief.contact_friction, face.normal
-    heading = math.atan2(ny, nx)
-    # how far off the CoM the force may be, or how much across the normal; and the moment that this makes
-    limit, arm = (mu_a, face.depth) if synchronised else (half_width, 1.0)
-
-    def turned(share: float) -> tuple[float, float]:
-        off = share * limit
-        return turning(body, mu_s, face, height, *((0.0, off) if synchronised else (off, 0.0)))
-
-    if belief.rho is not None:
-        rho, shift, least = belief.rho, height * mu_s, (math.inf, math.inf)
-    else:
-        seen = turned(-use), turned(use)
-        rho = math.sqrt(0.5 * arm * use * limit * sum(1.0 / abs(curvature) for _, curvature in seen))
-        shift = 0.5 * sum(axle for axle, _ in seen) - (rho * rho / face.depth if synchronised else 0.0)
-        least = abs(turned(-1.0)[1]), abs(turned(1.0)[1])
-    lead = rho * rho / face.depth if synchronised else 0.0
-    car = (
-        RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
-        if synchronised
-        else DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
-    )
-    low, high = car.curvature_limits
-    return PushedCar(heading, shift + lead, lead, rho, min(high, least[0]), min(-low, least[1]))
+    belief, use = task.believed, task.motion.curvature_margin
+    mu_s, mu_a, pushes = belief.support_friction, belief.contact_friction, []
+    for face, half_width in places:
+        for share in (-use, use, -1.0, 1.0):
+            off = (0.0, share * mu_a) if synchronised else (share * half_width, 0.0)
+            pushes.append(Push(face, *off))
+    turned = turnings(task.object, mu_s, height, pushes) if belief.rho is None else []
+    out = []
+    for i, (face, half_width) in enumerate(places):
+        # how far off the CoM the force may be, or how much across the normal; and the moment that this makes
+        limit, arm = (mu_a, face.depth) if synchronised else (half_width, 1.0)
+        if belief.rho is not None:
+            rho, shift, least = belief.rho, height * mu_s, (math.inf, math.inf)
+        else:
+            right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]
+            mean = 0.5 * (1.0 / abs(right.curvature) + 1.0 / abs(left.curvature))
+            rho = math.sqrt(arm * use * limit * mean)
+            shift = 0.5 * (right.axle + left.axle) - (rho * rho / face.depth if synchronised else 0.0)
+            least = abs(rightmost.curvature), abs(leftmost.curvature)
+        heading = math.atan2(face.normal[1], face.normal[0])
+        lead = rho * rho / face.depth if synchronised else 0.0
+        car = (
+            RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
+            if synchronised
+            else DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
+        )
+        low, high = car.curvature_limits
+        out.append(PushedCar(heading, shift + lead, lead, rho, min(high, least[0]), min(-low, least[1])))
+    return out
 
 
 def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:

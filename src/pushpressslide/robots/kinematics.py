@@ -79,16 +79,22 @@ class ArmKinematics:
         )
         if slides.any() or beside > 1e-9:
             return shoulder, 0.0, np.inf
+        # the wrist: where the last axis comes nearest to the one before it
+        before, out = T[-1, :3, :3].T @ axis[-2], axis[-1]
+        normal = np.cross(out, before)
+        origin = -(T[-1, :3, :3].T @ T[-1, :3, 3])
+        wrist = origin @ np.cross(before, normal) / max(normal @ normal, 1e-12) * out
         # the links from each axis to the next, and where it is shorter over two of them at once, the one
         # between turned so that they reach farthest
-        links = [T[1, :3, 3] - axis[0] * (axis[0] @ T[1, :3, 3]), *T[2:, :3, 3]]
+        links = [T[1, :3, 3] - axis[0] * (axis[0] @ T[1, :3, 3]), *T[2:-1, :3, 3]]
+        links.append(T[-1, :3, 3] + T[-1, :3, :3] @ wrist)
         longest = [0.0, float(np.linalg.norm(links[0]))]
         for i in range(1, len(links)):
             way = longest[i] + float(np.linalg.norm(links[i]))
             a, b = T[i, :3, :3].T @ links[i - 1], links[i]
             along, across = axis[i] @ (a + b), [np.linalg.norm(np.cross(axis[i], v)) for v in (a, b)]
             longest.append(min(way, longest[i - 1] + float(np.hypot(along, sum(across)))))
-        return shoulder, float(tip[:3, 3] @ tip[:3, 2]), longest[-1]
+        return shoulder, float((tip[:3, 3] - wrist) @ tip[:3, 2]), longest[-1]
 
     def _frames(self, q: Array) -> Array:
         """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q (m, n)."""

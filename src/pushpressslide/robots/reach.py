@@ -99,39 +99,46 @@ def held_somehow_problem(
     any one of ``holds``, attitudes with tool yaws (m,) [rad] or None for any; or None.
 
     The places hardest to reach are looked at first: both ends, the nearest to the base's axis and the
-    farthest. Where the first hold misses one of them, all others are tried there at once.
+    farthest. Where the first hold misses one of them, all others are tried there at once; there is a long
+    search only where a first look has found no hold that will do.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
-    first, *others = (_held(hold, yaws, len(p)) for hold, yaws in holds)
-    found = _found(kin, p[hardest], first[hardest])
+    first = _held(*holds[0], len(p))
+    places, short = hardest, _short(kin, p[hardest], first[hardest])
+    found = Reach(short <= 0.0, np.zeros_like(short), short, np.zeros((len(hardest), kin.facts.size)))
     if found.ok.all():
-        found = _all_along(kin, p, first, hardest, found)
+        found = _look(kin, p[hardest], first[hardest])
+    if found.ok.all():
+        found, places = _all_along(kin, p, first, hardest, found), list(range(len(p)))
         if found.ok.all():
             return None
-        worst, problem = _worst(found), _problem(kin, robot, points, found, REACH_MARGIN)
-    else:
-        worst = hardest[_worst(found)]
-        problem = _problem(kin, robot, [points[i] for i in hardest], found, REACH_MARGIN)
-    for alike in (_alike(others, 2), _alike(others, 3)):
-        axes = np.array([_axes(held)[worst] for held in alike]).reshape(-1, 3)
-        able = _found(kin, np.broadcast_to(p[worst], axes.shape), axes, each=True).ok
-        for held in (held for held, ok in zip(alike, able, strict=True) if ok):
-            found = _found(kin, p[hardest], held[hardest])
-            if found.ok.all() and _all_along(kin, p, held, hardest, found).ok.all():
+    worst = places[_worst(found)]
+    others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
+    held = [one for one in (first, *others) if (_short(kin, p[hardest], one[hardest]) <= 0.0).all()]
+    if not held:
+        return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
+    axes, there = np.array([_axes(one)[worst] for one in held]), np.tile(p[worst], (len(held), 1))
+    able = _look(kin, there, axes)
+    for patient in (False, True):
+        if patient:
+            able = _retried(kin, there, axes, able, each=True)
+        for one in (one for one, ok in zip(held, able.ok, strict=True) if ok):
+            seen = _look(kin, p[hardest], one[hardest])
+            if patient:
+                seen = _retried(kin, p[hardest], one[hardest], seen)
+            if seen.ok.all() and _all_along(kin, p, one, hardest, seen).ok.all():
                 return None
-    return problem
+    if held[0] is first and able.ok[0]:  # where it was thought worst it will do after all
+        found = _retried(kin, p[places], first[places], found)
+    return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
 
 
 def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
     """Return the tool's axes (count, 3) for any yaw, or with ``yaws`` its rotations (count, 3, 3)."""
     return np.broadcast_to(hold.axis, (count, 3)) if yaws is None else hold.rotation(yaws)
-
-
-def _alike(held: Sequence[Array], ndim: int) -> list[Array]:
-    return [one for one in held if one.ndim == ndim]
 
 
 def _axes(held: Array) -> Array:
@@ -142,37 +149,41 @@ def _worst(found: Reach) -> int:
     return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
 
 
-def _found(kin: ArmKinematics, p: Array, held: Array, *, each: bool = False) -> Reach:
-    """Return which points (m, 3) are reached, with tool axes (m, 3) or rotations (m, 3, 3).
-
-    ``each`` counts for itself; else no more is searched once one is hopeless.
-    """
+def _look(kin: ArmKinematics, p: Array, held: Array) -> Reach:
+    """Return which points (m, 3) a first look finds reached, with tool axes (m, 3) or rotations (m, 3, 3)."""
     starts = default_seeds(kin, p)[:, FIRST_SEEDS]
-    found = solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False)
-    return _retried(kin, p, held, found, each=each)
+    return _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+
+
+def _short(kin: ArmKinematics, p: Array, held: Array) -> Array:
+    """Return by how much [m] the stretched links are too short for points (m, 3), < 0 within their span."""
+    shoulder, wrist, span = kin.span
+    out: Array = np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1) - span
+    return out
 
 
 def _all_along(kin: ArmKinematics, p: Array, held: Array, known: Sequence[int], there: Reach) -> Reach:
     """Return which points are reached, searched from the postures ``there`` at the points ``known``."""
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
-    return _retried(kin, p, held, solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+    found = _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False))
+    return _retried(kin, p, held, found)
 
 
-def _retried(kin: ArmKinematics, p: Array, held: Array, found: IkSolution, *, each: bool = False) -> Reach:
+def _retried(kin: ArmKinematics, p: Array, held: Array, found: Reach, *, each: bool = False) -> Reach:
     """Return what was found, after another search, which keeps off the limits, for what failed but is not
-    farther from the shoulder than the stretched links are long.
+    farther from the shoulder than the stretched links are long. ``each`` counts for itself; else no more is
+    searched once one is hopeless.
     """
-    shoulder, wrist, span = kin.span
-    room = span - np.linalg.norm(p - wrist * _axes(held) - shoulder, axis=-1)
-    near = (room >= 0.0) & ((found.position_residual < HOPELESS) | (room > FOLDED))
-    again = np.flatnonzero(~found.converged & near)
-    if len(again) and (each or near[~found.converged].all()):
+    short = _short(kin, p, held)
+    near = (short <= 0.0) & ((found.miss < HOPELESS) | (short < -FOLDED))
+    again = np.flatnonzero(~found.ok & near)
+    if len(again) and (each or near[~found.ok].all()):
         starts = default_seeds(kin, p[again])[:, :STRUCTURED_SEEDS]
-        better = solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN)
-        for name in ("q", "position_residual", "angle_residual", "joint_margin", "converged"):
-            getattr(found, name)[again] = getattr(better, name)
-    return _reach(found)
+        better = _reach(solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN))
+        for old, new in ((found.q, better.q), (found.miss, better.miss), (found.ok, better.ok)):
+            old[again] = new
+    return found
 
 
 def _problem(

@@ -58,7 +58,7 @@ class ToolAttitude:
         if self.turns:
             cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
             turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
-            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation(0.0)
+            fixed = replace(self, axes=WORLD_AXES, turns=False).rotation_at(0.0)
             return self._in_world(turn.reshape(*yaw.shape, 3, 3) @ fixed)
         s, c = math.sin(self.tilt), math.cos(self.tilt)
         z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
@@ -69,6 +69,8 @@ class ToolAttitude:
 
     def _in_world(self, R_ST: Array) -> Array:
         """Turn the x and z axes of T, given in S, into the world; its y axis follows, whatever S's hand."""
+        if self.axes is WORLD_AXES:
+            return R_ST
         axes = np.array(self.axes)
         out: Array = axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
         return out
@@ -85,7 +87,7 @@ class ToolAttitude:
         R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
         if self.turns:
             R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
-        return R_ST if self.axes is WORLD_AXES else self._in_world(R_ST)
+        return self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
         """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
