@@ -80,3 +80,12 @@ def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_aga
     first, second = list(bests(task, 1).values())[:2]
     assert (first.mode, second.mode) == ("parallel_push", "orthogonal_push")
     assert first.time == pytest.approx(second.time, abs=1e-3)
+
+
+@pytest.mark.parametrize(("y", "possible"), [(0.22, False), (-0.02, True)])
+def test_beside_an_obstacle_it_may_start_but_not_go_through_it(y: float, possible: bool) -> None:
+    post = f"obstacles=[{{name: post, box: [0.04, 0.04, 0.1], pose: {{x: 0.475, y: {y}}}}}]"
+    straight = ["start={x: 0.38, y: 0.22}", "goal={x: 0.66, y: 0.22}", "motion.face=3"]
+    found = pps.select(pps.load_task("rear-push-rear", [post, *straight]))
+    assert found[0].feasible == possible
+    assert possible or re.search(r"the object runs into obstacle 'post' at", found[0].reason)

@@ -6,7 +6,7 @@ import pytest
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.pipeline.selection import select
+from pushpressslide.pipeline.selection import grasps, select
 from pushpressslide.pipeline.task_file import dump_task, load_task, task_from_data
 from pushpressslide.pipeline.task_yaml import read_yaml
 
@@ -67,3 +67,11 @@ def test_an_object_that_would_tip_into_the_opening_half_way_is_refused() -> None
 def test_beside_the_opening_it_is_carried() -> None:
     task = task_from_data({**CRATE, "goal": {"x": -0.14, "y": 0.12}}, "crate")
     assert select(task)[0].feasible
+
+
+def test_arms_that_let_go_between_two_legs_must_leave_the_object_on_something() -> None:
+    other = "legs.2.motion={contacts: [[0.02, 0.2], [0.02, -0.2]]}"
+    first, second, *_ = grasps(load_task("press-fit", [other]))
+    assert any(choice.feasible for choice in first)
+    assert not any(choice.feasible for choice in second)
+    assert any("falls when the arms let go for it" in choice.reason for choice in second)

@@ -43,7 +43,7 @@ def press_loads(
     pushed: float = 0.0,
 ) -> tuple[str | None, list[float]]:
     """Return what stands against any press of up to ``most`` [N], and the loads [N] to try, the safest first;
-    ``wanted`` [N] is the only one where it is given. ``pushed`` [N]: the drag of a body that the object pushes.
+    ``wanted`` [N] is the only one where it is given. ``pushed`` [N]: that of a body that the object pushes.
     """
     if wanted is None:
         loads = [max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed)) for use in USES]

@@ -12,11 +12,13 @@ from pushpressslide.core.task import Box, Obstacle, Shape, Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Mode
 from pushpressslide.pipeline.opening_path import opening_problem
-from pushpressslide.pipeline.task_shapes import gap
+from pushpressslide.pipeline.task_shapes import carried, gap, overlap_area
+from pushpressslide.pipeline.tool_use import tool_problem
 
 OBJECT_CLEARANCE = 0.01
 """Gap [m] that the object keeps from obstacles, unless its start or its goal is nearer already."""
 
+ENTERED = 1e-5  # [m^2] shared with an obstacle from which on the object is in it, not beside it
 SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
 
 
@@ -43,9 +45,16 @@ def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
         lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
         if any(choice.feasible for choice in lengthened):
             out[-1] = _ranked(lengthened)
+        elif out and not carried(task, part.start):
+            out.append([_falling(choice) for choice in found])
         else:
             out.append(found)
     return out
+
+
+def _falling(choice: Choice) -> Choice:
+    why = "but the object falls when the arms let go for it: nothing carries it where the leg before ends"
+    return replace(choice, feasible=False, reason=f"{choice.reason}; {why}") if choice.feasible else choice
 
 
 def _of_leg(choice: Choice, leg: int) -> Choice:
@@ -119,12 +128,14 @@ def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
 
 
 def _kept_clear(task: Task, choice: Choice) -> Choice:
-    """Return the choice, infeasible where the object's path comes too near to an obstacle, or where it tips
-    into an opening.
+    """Return the choice, infeasible where the object's path comes too near to an obstacle, where it tips
+    into an opening, or where as a tool it does not push straight.
     """
     problem = None
     if choice.feasible and choice.path is not None:
-        problem = obstacle_problem(task, choice) or opening_problem(task, choice, _swept(task, choice))
+        poses = _swept(task, choice)
+        problem = obstacle_problem(task, choice) or opening_problem(task, choice, poses)
+        problem = problem or tool_problem(task, poses)
     return (
         choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
     )
@@ -177,8 +188,17 @@ def _too_near(
         def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
             return gap(shape, X_WG, box, X_WO)
 
+        def inside(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
+            return overlap_area(shape, X_WG, box, X_WO)
+
         allowed = min(OBJECT_CLEARANCE, *(apart(X) for X in ends)) - 1e-6
         least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
+        if least == 0.0 and allowed <= 0.0:  # it touches at an end, and may on the way
+            nearest = max(poses, key=inside)
+            if inside(nearest) > ENTERED:
+                return (
+                    f"but {what} runs into obstacle {obstacle.name!r} at ({nearest.x:.3f}, {nearest.y:.3f})"
+                )
         if least < allowed:
             return (
                 f"but {what} comes within {least * 1e3:.0f} mm of obstacle {obstacle.name!r} "

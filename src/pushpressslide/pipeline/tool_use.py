@@ -8,8 +8,9 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2, wrap_angle
-from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, ToolUse
+from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, Task, ToolUse
 
+ASIDE, ASKEW = 0.002, math.radians(2.0)  # [m], [rad] of a tool's way from the straight push, while it pushes
 SQUARE = math.radians(20.0)  # the body's sides turn by up to this much against the tool's face
 
 
@@ -70,3 +71,32 @@ def tool_use(
     at = Pose2(end[0] - half * math.cos(push), end[1] - half * math.sin(push), yaw)
     x, y = at.apply((-middle[0], -middle[1]))
     return ToolUse(name, target, face, way), Pose2(x, y, yaw)
+
+
+def tool_problem(task: Task, poses: Sequence[Pose2]) -> str | None:
+    """Return in one line where the tool would not push its body straight to the body's goal, or None.
+
+    ``poses``: X_WG along a choice's path.
+    """
+    tool, goal = task.tool, task.goal
+    if tool is None or isinstance(task.object.shape, Cylinder):
+        return None
+    corners = task.object.shape.footprint
+    (ax, ay), (bx, by) = corners[tool.face], corners[(tool.face + 1) % len(corners)]
+    nx, ny = goal.rotate((by - ay, ax - bx))
+    size = math.hypot(nx, ny)
+    for X_WG in reversed(poses):
+        dx, dy = goal.x - X_WG.x, goal.y - X_WG.y
+        left, aside = (dx * nx + dy * ny) / size, abs(dy * nx - dx * ny) / size
+        turned = abs(wrap_angle(goal.yaw - X_WG.yaw))
+        if left > tool.straight:
+            return None
+        off = math.hypot(aside, min(left, 0.0))
+        if off > ASIDE or turned > ASKEW:
+            return (
+                f"but at ({X_WG.x:.3f}, {X_WG.y:.3f}) it is {off * 1e3:.1f} mm and "
+                f"{math.degrees(turned):.1f} deg off the straight push by tool.face, "
+                f"allowed {ASIDE * 1e3:g} mm and "
+                f"{math.degrees(ASKEW):g} deg"
+            )
+    return None
