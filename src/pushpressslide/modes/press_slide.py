@@ -97,7 +97,7 @@ class PressSlide:
         com, given = task.object.center_of_mass, task.motion.contacts
         places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
         kind, free = task.motion.vehicle or "unicycle", not (task.motion.vehicle or task.tool)
-        manoeuvres = self._manoeuvres(task, places, loads) if free and not given else []
+        manoeuvres = self._manoeuvres(task, places, loads, enough) if free and not given else []
         if manoeuvres and manoeuvres[0].feasible:
             return manoeuvres
         drafts = []
@@ -111,7 +111,7 @@ class PressSlide:
         drafts.sort(key=_quickest)
         out = self._within_reach(task, drafts, CORRECTING, enough)
         if free and given and not any(choice.feasible for choice in out):
-            manoeuvres = self._manoeuvres(task, places, loads)
+            manoeuvres = self._manoeuvres(task, places, loads, enough)
         if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
             out = self._within_reach(task, drafts, 0.0, enough)
         return sorted((*out, *manoeuvres), key=_quickest)
@@ -147,8 +147,8 @@ class PressSlide:
         problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
         return next((_refused(choice, problem) for problem in problems if problem is not None), choice)
 
-    def _manoeuvres(self, task: Task, places: Sequence[Point], loads: Sequence[float]) -> list[Choice]:
-        """Return one manoeuvre per contact, up to the first feasible one, that of the safest press; with how
+    def _manoeuvres(self, task: Task, places: list[Point], loads: list[float], enough: int) -> list[Choice]:
+        """Return one manoeuvre per contact until ``enough`` are feasible, those of the safest press; with how
         long about those take that were not judged in full.
         """
         X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
@@ -156,15 +156,19 @@ class PressSlide:
         inside = [p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            ranked = by_time(task, X_WB, contacts)
+            ranked, found = by_time(task, X_WB, contacts), set[Contact]()
             for manoeuvre in soonest(task, X_WB, list(ranked)):
-                choice = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
-                out[manoeuvre.contact] = choice
-                if choice.feasible:
-                    told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
-                    rest = [(c, t + after) for c, t in ranked.items() if c not in out]
-                    others = [Choice(self.name, False, told.format(*c.point), (c,), time=t) for c, t in rest]
-                    return sorted(out.values(), key=lambda choice: not choice.feasible) + others
+                if manoeuvre.contact not in found:
+                    choice = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                    out[manoeuvre.contact] = choice
+                    found |= {manoeuvre.contact} if choice.feasible else set()
+                if len(found) == enough:
+                    break
+            if found:
+                told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
+                rest = [(c, t + after) for c, t in ranked.items() if c not in out]
+                others = [Choice(self.name, False, told.format(*c.point), (c,), time=t) for c, t in rest]
+                return sorted(out.values(), key=lambda choice: not choice.feasible) + others
         return list(out.values())
 
     def _draft(
