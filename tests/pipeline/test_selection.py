@@ -92,9 +92,10 @@ def test_beside_an_obstacle_it_may_start_but_not_go_through_it(y: float, possibl
 
 
 def test_where_an_obstacle_is_in_the_way_of_one_manoeuvre_others_are_judged() -> None:
-    tile = ["object={shape: {box: [0.3, 0.2, 0.04]}, mass: 0.4}", "support.friction=0.2",
-            "contact.friction=0.8", "modes=[press_slide]", "start={x: 0.5, y: 0.2}", "goal={x: 0.5, y: -0.2, yaw_deg: 180}",
-            "motion={}", "tolerance={}"]  # fmt: skip
+    tile = [
+        "object={shape: {box: [0.3, 0.2, 0.04]}, mass: 0.4}", "support.friction=0.2", "contact.friction=0.8",
+        "modes=[press_slide]", "start={x: 0.5, y: 0.2}", "goal={x: 0.5, y: -0.2, yaw_deg: 180}", "motion={}",
+    ]  # fmt: skip
     first, *others = pps.select(pps.load_task("rear-push-rear", tile), 8)
     assert sum(choice.feasible for choice in others) > 4
     assert len({choice.contacts for choice in (first, *others)}) == 1 + len(others)
