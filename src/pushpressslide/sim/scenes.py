@@ -37,7 +37,7 @@ from pushpressslide.sim.surfaces import (
 ROUGHEST = 1.99  # friction of a pair over that of the smoother surface; 2 is the limit of all
 SINK = 2e-6  # [m] that the object starts inside the support, so that contact is there at once
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
-PRESSED_TILES = 8.0  # the same under one press, which the object stands on a part of its base for
+PRESSED_TILES = 6.0  # the same under one press, which the object stands on a part of its base for
 WALL_REACH = 0.8  # [m] of a wall that is drawn beside and above its origin
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
 WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
