@@ -209,7 +209,7 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
 def test_an_object_that_would_tip_is_refused() -> None:
     tall = replace(slide(), object=ObjectModel(Box((0.4, 0.2, 0.5)), 2.0, (0.0, 0.0)))
     task = replace(tall, goal=Pose2(0.55, 0.2, 0.0))
-    assert "the object would tip" in refusal(
+    assert "it would tip" in refusal(
         replace(task, belief=replace(task.believed, support_friction=0.4))
     )
 

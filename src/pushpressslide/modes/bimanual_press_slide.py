@@ -133,7 +133,7 @@ class BimanualPressSlide:
         try:
             problem, normals = self._loads(task, (placed.contacts[0].point, placed.contacts[1].point), path)
         except ValueError as error:
-            return [replace(placed, feasible=False, reason=f"{what}: {error}")]
+            return [replace(placed, feasible=False, path=None, reason=f"{what}: {error}")]
         pressed = tuple(replace(c, load=n) for c, n in zip(placed.contacts, normals, strict=True))
         point = _tracking_point(task, pressed, _twist(path, (0.0, 0.0)))
         ends = path.start.compose(Pose2(*point)), path.end.compose(Pose2(*point))
@@ -141,7 +141,7 @@ class BimanualPressSlide:
         try:
             drag = self._drag(task, pressed, path, point)
         except ValueError as error:
-            return [replace(placed, feasible=False, reason=f"{what}: the object would tip: {error}")]
+            return [replace(placed, feasible=False, path=None, reason=f"{what}: it would tip: {error}")]
         if problem is None and drag.room < TIPPING_ROOM:
             problem = (
                 f"drag at {task.object.shape.height:.3f} m tips the object: the centre of pressure comes "
