@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
+
+from pushpressslide.pipeline.planner import gathered
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice
@@ -71,18 +74,18 @@ def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
 
 
 def print_choices(choices: Sequence[Choice]) -> None:
-    """Print the ranked choices."""
-    table = _table("mode", "feasible", "path m", "time s", "margin deg", "reason")
-    for choice in choices:
-        table.add_row(
-            choice.mode,
-            "yes" if choice.feasible else "no",
+    """Print the ranked choices, each with its reason below it."""
+    console = Console(markup=False, highlight=False)
+    row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
+    console.print(row.format("mode", "verdict", "path m", "time s", "margin deg"))
+    for choice in gathered(choices):
+        figures = (
             _number(choice.path_length, digits=3),
             _number(choice.time, digits=1),
             _number(choice.friction_margin, math.degrees(1.0), 1),
-            choice.reason,
         )
-    _print(table)
+        console.print(row.format(choice.mode, choice.verdict, *figures))
+        console.print(Padding(choice.reason, (0, 0, 0, 4)))
 
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:

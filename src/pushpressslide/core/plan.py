@@ -68,6 +68,12 @@ class Choice:
     goal: Pose2 | None = None  # X_WG at the path's end; None: the task's goal
     following: Choice | None = None  # the next stretch of motion, with the same contacts
     leg: int = 0  # of the task, that it is for
+    judged: bool = True  # in full; else it was passed over, as one that is no slower was found
+
+    @property
+    def verdict(self) -> str:
+        """What was found, in a word or two."""
+        return "possible" if self.feasible else "refused" if self.judged else "passed over"
 
     @property
     def stretches(self) -> tuple[Choice, ...]:

@@ -155,7 +155,8 @@ def followed(
             continue
         why = path_problem(task, item, frame(item)) if found < enough else UNJUDGED
         found += why is None
-        out.append(item if why is None else replace(item, feasible=False, reason=told(item.reason, why)))
+        judged = item if why is None else replace(item, feasible=False, reason=told(item.reason, why))
+        out.append(replace(judged, judged=why is not UNJUDGED))
     return sorted(out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf))
 
 

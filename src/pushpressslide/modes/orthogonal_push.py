@@ -248,7 +248,8 @@ def _places(task: Task, pair: tuple[Face, Face]) -> list[tuple[Contact, ...]]:
 
 
 def _refused(choice: Choice, why: str) -> Choice:
-    return replace(choice, feasible=False, reason=f"{choice.reason}; {why}")
+    reason = f"{choice.reason}; {why}"
+    return replace(choice, feasible=False, judged=why is not UNJUDGED, reason=reason)
 
 
 def _rank(choice: Choice) -> tuple[float, float, float, float]:

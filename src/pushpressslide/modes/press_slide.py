@@ -166,8 +166,8 @@ class PressSlide:
                     break
             if found:
                 told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
-                rest = [(c, t + after) for c, t in ranked.items() if c not in out]
-                others = [Choice(self.name, False, told.format(*c.point), (c,), time=t) for c, t in rest]
+                rest = [(told.format(*c.point), (c,), t + after) for c, t in ranked.items() if c not in out]
+                others = [Choice(self.name, False, why, at, time=t, judged=False) for why, at, t in rest]
                 return sorted(out.values(), key=lambda choice: not choice.feasible) + others
         return list(out.values())
 
@@ -341,7 +341,8 @@ def _quickest(choice: Choice) -> tuple[bool, float]:
 
 
 def _refused(choice: Choice, why: str) -> Choice:
-    return replace(choice, feasible=False, reason=f"{choice.reason.split(' with ')[0]}: {why}")
+    reason = f"{choice.reason.split(' with ')[0]}: {why}"
+    return replace(choice, feasible=False, judged=why is not UNJUDGED, reason=reason)
 
 
 MODE = PressSlide()

@@ -22,7 +22,7 @@ from pushpressslide.pipeline.control_state import (
 from pushpressslide.pipeline.entry import braking
 from pushpressslide.pipeline.touch import held_at
 
-LOSS_SHARE = 0.5  # of its planned load below which a press counts as lost
+LOSS_SHARE = 0.6  # of its planned load below which a press counts as lost
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 HEIGHT_STIFFNESS, HEIGHT_DAMPING = 2000.0, 300.0
 PRESS_DAMPING = 150.0  # [N s/m] of a pressing tip along its normal, which is force controlled

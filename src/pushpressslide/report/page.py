@@ -214,7 +214,7 @@ def _choice_part(run: Run) -> str:
         chosen = choice in [grasp.choice for grasp in run.plan.grasps]
         margin = "" if choice.friction_margin is None else f"{math.degrees(choice.friction_margin):.1f}°"
         cells = (
-            ("chosen" if chosen else "possible" if choice.feasible else "refused", ""),
+            ("chosen" if chosen else choice.verdict, ""),
             (choice.mode, ""),
             ("" if choice.path_length is None else f"{choice.path_length:.3f} m", "n"),
             ("" if choice.time is None else f"{choice.time:.1f} s", "n"),
