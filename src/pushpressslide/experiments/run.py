@@ -9,22 +9,28 @@ import platform
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.experiments.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.pipeline.planner import chained, grasp, refusal, usable
-from pushpressslide.pipeline.selection import select
+from pushpressslide.pipeline.selection import grasps, select
+
+if TYPE_CHECKING:
+    from pushpressslide.sim.grasps import GraspPaths
+
+MORE = 3 * ENOUGH  # choices of a mode that are judged in full where the first have no joint path
 
 Engine = Literal["drake", "planar"]
 Progress = Callable[[float, float], None]
 Told = Callable[[str], None]
+Problems = dict[tuple[str, tuple[Contact, ...], str], InfeasibleTaskError]
 
 
 def versions() -> dict[str, str]:
@@ -61,9 +67,8 @@ def simulate(
     held, stop = (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
     enough = 1 if engine == "planar" else ENOUGH  # the others are for where there is no joint path
     judged = list(select(task, enough) if choices is None else choices)
-    candidates = [
-        usable(task, list(of), force=force) for _, of in groupby(judged, key=lambda choice: choice.leg)
-    ]
+    by_grasp = [list(of) for _, of in groupby(judged, key=lambda choice: choice.leg)]
+    candidates = [usable(task, of, force=force) for of in by_grasp]
     if engine == "planar":
         from pushpressslide.planar.engine import run as run_planar
 
@@ -74,26 +79,42 @@ def simulate(
     from pushpressslide.sim.grasps import GraspPaths
 
     paths = GraspPaths(force)
-    for of in candidates:
-        problem: InfeasibleTaskError | None = None
-        for choice in of:
-            try:
-                paths.add(grasp(task, choice, force=force))
-                break
-            except InfeasibleTaskError as error:
-                problem = error
-                reason = f"{choice.reason}; but {str(error).split(': ', 1)[-1]}"
-                judged[judged.index(choice)] = replace(choice, feasible=False, reason=reason)
-        else:
-            if len(of) == 1 and problem is not None:
-                raise problem
-            raise InfeasibleTaskError(refusal(task, judged))
+    for number, of in enumerate(by_grasp):
+        problems: Problems = {}
+        done = _add_first(paths, task, of, problems)
+        if not done and choices is None and not all(choice.judged for choice in of):
+            of[:] = grasps(task, MORE)[number]
+            done = _add_first(paths, task, of, problems)
+        if not done:
+            if len(problems) == 1:
+                raise next(iter(problems.values()))
+            raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(by_grasp))))
+    judged = list(chain.from_iterable(by_grasp))
     made = chained(paths.plans)
     with held():
         record = run_drake(
             made, seed=seed, progress=progress, models=models, paths=paths.paths, stop=stop, live=live
         )
     return made, record, judged
+
+
+def _add_first(paths: GraspPaths, task: Task, of: list[Choice], problems: Problems) -> bool:
+    """Add the first of a grasp's choices that has a joint path, and return whether there is one; write into
+    ``of`` and ``problems`` what the others lack, which are not tried again.
+    """
+    for i, choice in enumerate(of):
+        if choice.path is None or not (choice.feasible or paths.force):
+            continue
+        key = (choice.mode, choice.contacts, choice.reason)
+        try:
+            if key not in problems:
+                paths.add(grasp(task, choice, force=paths.force))
+                return True
+        except InfeasibleTaskError as error:
+            problems[key] = error
+        reason = f"{choice.reason}; but {str(problems[key]).split(': ', 1)[-1]}"
+        of[i] = replace(choice, feasible=False, reason=reason)
+    return False
 
 
 def run(

@@ -148,28 +148,29 @@ class PressSlide:
         return next((_refused(choice, problem) for problem in problems if problem is not None), choice)
 
     def _manoeuvres(self, task: Task, places: list[Point], loads: list[float], enough: int) -> list[Choice]:
-        """Return one manoeuvre per contact until ``enough`` are feasible, those of the safest press; with how
-        long about those take that were not judged in full.
+        """Return manoeuvres until ``enough`` are feasible, those of the safest press first: one per contact,
+        then others; with how long about contacts take that were not judged in full.
         """
         X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
-        out: dict[Contact, Choice] = {}
+        out, others, left = list[Choice](), list[Choice](), enough
         inside = [p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)]
         for arm, load in product(range(len(task.robots)), loads):
             contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            ranked, found = by_time(task, X_WB, contacts), set[Contact]()
+            ranked, most = by_time(task, X_WB, contacts), min(left, ENOUGH)
             for manoeuvre in soonest(task, X_WB, list(ranked)):
-                if manoeuvre.contact not in found:
-                    choice = self._judged_for_reach(task, manoeuvre.choice(task, self.name))
-                    out[manoeuvre.contact] = choice
-                    found |= {manoeuvre.contact} if choice.feasible else set()
-                if len(found) == enough:
+                out.append(self._judged_for_reach(task, manoeuvre.choice(task, self.name)))
+                most -= out[-1].feasible
+                if most == 0:
                     break
-            if found:
+            left = enough - sum(choice.feasible for choice in out)
+            if left < enough and not others:
                 told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
-                rest = [(told.format(*c.point), (c,), t + after) for c, t in ranked.items() if c not in out]
+                seen = {choice.contacts[0] for choice in out}
+                rest = [(told.format(*c.point), (c,), t + after) for c, t in ranked.items() if c not in seen]
                 others = [Choice(self.name, False, why, at, time=t, judged=False) for why, at, t in rest]
-                return sorted(out.values(), key=lambda choice: not choice.feasible) + others
-        return list(out.values())
+            if left == 0 or left < enough <= ENOUGH:  # lighter presses only where more are asked for
+                break
+        return sorted(out, key=lambda choice: not choice.feasible) + others
 
     def _draft(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -86,18 +87,22 @@ def continuations(
     positions: Array,
     tool_yaws: Array,
     q_starts: Array,
-    attitude: ToolAttitude = UPRIGHT,
+    attitude: ToolAttitude | Sequence[ToolAttitude] = UPRIGHT,
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3).
+    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3);
+    one attitude or b.
 
     For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
     p = np.broadcast_to(np.asarray(positions, dtype=np.float64), (b, k, 3))
-    R = attitude.rotation(yaws)
+    if isinstance(attitude, ToolAttitude):
+        R = attitude.rotation(yaws)
+    else:
+        R = np.stack([held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)])
     way = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(np.diff(yaws, axis=1))
     lower, upper = kin.facts.lower, kin.facts.upper
     q = np.clip(np.broadcast_to(np.asarray(q_starts, dtype=np.float64), (b, kin.facts.size)), lower, upper)
@@ -106,18 +111,19 @@ def continuations(
     for i in range(k):
         # The elbow moves once per sample, in proportion to the tip's way, so that sampling does not matter.
         free = limit_gradient(kin, q) * (NULL_RATE * way[:, i - 1, None]) if i else np.zeros_like(q)
+        open_ = np.arange(b)
         for step in range(ITERATIONS if i else START_ITERATIONS):
-            e, J = task_error(kin, q, p[:, i], R[:, i], attitude.axis)
-            angle[:, i], distance[:, i] = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
-            if (
-                step
-                and (angle[:, i] < 0.1 * ANGLE_TOLERANCE).all()
-                and (distance[:, i] < 0.1 * POSITION_TOLERANCE).all()
-            ):
-                break
-            dq = damped_step(J, e, free if step == 0 else np.zeros_like(q))
+            e, J = task_error(kin, q[open_], p[open_, i], R[open_, i], R[open_, i, :, 2])
+            off_by = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+            angle[open_, i], distance[open_, i] = off_by
+            if step:
+                far = (off_by[0] >= 0.1 * ANGLE_TOLERANCE) | (off_by[1] >= 0.1 * POSITION_TOLERANCE)
+                open_, e, J = open_[far], e[far], J[far]
+                if len(open_) == 0:
+                    break
+            dq = damped_step(J, e, free if step == 0 else np.zeros((len(open_), q.shape[1])))
             dq *= START_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), START_STEP)
-            q = np.clip(q + dq, lower, upper)
+            q[open_] = np.clip(q[open_] + dq, lower, upper)
         path[:, i] = q
     margins = kin.joint_margin(path)
     conditions = np.linalg.cond(kin.jacobian(path))

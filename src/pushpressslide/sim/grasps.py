@@ -12,7 +12,7 @@ class GraspPaths:
 
     def __init__(self, force: bool = False) -> None:
         """Begin; ``force`` takes the best there is."""
-        self._force = force
+        self.force = force
         self.plans: list[Plan] = []
         self.paths: list[tuple[ArmPath, ...]] = []
 
@@ -22,9 +22,9 @@ class GraspPaths:
             last = self.plans[-1]
             kept = last.kept(grasp)
             postures = drawn_back(last, self.paths[-1], kept)
-            found = joint_paths(grasp, force=self._force, postures=postures, holding=kept)
+            found = joint_paths(grasp, force=self.force, postures=postures, holding=kept)
         else:
-            found = joint_paths(grasp, force=self._force)
+            found = joint_paths(grasp, force=self.force)
         self.paths.append(found)
         self.plans.append(grasp)
 

@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, pairwise
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,7 @@ REFINED = 4  # misses that are tried to be made good
 MOST_EFFORT = 0.8  # share of a torque limit for the contact at rest; the rest is for control
 MOST_ROLLED = 0.25  # of a press's distance from the CoM: its heading axis turns by no more than is steered
 NEAR = 0.1  # shortfall of a near miss
+SHORT = attrgetter("short")
 
 ArmPath = tuple[JointPath, ToolAttitude]
 
@@ -120,27 +122,25 @@ class ArmSearch:
             self.approach = Approach(plan.task, self.kin, lambda q: self._free(self.model, q), start)
 
     def paths(self, *, force: bool = False) -> Iterator[tuple[Move, JointPath]]:
-        """Yield the moves with the whole joint path, the preferred first; refined ones where there is no
-        other.
-        """
-        found = False
+        """Yield the moves with the joint path, the preferred first; refined ones where there is no other."""
+        found, stopped = False, list[Miss]()
         for move in self._moves(force):
             done = self.path(move, force=force)
             if isinstance(done, JointPath):
                 found = True
                 yield move, done
             else:
-                self.misses.append(done)
-        self.misses.sort(key=lambda miss: miss.short)
-        if found or self.kin.facts.size < POSE or self.stays:
+                stopped.append(done)
+        near = [self._with_clearance(miss) for miss in self.misses + stopped if miss.short < NEAR]
+        self.misses = sorted(stopped, key=SHORT) + sorted(self.misses, key=SHORT)
+        too_hard = bool(stopped) and self.misses[0].short > NEAR + MOST_EFFORT
+        if found or self.kin.facts.size < POSE or self.stays or too_hard:
             return
-        near_misses = [self._with_clearance(miss) for miss in self.misses if miss.short < NEAR]
-        near_misses.sort(key=lambda miss: miss.short)
-        for miss in _diverse([miss for miss in near_misses if miss.short < NEAR]):
-            near = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
-            refined = None if near is None else self.path(near, thorough=True)
-            if near is not None and isinstance(refined, JointPath):
-                yield near, refined
+        for miss in _diverse(sorted((miss for miss in near if miss.short < NEAR), key=SHORT)):
+            better = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
+            refined = None if better is None else self.path(better, thorough=True)
+            if better is not None and isinstance(refined, JointPath):
+                yield better, refined
 
     def path(
         self,
@@ -228,10 +228,11 @@ class ArmSearch:
             self.misses += failed
             yield from found
             return
-        for attitude, offsets in self.attitudes:
-            found, failed = moves(self.kin, self.tip, attitude, offsets, force=force)
+        for held in (self.attitudes[:1], self.attitudes[1:]):  # the preferred one first
+            by_attitude, failed = moves(self.kin, self.tip, held, force=force)
             self.misses += failed
-            yield from found[:ENOUGH]
+            for found in by_attitude:
+                yield from found[:ENOUGH]
 
     def _with_clearance(self, miss: Miss) -> Miss:
         """Return a miss of what the joints can do with what it lacks of clearance besides."""
@@ -274,8 +275,7 @@ def _diverse(misses: list[Miss]) -> list[Miss]:
     """Return the nearest of near misses, not too like each other."""
     out: list[Miss] = []
     for miss in misses:
-        if not any(miss.posture.like(chosen.posture) for chosen in out):
-            out.append(miss)
+        out += [] if any(miss.posture.like(chosen.posture) for chosen in out) else [miss]
     return out[:REFINED]
 
 

@@ -20,9 +20,10 @@ from pushpressslide.robots.reach import REACH_MARGIN
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 Array = NDArray[np.float64]
+Held = tuple[ToolAttitude, Array]  # with tool yaw offsets (b,)
 
 JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
-CONDITION_LIMIT = 60.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+CONDITION_LIMIT = 100.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
 HELD = 0.1  # [rad] of any joint of an arm that holds on, from where its contact is
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
@@ -120,7 +121,7 @@ def held_on(
 ) -> tuple[list[Move], list[Miss]]:
     """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
     attitude, yaw = held_at(kin, q, axes)
-    found, misses = _followed(kin, tip, attitude, np.array([yaw - tip.yaws[0]]), q[None], force)
+    found, misses = _followed(kin, tip, [(attitude, yaw - float(tip.yaws[0]))], q[None], force)
     posture = [*(move.posture for move in found), *(miss.posture for miss in misses)][0]
     off = float(np.abs(posture.q[0] - q).max())
     if off > HELD and not force:
@@ -130,35 +131,44 @@ def held_on(
 
 
 def moves(
-    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, *, force: bool
-) -> tuple[list[Move], list[Miss]]:
-    """Return the allowed ways of following a tip path at one attitude, one for each tool yaw offset (b,),
-    best first, and the others; ``force`` allows all.
+    kin: ArmKinematics, tip: TipPath, held: Sequence[Held], *, force: bool
+) -> tuple[list[list[Move]], list[Miss]]:
+    """Return the allowed ways of following a tip path, those of each attitude best first, and the others; all
+    are followed at once; ``force`` allows all.
     """
-    if attitude.turns:  # many are tried: those that reach the end too
-        last = _held(kin, tip, -1, attitude, offsets)
-        offsets = offsets[last.converged]
-        if len(offsets) == 0:
-            return [], []
-    starts = _held(kin, tip, 0, attitude, offsets)
-    return _followed(kin, tip, attitude, offsets, starts.q, force)
+    each = [(attitude, float(offset)) for attitude, offsets in held for offset in offsets]
+    turning = [of for of in each if of[0].turns]
+    if turning:  # many are tried: those that reach the end too
+        reached = iter(_held(kin, tip, -1, turning).converged)
+        each = [of for of in each if not of[0].turns or next(reached)]
+    if not each:
+        return [], []
+    found, misses = _followed(kin, tip, each, _held(kin, tip, 0, each).q, force)
+    by_attitude = [[move for move in found if move.posture.attitude == of] for of, _ in held]
+    return by_attitude, misses
 
 
-def _held(kin: ArmKinematics, tip: TipPath, i: int, attitude: ToolAttitude, offsets: Array) -> IkSolution:
-    """Postures at one sample of a tip path, at tool yaw offsets (b,)."""
-    place = np.tile(tip.positions[i], (len(offsets), 1))
-    return solve_ik(kin, place, attitude, tip.yaws[i] + offsets, joint_margin=JOINT_MARGIN)
+def _held(kin: ArmKinematics, tip: TipPath, i: int, each: Sequence[tuple[ToolAttitude, float]]) -> IkSolution:
+    """Postures at one sample of a tip path, of b attitudes with their tool yaw offsets."""
+    rotations = np.array([held.rotation_at(tip.yaws[i] + offset) for held, offset in each]).reshape(-1, 3, 3)
+    place = np.tile(tip.positions[i], (len(each), 1))
+    return solve_ik(kin, place, rotations, joint_margin=JOINT_MARGIN)
 
 
 def _followed(
-    kin: ArmKinematics, tip: TipPath, attitude: ToolAttitude, offsets: Array, starts: Array, force: bool
+    kin: ArmKinematics,
+    tip: TipPath,
+    each: Sequence[tuple[ToolAttitude, float]],
+    starts: Array,
+    force: bool,
 ) -> tuple[list[Move], list[Miss]]:
-    """Follow a tip path at tool yaw offsets (b,) from postures (b, n)."""
-    yaws = tip.yaws + offsets[:, None]
-    paths = continuations(kin, tip.positions, yaws, starts, attitude, JOINT_MARGIN, LARGEST_STEP)
+    """Follow a tip path with b attitudes and their tool yaw offsets from postures (b, n)."""
+    yaws = tip.yaws + np.array([offset for _, offset in each])[:, None]
+    attitudes = [attitude for attitude, _ in each]
+    paths = continuations(kin, tip.positions, yaws, starts, attitudes, JOINT_MARGIN, LARGEST_STEP)
     found, misses = [], []
-    for offset, path in zip(offsets, paths, strict=True):
-        posture = Posture(attitude, float(offset), path.q)
+    for (attitude, offset), path in zip(each, paths, strict=True):
+        posture = Posture(attitude, offset, path.q)
         if force or (path.ok and path.condition < CONDITION_LIMIT):
             found.append(Move.of(kin, posture))
         else:
@@ -196,9 +206,7 @@ def problem(path: Continuation, positions: Array) -> str:
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
 
 
-def attitudes(
-    azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool
-) -> list[tuple[ToolAttitude, Array]]:
+def attitudes(azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool) -> list[Held]:
     """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
 
     ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
