@@ -330,9 +330,13 @@ def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
 
         for choice in own:
             wanted, kind = figures(choice, 1.0), choice.reason.split()[0]
+            twins = [figures(c, -1.0) for c in other if c.reason.split()[0] == kind]
             twin = min(
-                (figures(c, -1.0) for c in other if c.reason.split()[0] == kind),
-                key=lambda f: sum(math.dist(a, b) for a, b in zip(f[0], wanted[0], strict=True)),
+                twins,
+                key=lambda f: (
+                    round(sum(math.dist(a, b) for a, b in zip(f[0], wanted[0], strict=True)), 6),
+                    abs((f[2] or 0.0) - (wanted[2] or 0.0)),
+                ),
             )
             assert twin[1] == wanted[1]
             for got, asked in zip(twin[2:], wanted[2:], strict=True):

@@ -209,9 +209,7 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
 def test_an_object_that_would_tip_is_refused() -> None:
     tall = replace(slide(), object=ObjectModel(Box((0.4, 0.2, 0.5)), 2.0, (0.0, 0.0)))
     task = replace(tall, goal=Pose2(0.55, 0.2, 0.0))
-    assert "it would tip" in refusal(
-        replace(task, belief=replace(task.believed, support_friction=0.4))
-    )
+    assert "it would tip" in refusal(replace(task, belief=replace(task.believed, support_friction=0.4)))
 
 
 def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() -> None:
