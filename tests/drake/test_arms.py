@@ -121,7 +121,7 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.M
     )
     with monkeypatch.context() as grid_alone:
         grid_alone.setattr(joint_path, "REFINED", 0)
-        with pytest.raises(InfeasibleTaskError, match="inside its limit"):
+        with pytest.raises(InfeasibleTaskError, match="and object come as near as"):
             joint_paths(turn)
     first = joint_paths(turn)
     keep_apart(turn, first)
