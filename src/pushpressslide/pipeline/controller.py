@@ -39,7 +39,7 @@ from pushpressslide.pipeline.control_state import (
 )
 from pushpressslide.pipeline.correction import corrected, left_of, side_slide, touched_points
 from pushpressslide.pipeline.entry import HOLD_TIME, SEAT_TIME, entry, holds
-from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back
+from pushpressslide.pipeline.tip_motion import TipMover, drag_ratio, drawn_back, missing
 from pushpressslide.pipeline.touch import align_time, held_at, touch
 
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion begins
@@ -199,7 +199,7 @@ class Controller:
             )
         ]  # fmt: skip
         commands, memories, felt = zip(*moved, strict=True)
-        lost, use = any(f.lost for f in felt), max(f.use for f in felt)
+        lost, use = missing(felt, contacts, allocation.normals), max(f.use for f in felt)
         log = control_log(state, measurement, guidance, wrench, allocation)
         since = (state.lost if state.lost is not None else measurement.time) if lost else None
         rate = -GRIP_FALL if use > GRIP_USE else GRIP_RISE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from pushpressslide.pipeline.control_state import (
 from pushpressslide.pipeline.entry import braking
 from pushpressslide.pipeline.touch import held_at
 
+LEAST_SHARE = 0.2  # of all pushes: one that is asked for less may part from its face for a while
 LOSS_SHARE = 0.6  # of its planned load below which a press counts as lost
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 HEIGHT_STIFFNESS, HEIGHT_DAMPING = 2000.0, 300.0
@@ -106,6 +108,15 @@ class TipMover:
             acceleration=a,
         )
         return command, replace(memory, velocity=v, regulator=regulator), felt
+
+
+def missing(felt: Sequence[Felt], contacts: Sequence[Contact], normals: Sequence[float]) -> bool:
+    """Return whether a contact is lost that is to press, or to push with a good share of all ``normals``
+    [N].
+    """
+    least = LEAST_SHARE * math.fsum(normals)
+    asked = (c.kind == "top" or n >= least for c, n in zip(contacts, normals, strict=True))
+    return any(f.lost and wanted for f, wanted in zip(felt, asked, strict=True))
 
 
 def drawn_back(
