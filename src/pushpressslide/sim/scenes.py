@@ -120,6 +120,15 @@ def tile_size(shape: model.Shape) -> float:
     return width / TILES_PER_WIDTH
 
 
+def mesh_size(shape: model.Shape) -> float:
+    """Return the edge of an object's mesh [m]; a cylinder becomes a prism with 26 corners, which has 1 % less
+    base.
+    """
+    if isinstance(shape, model.Cylinder):
+        return 0.25 * shape.radius
+    return min(0.25 * shape.height, tile_size(shape))
+
+
 def object_friction(task: model.Task) -> float:
     """Return the friction of the object's own surface, from which those of all its partners follow.
 
@@ -156,9 +165,8 @@ def build_scene(plan: Plan, *, models: str = "generated", time_step: float | Non
     ground = partner_friction(task.support.friction, own)
     thing = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
     shape = object_shape(body.shape)
-    size = min(body.shape.height, 4.0 * tile_size(body.shape))
     plant.RegisterCollisionGeometry(
-        thing, RigidTransform(), shape, "object", compliant_properties(own, 0.25 * size)
+        thing, RigidTransform(), shape, "object", compliant_properties(own, mesh_size(body.shape))
     )
     plant.RegisterVisualGeometry(thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR)
     pressed = [contact.kind for contact in plan.choice.contacts] == ["top"]
