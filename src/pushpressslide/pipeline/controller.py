@@ -49,7 +49,7 @@ CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
-REGRASP = 0.012  # [m] of slid contact at which the tip lets go and takes the planned place again
+REGRASP = 0.012  # [m] of slid contact, more way left, at which the tip lets go and takes the planned place
 REGRASPS = 3
 GRIP_USE = 0.93  # share of the friction cone, by the measured force, beyond which the steering is eased
 GRIP_FALL, GRIP_RISE, GRIP_LEAST = 4.0, 0.5, 0.3  # [1/s], [1/s], -
@@ -230,7 +230,7 @@ class Controller:
             return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(plan, X_WB, measurement.tips)
         planned = state.stretch
-        if side_slide(planned, touched) > REGRASP and state.regrasps < REGRASPS:
+        if left > REGRASP < side_slide(planned, touched) and state.regrasps < REGRASPS:
             again = replace(state, binding=bind(replace(plan, choice=planned.choice, X_BV=planned.X_BV)))
             return replace(begin(again, "touch", measurement), lost=time, regrasps=state.regrasps + 1)
         if state.lost is None:
