@@ -17,10 +17,11 @@ from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict, write_plan
 
 REFUSED = Choice("press_slide", False, "needs 60 N, limits.normal_force is 40 N")
+PASSED = Choice("press_slide", False, "not judged in full", judged=False)
 
 
 def save(run, folder):
-    choices = (run.plan.choice, REFUSED)
+    choices = (run.plan.choice, REFUSED, PASSED)
     save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
     return folder
 
@@ -45,10 +46,10 @@ def test_the_same_record_gives_the_same_bytes(run):
 
 
 def test_a_plan_survives_its_file(run):
-    data = json.loads(json.dumps(plan_to_dict(run.plan, (run.plan.choice, REFUSED)), allow_nan=False))
+    data = json.loads(json.dumps(plan_to_dict(run.plan, (run.plan.choice, REFUSED, PASSED)), allow_nan=False))
     plan = plan_from_dict(data, run.task)
     assert plan == run.plan
-    assert choices_from_dict(data) == (run.plan.choice, REFUSED)
+    assert choices_from_dict(data) == (run.plan.choice, REFUSED, PASSED)
 
 
 def test_a_plan_of_two_stretches_survives_its_file(pressed):
@@ -86,7 +87,7 @@ def test_a_saved_run_gives_the_same_figures_again(run, tmp_path):
     back = load_run(save(run, tmp_path / "run"))
     same_record(run.record, back.record)
     assert back.plan.path == run.plan.path
-    assert back.choices[1] == REFUSED
+    assert back.choices[1:] == (REFUSED, PASSED)
     assert result(back.task, back.plan, back.record, {}) == result(run.task, run.plan, run.record, {})
     assert back.result == json.loads(json.dumps(result(run.task, run.plan, run.record)))
 

@@ -16,10 +16,11 @@ from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
 
 REFUSED = Choice("press_slide", False, "needs 60 N & more, limits.normal_force is <40> N")
+PASSED = Choice("press_slide", False, "not judged in full", judged=False)
 
 
 def save(run, folder):
-    choices = (run.plan.choice, REFUSED)
+    choices = (run.plan.choice, REFUSED, PASSED)
     save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
     return folder
 
@@ -38,6 +39,7 @@ def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
     assert "Goal missed" in text
     assert "10.00 mm" in text
     assert "needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in text
+    assert [text.count(f">{of}</td>") for of in ("chosen", "refused", "passed over")] == [1, 1, 1]
     assert 'href="replay.html"' in text
 
 

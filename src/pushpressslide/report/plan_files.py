@@ -131,6 +131,7 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "path": None if choice.path is None else _path_to_dict(choice.path),
         "goal": None if choice.goal is None else _pose_to_list(choice.goal),
         "leg": choice.leg,
+        "judged": choice.judged,
         "following": None if choice.following is None else _choice_to_dict(choice.following),
     }
 
@@ -145,4 +146,5 @@ def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
         data["friction_margin"], data["parameters"], path,
         None if data["goal"] is None else Pose2(*data["goal"]),
         None if data["following"] is None else _choice_from_dict(data["following"]), data["leg"],
+        data["judged"],
     )  # fmt: skip
