@@ -13,6 +13,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
 from pushpressslide.core.wrench import Twist
 from pushpressslide.experiments.sampling import varied_task
+from pushpressslide.experiments.two_arm_sampling import random_two_arm_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.modes.bimanual_press_slide import APART, MODE, USE
 from pushpressslide.planar.engine import run as run_planar
@@ -204,6 +205,18 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
     assert "12 mm inside" in refusal(slide(contacts=((0.0, 0.145), (0.0, -0.1))))
     small = replace(slide(), object=ObjectModel(Box((0.08, 0.08, 0.1)), 1.0, (0.0, 0.0)))
     assert "no two places 100 mm apart" in refusal(small)
+
+
+def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> None:
+    task = random_two_arm_task(pps.load_task("bimanual-slide"), 12, 2)
+    choice = MODE.choices(task, 1)[0]
+    assert choice.feasible
+    assert choice.parameters["friction_use"] <= USE[-1]
+    assert choice.contacts[0].load > 33.8  # [N] which would do without a lever
+    loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
+    given = replace(task, motion=replace(task.motion, press_force=33.8))
+    assert "the tips slip before the object" in refusal(given)
+    assert loads == [min(task.limits.normal_force, 1.3 * 33.8)] * 2
 
 
 def test_an_object_that_would_tip_is_refused() -> None:

@@ -39,6 +39,7 @@ from pushpressslide.tracking.eased import EasedTracker
 
 COP: Cop = "balanced"
 USE = (0.7, 0.8, 0.9, 0.95)  # shares of the tips' friction that a motion may take, the best first
+HARDER = 1.3  # times as hard where the drag's lever takes more of the friction
 LEAST_PRESS = 4.0  # [N] below which a tip bounces on the object
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
 ROUNDING = 1e-6  # [m] by which it may be nearer
@@ -83,13 +84,11 @@ class BimanualPressSlide:
         """Pairs of places to press, in B [m]: opposite each other about the CoM, or given."""
         body, given = task.object, task.motion.contacts
         if given is not None and len(given) == 2:
-            com = body.center_of_mass
-            first, second = ((x - com[0], y - com[1]) for x, y in given)
+            first, second = (body.X_GB.inverse().apply(p) for p in given)
             return [(first, second)]
         dx, dy = lean(task, task.motion.press_force or lean_press(task))
         pairs: list[Pair] = []
-        for p in top_places(body, EDGE):
-            q = (-p[0], -p[1])
+        for p, q in ((p, (-p[0], -p[1])) for p in top_places(body, EDGE)):
             new = all(min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs)
             if new and inside_top(body, q, EDGE - ROUNDING) and math.dist(p, q) >= APART:
                 pairs.append((p, q))
@@ -127,21 +126,24 @@ class BimanualPressSlide:
 
     def _draft(self, task: Task, placed: Choice, judged: bool) -> list[Choice]:
         """Judge one pair of contacts but for the arms' reach."""
-        path, mu, what = placed.path, task.believed.contact_friction, placed.reason
-        if not (judged and placed.feasible and isinstance(path, TwistPath)):
+        body, mu, what = placed.path, task.believed.contact_friction, placed.reason
+        if not (judged and placed.feasible and isinstance(body, TwistPath)):
             return [placed]
         try:
-            problem, normals = self._loads(task, (placed.contacts[0].point, placed.contacts[1].point), path)
+            problem, loads = self._loads(task, (placed.contacts[0].point, placed.contacts[1].point), body)
         except ValueError as error:
             return [replace(placed, feasible=False, path=None, reason=f"{what}: {error}")]
-        pressed = tuple(replace(c, load=n) for c, n in zip(placed.contacts, normals, strict=True))
-        point = _tracking_point(task, pressed, _twist(path, (0.0, 0.0)))
-        ends = path.start.compose(Pose2(*point)), path.end.compose(Pose2(*point))
-        path = TwistPath.between(ends, path.radius)
-        try:
-            drag = self._drag(task, pressed, path, point)
-        except ValueError as error:
-            return [replace(placed, feasible=False, path=None, reason=f"{what}: it would tip: {error}")]
+        for normals in loads:
+            pressed = tuple(replace(c, load=n) for c, n in zip(placed.contacts, normals, strict=True))
+            point = _tracking_point(task, pressed, _twist(body, (0.0, 0.0)))
+            ends = body.start.compose(Pose2(*point)), body.end.compose(Pose2(*point))
+            path = TwistPath.between(ends, body.radius)
+            try:
+                drag = self._drag(task, pressed, path, point)
+            except ValueError as error:
+                return [replace(placed, feasible=False, path=None, reason=f"{what}: it would tip: {error}")]
+            if drag.use <= USE[-1]:
+                break
         if problem is None and drag.room < TIPPING_ROOM:
             problem = (
                 f"drag at {task.object.shape.height:.3f} m tips the object: the centre of pressure comes "
@@ -163,8 +165,8 @@ class BimanualPressSlide:
         margin, ok = atan(mu) - atan(drag.use * mu), problem is None
         return [Choice(self.name, ok, told, pressed, path.length, time, margin, parameters, path)]
 
-    def _loads(self, task: Task, points: Pair, path: TwistPath) -> tuple[str | None, Point]:
-        """Return what stands against the loads, and the loads [N] for ``path``: the largest where none do.
+    def _loads(self, task: Task, points: Pair, path: TwistPath) -> tuple[str | None, list[Point]]:
+        """Return what stands against the loads, and loads [N] to try for ``path``: the largest where none do.
 
         Raises ValueError where no two tips can press so.
         """
@@ -172,8 +174,7 @@ class BimanualPressSlide:
         cop: Cop = COP if task.motion.cop is None else task.motion.cop
         twist = _twist(path, (0.0, 0.0))
         weight, mu_s, mu_a = task.weight_on_support, belief.support_friction, belief.contact_friction
-        resting = pressures(task)((0.0, 0.0))
-        rho = touching_ellipsoid(resting, mu_s, twist).rho
+        rho = touching_ellipsoid(pressures(task)((0.0, 0.0)), mu_s, twist).rho
 
         def presses(use: float = 1.0) -> TwoPresses:
             return TwoPresses(*points, weight, mu_s, use * mu_a, rho, cap)
@@ -187,19 +188,19 @@ class BimanualPressSlide:
                     f"the lighter press is {min(normals):.1f} N, allowed from {LEAST_PRESS:g} N: a contact "
                     "that does not press holds nothing"
                 )
-            return None, normals
+            return None, [normals]
         if weight == 0.0:
             steps = [(twist, along) for along in weights(task, path)]
-            return None, wall_loads(presses, steps, USE, max(LEAST_PRESS, lean_press(task)))
+            return None, [wall_loads(presses, steps, USE, max(LEAST_PRESS, lean_press(task)))]
         found = safe_loads(presses, cop, twist, USE, LEAST_PRESS)
         if found is not None:
-            return None, found
+            return None, [found, loads_with(presses(), cop, min(cap, HARDER * max(found)))]
         if mu_a <= mu_s:
             raise ValueError(f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no press drags")
         if isinstance(cop, str):
             normals = loads_with(presses(), cop, cap)
             use = presses().at(normals, twist).needed / sum(normals)
-            return f"{_slipping(normals, use)}; limits.normal_force is {cap:g} N", normals
+            return f"{_slipping(normals, use)}; limits.normal_force is {cap:g} N", [normals]
         can = possible_fractions(presses, twist, USE[-1:], LEAST_PRESS)
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}" if can else "and so does any other"
         raise ValueError(
@@ -237,12 +238,11 @@ class BimanualPressSlide:
         surface = DraggedSurface(p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"]))
         allocate = self.allocator(plan.choice.contacts, friction, p["rho"], surface.center)
 
-        law = CarriedTracker(plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY)
-
         def holds(wrench: Wrench) -> bool:
             allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
             return allocation.status == "ok" and allocation.margin > 0.0
 
+        law = CarriedTracker(plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY)
         return EasedTracker(law, holds)
 
     def allocator(
