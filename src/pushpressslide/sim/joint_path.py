@@ -51,7 +51,6 @@ STEP = 0.015  # [m] of the way between samples
 TURN_ARM = 0.2  # [m] of way that a turn by one radian counts for
 CLEARANCE = 0.005  # [m] least distance of the arm's capsules, which hold the real outline with 1 cm to spare
 GLANCE = 8  # of so many postures of a way one is looked at first
-ENOUGH = 6  # best candidates of each tilt whose clearance is computed
 REFINED = 4  # misses that are tried to be made good
 MOST_EFFORT = 0.8  # share of a torque limit for the contact at rest; the rest is for control
 MOST_ROLLED = 0.25  # of a press's distance from the CoM: its heading axis turns by no more than is steered
@@ -228,11 +227,12 @@ class ArmSearch:
             self.misses += failed
             yield from found
             return
+        stretched: list[Move] = []
         for held in (self.attitudes[:1], self.attitudes[1:]):  # the preferred one first
-            by_attitude, failed = moves(self.kin, self.tip, held, force=force)
-            self.misses += failed
-            for found in by_attitude:
-                yield from found[:ENOUGH]
+            found, worse, failed = moves(self.kin, self.tip, held, force=force)
+            self.misses, stretched = self.misses + failed, stretched + worse
+            yield from found
+        yield from stretched
 
     def _with_clearance(self, miss: Miss) -> Miss:
         """Return a miss of what the joints can do with what it lacks of clearance besides."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ Held = tuple[ToolAttitude, Array]  # with tool yaw offsets (b,)
 
 JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
 CONDITION_LIMIT = 100.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+GOOD_CONDITION = 60.0  # that a stretched arm's is beyond, whose tip is harder to lead
+ENOUGH = 6  # best candidates of each attitude that are handed on
 HELD = 0.1  # [rad] of any joint of an arm that holds on, from where its contact is
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
@@ -132,9 +135,9 @@ def held_on(
 
 def moves(
     kin: ArmKinematics, tip: TipPath, held: Sequence[Held], *, force: bool
-) -> tuple[list[list[Move]], list[Miss]]:
-    """Return the allowed ways of following a tip path, those of each attitude best first, and the others; all
-    are followed at once; ``force`` allows all.
+) -> tuple[list[Move], list[Move], list[Miss]]:
+    """Return the allowed ways of following a tip path, those of each attitude best first; those with a worse
+    condition, best first; and the others. All are followed at once; ``force`` allows all.
     """
     each = [(attitude, float(offset)) for attitude, offsets in held for offset in offsets]
     turning = [of for of in each if of[0].turns]
@@ -142,10 +145,13 @@ def moves(
         reached = iter(_held(kin, tip, -1, turning).converged)
         each = [of for of in each if not of[0].turns or next(reached)]
     if not each:
-        return [], []
+        return [], [], []
     found, misses = _followed(kin, tip, each, _held(kin, tip, 0, each).q, force)
-    by_attitude = [[move for move in found if move.posture.attitude == of] for of, _ in held]
-    return by_attitude, misses
+    good, worse = list[Move](), [move for move in found if move.condition >= GOOD_CONDITION]
+    for of, _ in held:
+        alike = (move for move in found if move.posture.attitude == of and move.condition < GOOD_CONDITION)
+        good += islice(alike, ENOUGH)
+    return good, worse[:ENOUGH], misses
 
 
 def _held(kin: ArmKinematics, tip: TipPath, i: int, each: Sequence[tuple[ToolAttitude, float]]) -> IkSolution:
