@@ -131,33 +131,34 @@ def _kept_clear(task: Task, choice: Choice) -> Choice:
     """Return the choice, infeasible where the object's path comes too near to an obstacle, where it tips
     into an opening, or where as a tool it does not push straight.
     """
-    problem = None
-    if choice.feasible and choice.path is not None:
-        poses = _swept(task, choice)
-        problem = obstacle_problem(task, choice) or opening_problem(task, choice, poses)
-        problem = problem or tool_problem(task, poses)
+    anything = task.obstacles or task.support.opening or task.tool
+    if not choice.feasible or choice.path is None or not anything:
+        return choice
+    poses = _swept(task, choice)
+    problem = (
+        obstacle_problem(task, poses) or opening_problem(task, choice, poses) or tool_problem(task, poses)
+    )
     return (
         choice if problem is None else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
     )
 
 
-def obstacle_problem(task: Task, choice: Choice) -> str | None:
-    """Return in one line where the object would come too near to an obstacle, or None.
+def obstacle_problem(task: Task, poses: list[Pose2]) -> str | None:
+    """Return in one line where the object would come too near to an obstacle, or None; ``poses``: X_WG along
+    a choice's path.
 
     A movable one counts where it stands at first, so that it is not pushed along. What the object is to push
     as a tool may be touched by it, and is itself kept clear of the others.
     """
-    if choice.path is None or not task.obstacles:
-        return None
     pushed = next((o for o in task.obstacles if task.tool is not None and o.name == task.tool.body), None)
     others = [obstacle for obstacle in task.obstacles if obstacle is not pushed]
     ends = (task.start, task.goal)
-    problem = _too_near("the object", task.object.shape, _swept(task, choice), ends, others)
+    problem = _too_near("the object", task.object.shape, poses, ends, others)
     if problem is None and pushed is not None and task.tool is not None:
         ends = (pushed.pose, task.tool.goal)
         count = max(1, math.ceil(math.dist(*(X.position for X in ends)) / SWEEP_STEP))
-        poses = [_between(*ends, i / count) for i in range(count + 1)]
-        problem = _too_near(f"{pushed.name!r}", Box(pushed.size), poses, ends, others)
+        way = [_between(*ends, i / count) for i in range(count + 1)]
+        problem = _too_near(f"{pushed.name!r}", Box(pushed.size), way, ends, others)
     return problem
 
 

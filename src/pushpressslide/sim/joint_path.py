@@ -130,11 +130,11 @@ class ArmSearch:
                 yield move, done
             else:
                 stopped.append(done)
-        near = [self._with_clearance(miss) for miss in self.misses + stopped if miss.short < NEAR]
         self.misses = sorted(stopped, key=SHORT) + sorted(self.misses, key=SHORT)
         too_hard = bool(stopped) and self.misses[0].short > NEAR + MOST_EFFORT
         if found or self.kin.facts.size < POSE or self.stays or too_hard:
             return
+        near = [self._with_clearance(miss) for miss in self.misses if miss.short < NEAR]
         for miss in _diverse(sorted((miss for miss in near if miss.short < NEAR), key=SHORT)):
             better = Move.of(self.kin, miss.posture) if miss.on_the_way else self._refined(miss)
             refined = None if better is None else self.path(better, thorough=True)
@@ -275,7 +275,8 @@ def _diverse(misses: list[Miss]) -> list[Miss]:
     """Return the nearest of near misses, not too like each other."""
     out: list[Miss] = []
     for miss in misses:
-        out += [] if any(miss.posture.like(chosen.posture) for chosen in out) else [miss]
+        if not any(miss.posture.like(chosen.posture) for chosen in out):
+            out.append(miss)
     return out[:REFINED]
 
 

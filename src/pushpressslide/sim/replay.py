@@ -142,11 +142,11 @@ class _Marks:
         self._nearer: Any = nearer / np.linalg.norm(nearer)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
         self._trace = self._draw_trace(np.array([(v.x, v.y) for v in vehicle]), arrays["stretch"][ticks])
-        pin = self._height + 0.03
-        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, pin), BLUE)
+        self._pin = self._height + 0.03
+        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._pin), BLUE)
         meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
         up = float(np.dot(frame.spin_axis, frame.direction((0.0, 0.0, 1.0))))  # of the axle's own z axis
-        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * pin * up]))
+        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * self._pin * up]))
         for arm in self._arms:
             self._add_arrow(f"marks/force_{arm}", PURPLE)
         for arm in self._pressing:
@@ -187,8 +187,7 @@ class _Marks:
     def show(self, frame: int, tick: int, t: float) -> None:
         """Record the marks of one frame, at time ``t`` [s] of the animation."""
         meshcat, X_WV = self._meshcat, self._playback.vehicle_pose(tick)
-        middle = 0.5 * (self._height + 0.03)
-        axle = rigid_transform(Pose2(X_WV.x, X_WV.y), middle, self._frame)
+        axle = rigid_transform(Pose2(X_WV.x, X_WV.y), 0.5 * self._pin, self._frame)
         meshcat.SetTransform("marks/axle", axle, time_in_recording=t)
         for at, name in self._trace:
             if frame in (0, at, self._last):
