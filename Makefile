@@ -10,10 +10,10 @@ demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
 
 test: $(READY) lint
-	$(BIN)/pytest -m "not long"
+	$(BIN)/pytest -n auto -m "not long"
 
 test-all: $(READY) lint
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto
 
 lint: $(READY)
 	$(BIN)/ruff check .

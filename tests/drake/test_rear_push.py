@@ -67,12 +67,6 @@ def test_contact_is_kept_and_the_tip_hardly_slides(name: str) -> None:
     assert measured["slip_distance"] < 0.01
 
 
-@pytest.mark.parametrize("name", TASKS)
-def test_simulation_is_faster_than_time(name: str) -> None:
-    plan, record = run_of(name)
-    assert figures(plan, record)["realtime_factor"] > 1.0
-
-
 def moving_path(record: Record) -> np.ndarray:
     """Return the object's positions (101, 2) [m] at equal shares of its way while it is pushed."""
     moving = record.arrays["phase"] == PHASES.index("move")

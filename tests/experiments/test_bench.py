@@ -22,28 +22,30 @@ def ratios(rows):
     return {row["what"]: row["ratio"] for row in rows}
 
 
-def test_ratios_are_to_the_first_contestant_and_an_absent_one_says_why():
-    def slow() -> None:
-        sum(range(2000))
+def test_ratios_are_to_the_first_contestant_and_an_absent_one_says_why(monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(bench, "perf_counter", lambda: clock[0])
 
-    rows = bench.compared(
-        {"none": [(lambda: None, ())] * 200, "much": [(slow, ())] * 200, "absent": "not here"}
-    )
-    assert [row["what"] for row in rows] == ["none", "much", "absent"]
+    def takes(seconds: float) -> None:
+        clock[0] += seconds
+
+    rows = bench.compared({"quick": [(takes, (2.0,))] * 3, "slow": [(takes, (14.0,))] * 3, "absent": "not here"})
+    assert [row["what"] for row in rows] == ["quick", "slow", "absent"]
     assert rows[0]["ratio"] == 1.0
-    assert rows[1]["ratio"] > 5.0
+    assert rows[0]["median_us"] == pytest.approx(2e6)
+    assert rows[1]["ratio"] == pytest.approx(7.0)
     assert rows[2] == {"what": "absent", "median_us": None, "ratio": None, "note": "not here"}
 
 
-def test_the_closed_forms_are_many_times_faster_than_the_solvers(quick, tmp_path):
-    """Lower bounds that hold on a busy machine; what is measured on a quiet one is in docs/allocation.md."""
+def test_every_solver_is_timed_beside_the_closed_form(quick, tmp_path):
     pushes, presses = (
         ratios(bench.bench([name], out=tmp_path)["benchmarks"][name]) for name in ("pushes", "presses")
     )
-    assert min(pushes["DAQP"], pushes["DAQP, workspace kept"]) > 3.0
-    assert presses["Clarabel"] > 25.0
-    assert min(value for name, value in pushes.items() if name.startswith("Drake")) > 20.0
-    assert min(value for name, value in presses.items() if name.startswith("Drake")) > 20.0
+    assert {"DAQP", "DAQP, workspace kept", "Drake OSQP"} <= pushes.keys()
+    assert {"Clarabel"} <= presses.keys()
+    for found in (pushes, presses):
+        assert found["closed form"] == 1.0
+        assert all(ratio is not None for ratio in found.values())
 
 
 def test_all_contestants_solve_the_same_problem(quick):
@@ -72,7 +74,7 @@ def test_a_solver_that_is_not_installed_is_named(quick, monkeypatch, tmp_path):
     rows = {row["what"]: row for row in bench.bench(["pushes"], out=tmp_path)["benchmarks"]["pushes"]}
     assert rows["DAQP"]["ratio"] is None
     assert "pip install" in rows["DAQP"]["note"]
-    assert rows["Drake OSQP"]["ratio"] > 1.0
+    assert rows["Drake OSQP"]["ratio"] is not None
 
 
 def test_the_result_is_kept_with_versions(quick, tmp_path):
@@ -87,7 +89,7 @@ def test_a_tick_is_counted_in_empty_calls(quick, monkeypatch, tmp_path):
     monkeypatch.setattr(bench, "CALLS", 300)
     rows = ratios(bench.bench(["tick"], out=tmp_path)["benchmarks"]["tick"])
     assert rows["empty function call"] == 1.0
-    assert all(rows[name] > 5.0 for name in bench.TICKS)
+    assert set(bench.TICKS) <= rows.keys()
 
 
 def test_an_unknown_benchmark_is_refused_with_the_names_there_are(tmp_path):
