@@ -1,4 +1,5 @@
-"""Push, press and slide objects with one or two robot arms: by reduced-order models and closed-form control.
+"""Push, press and slide objects with one or two robot arms: by reduced-order models and
+closed-form control.
 
     import pushpressslide as pps
     task = pps.load_task("task.yaml")

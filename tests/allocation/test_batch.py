@@ -34,13 +34,16 @@ def test_pushes(points, normals, mu, split):
 def test_presses():
     rng = np.random.default_rng(1)
     points = ((-0.1, 0.2), (0.15, -0.2))
-    wrenches, normals = rng.normal(size=(400, 3)) * (1.0, 1.0, 0.1), rng.uniform(0.0, 5.0, (400, 2))
+    wrenches = rng.normal(size=(400, 3)) * (1.0, 1.0, 0.1)
+    normals = rng.uniform(0.0, 5.0, (400, 2))
     cops = rng.uniform(-0.1, 0.1, (400, 2))
     forces, feasible = press_forces(points, 0.5, wrenches, normals, cops)
     allocate = two_press_allocator(points, 0.5)
     single = [
         allocate(*w, tuple(n), tuple(c))
-        for w, n, c in zip(wrenches.tolist(), normals.tolist(), cops.tolist(), strict=True)
+        for w, n, c in zip(
+            wrenches.tolist(), normals.tolist(), cops.tolist(), strict=True
+        )
     ]
     assert feasible.tolist() == [a.status == "ok" for a in single]
     assert 50 < feasible.sum() < 350

@@ -5,14 +5,28 @@ import math
 import numpy as np
 import pytest
 
-from pushpressslide.allocation.cop_strategy import least_loads, loads_with, possible_fractions, safe_loads
+from pushpressslide.allocation.cop_strategy import (
+    least_loads,
+    loads_with,
+    possible_fractions,
+    safe_loads,
+)
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.core.wrench import Twist
 
-LEFT, RIGHT = (0.0, 0.12), (0.0, -0.12)
-WEIGHT, MU_S, MU_A, RHO = 20.0, 0.3, 0.8, 0.13
+LEFT = (0.0, 0.12)
+RIGHT = (0.0, -0.12)
+WEIGHT = 20.0
+MU_S = 0.3
+MU_A = 0.8
+RHO = 0.13
 USES = (0.7, 0.8, 0.9)
-TWISTS = [Twist(1.0, 0.0, 0.0), Twist(0.3, 1.0, 2.0), Twist(0.0, 0.0, -1.0), Twist(-1.0, 0.4, 5.0)]
+TWISTS = [
+    Twist(1.0, 0.0, 0.0),
+    Twist(0.3, 1.0, 2.0),
+    Twist(0.0, 0.0, -1.0),
+    Twist(-1.0, 0.4, 5.0),
+]
 
 
 def presses(use: float = 1.0, cap: float = 60.0) -> TwoPresses:
@@ -43,7 +57,9 @@ def test_the_larger_load_is_the_one_that_is_given(cop) -> None:
         assert (left > right) == (cop == "left" or cop == 0.3)
 
 
-def test_left_and_right_leave_the_lighter_contact_just_what_a_turn_on_the_spot_takes() -> None:
+def test_left_and_right_leave_the_lighter_contact_just_what_a_turn_on_the_spot_takes() -> (
+    None
+):
     for cop in ("left", "right"):
         loads = loads_with(presses(), cop, 40.0)
         turn = presses().at(loads, Twist(0.0, 0.0, 1.0, cop_of(loads)))
@@ -55,20 +71,29 @@ def cop_of(loads: tuple[float, float]) -> tuple[float, float]:
     return (0.0, 0.12 * (loads[0] - loads[1]) / (WEIGHT + sum(loads)))
 
 
-def test_balanced_loads_drive_every_twist_with_the_share_of_friction_that_was_asked() -> None:
+def test_balanced_loads_drive_every_twist_with_the_share_of_friction_that_was_asked() -> (
+    None
+):
     loads = safe_loads(presses, "balanced", TWISTS[0], USES, 2.0)
     assert loads is not None
     assert loads[0] == loads[1]
     use = next(u for u in USES if presses(u).press_for_every_twist() <= 2.0 * 60.0)
     rng = np.random.default_rng(0)
-    margins = [presses(use).at(loads, Twist(*rng.normal(size=2), rng.normal() / RHO)) for _ in range(500)]
+    margins = [
+        presses(use).at(loads, Twist(*rng.normal(size=2), rng.normal() / RHO))
+        for _ in range(500)
+    ]
     assert all(found.status == "ok" for found in margins)
     assert min(found.margin for found in margins) < 0.3
 
 
 def test_the_first_share_of_friction_that_the_cap_allows_is_taken() -> None:
-    free = safe_loads(lambda use: presses(use, cap=1e3), "balanced", TWISTS[0], USES, 2.0)
-    tight = safe_loads(lambda use: presses(use, cap=0.9 * free[0]), "balanced", TWISTS[0], USES, 2.0)
+    free = safe_loads(
+        lambda use: presses(use, cap=1e3), "balanced", TWISTS[0], USES, 2.0
+    )
+    tight = safe_loads(
+        lambda use: presses(use, cap=0.9 * free[0]), "balanced", TWISTS[0], USES, 2.0
+    )
     assert tight is not None
     assert tight[0] < 0.9 * free[0]
 
@@ -95,7 +120,9 @@ def test_a_fraction_stays_where_it_is_when_its_loads_are_raised_to_be_felt() -> 
         assert light.at(loads, twist).status == "ok"
 
 
-def test_a_fraction_that_needs_a_pull_has_no_loads_and_the_possible_ones_are_an_interval() -> None:
+def test_a_fraction_that_needs_a_pull_has_no_loads_and_the_possible_ones_are_an_interval() -> (
+    None
+):
     twist = TWISTS[2]
     low, high = possible_fractions(presses, twist, (1.0,), 2.0)
     assert 0.0 < low < 0.5 < high < 1.0

@@ -19,7 +19,13 @@ def contact(angle, offset):
     return (-0.07 * n[0] - offset * n[1], -0.07 * n[1] + offset * n[0]), n
 
 
-@given(angles, st.floats(-0.05, 0.05), frictions, st.floats(0.1, 50.0), st.floats(-0.999, 0.999))
+@given(
+    angles,
+    st.floats(-0.05, 0.05),
+    frictions,
+    st.floats(0.1, 50.0),
+    st.floats(-0.999, 0.999),
+)
 def test_a_wrench_of_the_cone_is_realised_exactly(angle, offset, mu, fn, share):
     point, n = contact(angle, offset)
     f = (fn * (n[0] - share * mu * n[1]), fn * (n[1] + share * mu * n[0]))
@@ -29,27 +35,43 @@ def test_a_wrench_of_the_cone_is_realised_exactly(angle, offset, mu, fn, share):
     assert out.margin > 0.0
 
 
-@given(angles, st.floats(-0.05, 0.05), frictions, st.tuples(*[st.floats(-1.0, 1.0)] * 3))
-def test_any_wrench_gets_a_force_inside_the_cone_and_an_honest_residual(angle, offset, mu, wrench):
+@given(
+    angles, st.floats(-0.05, 0.05), frictions, st.tuples(*[st.floats(-1.0, 1.0)] * 3)
+)
+def test_any_wrench_gets_a_force_inside_the_cone_and_an_honest_residual(
+    angle, offset, mu, wrench
+):
     point, n = contact(angle, offset)
     out = one_contact_allocator(point, n, mu, 0.05)(*wrench)
     f = out.forces[0]
-    fn, ft = f[0] * n[0] + f[1] * n[1], -f[0] * n[1] + f[1] * n[0]
+    fn = f[0] * n[0] + f[1] * n[1]
+    ft = -f[0] * n[1] + f[1] * n[0]
     assert fn >= -1e-12
     assert abs(ft) <= mu * fn + 1e-9
     realised = (*f, cross(point, f))
-    assert all(abs(w - r - e) < 1e-12 for w, r, e in zip(wrench, realised, out.residual, strict=True))
+    assert all(
+        abs(w - r - e) < 1e-12
+        for w, r, e in zip(wrench, realised, out.residual, strict=True)
+    )
 
 
 @given(
-    angles, st.floats(-0.05, 0.05), frictions, st.tuples(*[st.floats(-1.0, 1.0)] * 2), st.floats(-0.05, 0.05)
+    angles,
+    st.floats(-0.05, 0.05),
+    frictions,
+    st.tuples(*[st.floats(-1.0, 1.0)] * 2),
+    st.floats(-0.05, 0.05),
 )
 def test_no_force_of_the_cone_is_nearer(angle, offset, mu, force, tau):
     point, n = contact(angle, offset)
     rho = 0.05
 
     def cost(f):
-        return (f[0] - force[0]) ** 2 + (f[1] - force[1]) ** 2 + ((cross(point, f) - tau) / rho) ** 2
+        return (
+            (f[0] - force[0]) ** 2
+            + (f[1] - force[1]) ** 2
+            + ((cross(point, f) - tau) / rho) ** 2
+        )
 
     def of_edges(k):
         return [
@@ -59,7 +81,11 @@ def test_no_force_of_the_cone_is_nearer(angle, offset, mu, force, tau):
 
     out = one_contact_allocator(point, n, mu, rho)(*force, tau)
     best = minimize(
-        lambda k: cost(of_edges(k)), [0.3, 0.3], bounds=[(0, None)] * 2, method="L-BFGS-B", tol=1e-14
+        lambda k: cost(of_edges(k)),
+        [0.3, 0.3],
+        bounds=[(0, None)] * 2,
+        method="L-BFGS-B",
+        tol=1e-14,
     )
     assert cost(out.forces[0]) <= best.fun + 1e-7
 

@@ -10,20 +10,30 @@ from pushpressslide.core.pose import cross
 numbers = st.floats(-20.0, 20.0)
 
 
-@given(numbers, numbers, st.floats(-2.0, 2.0), st.floats(0.5, 40.0), st.floats(0.1, 1.5))
-def test_what_is_given_plus_what_is_missing_is_what_was_asked(fx, fy, tau, load, friction) -> None:
-    point, cop = (0.12, -0.05), (0.03, 0.01)
+@given(
+    numbers, numbers, st.floats(-2.0, 2.0), st.floats(0.5, 40.0), st.floats(0.1, 1.5)
+)
+def test_what_is_given_plus_what_is_missing_is_what_was_asked(
+    fx, fy, tau, load, friction
+) -> None:
+    point = (0.12, -0.05)
+    cop = (0.03, 0.01)
     found = one_press_allocator(point, load, friction, 0.1, cop)(fx, fy, tau)
     (f,) = found.forces
     given_tau = cross((point[0] - cop[0], point[1] - cop[1]), f)
-    total = (f[0] + found.residual[0], f[1] + found.residual[1], given_tau + found.residual[2])
+    total = (
+        f[0] + found.residual[0],
+        f[1] + found.residual[1],
+        given_tau + found.residual[2],
+    )
     assert total == pytest.approx((fx, fy, tau), abs=1e-9)
     assert f[0] ** 2 + f[1] ** 2 <= (friction * load) ** 2 * (1.0 + 1e-9)
     assert found.margin >= -1e-9
 
 
 def test_a_force_of_the_contact_is_given_exactly() -> None:
-    point, f = (0.2, 0.03), (1.0, -2.0)
+    point = (0.2, 0.03)
+    f = (1.0, -2.0)
     found = one_press_allocator(point, 8.0, 0.9, 0.1)(*f, cross(point, f))
     assert found.status == "ok"
     assert found.forces == (f,)

@@ -1,10 +1,14 @@
-"""The allocators against solvers that know nothing of them: DAQP, Clarabel, SciPy's NNLS."""
+"""The allocators against solvers that know nothing of them: DAQP, Clarabel, SciPy's
+NNLS.
+"""
 
 import pytest
 
 from pushpressslide.experiments import agreement
 
-few_and_many = pytest.mark.parametrize("cases", [400, pytest.param(10_000, marks=pytest.mark.long)])
+few_and_many = pytest.mark.parametrize(
+    "cases", [400, pytest.param(10_000, marks=pytest.mark.long)]
+)
 
 
 @few_and_many

@@ -12,14 +12,17 @@ from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin
 
-D_X, W, RHO = 0.1, 0.06, 0.08
+D_X = 0.1
+W = 0.06
+RHO = 0.08
 REAR = ((-D_X, W), (-D_X, -W))
 FORWARD = (1.0, 0.0)
 frictions = st.floats(0.1, 1.4)
 
 
 def turned(v, angle):
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     return (c * v[0] - s * v[1], s * v[0] + c * v[1])
 
 
@@ -34,27 +37,44 @@ def test_what_is_possible_is_allocated_in_the_ratio_of_the_normal_forces(fx, fy,
         assert out.normals == pytest.approx((0.5 * (fx - m), 0.5 * (fx + m)), abs=1e-9)
         for force, push in zip(out.forces, out.normals, strict=True):
             assert force == pytest.approx((push, fy * push / fx), abs=1e-9)
-        assert wrench_of_forces(REAR, out.forces)[:3] == pytest.approx((fx, fy, tau), abs=1e-9)
-        assert out.margin == pytest.approx(min(cone_margin(f, FORWARD, mu) for f in out.forces), abs=1e-9)
+        assert wrench_of_forces(REAR, out.forces)[:3] == pytest.approx(
+            (fx, fy, tau), abs=1e-9
+        )
+        assert out.margin == pytest.approx(
+            min(cone_margin(f, FORWARD, mu) for f in out.forces), abs=1e-9
+        )
 
 
 @given(
-    st.floats(-math.pi, math.pi), st.floats(0.1, 2.0), st.floats(-0.9, 0.9), st.floats(-0.9, 0.9), frictions
+    st.floats(-math.pi, math.pi),
+    st.floats(0.1, 2.0),
+    st.floats(-0.9, 0.9),
+    st.floats(-0.9, 0.9),
+    frictions,
 )
 def test_any_face_in_either_order(angle, fx, slide, turn, mu):
     fy = slide * mu * fx
     tau = W * turn * fx - D_X * fy
     fx_B, fy_B = turned((fx, fy), angle)
     points = tuple(turned(p, angle) for p in REAR)
-    left, right = parallel_push_allocator(points, turned(FORWARD, angle), mu, RHO)(fx_B, fy_B, tau).forces
-    again = parallel_push_allocator(points[::-1], turned(FORWARD, angle), mu, RHO)(fx_B, fy_B, tau).forces
+    left, right = parallel_push_allocator(points, turned(FORWARD, angle), mu, RHO)(
+        fx_B, fy_B, tau
+    ).forces
+    again = parallel_push_allocator(points[::-1], turned(FORWARD, angle), mu, RHO)(
+        fx_B, fy_B, tau
+    ).forces
     expected = parallel_push_allocator(REAR, FORWARD, mu, RHO)(fx, fy, tau).forces
     assert left == pytest.approx(turned(expected[0], angle), abs=1e-9)
     assert right == pytest.approx(turned(expected[1], angle), abs=1e-9)
     assert again[1] == pytest.approx(left, abs=1e-9)
 
 
-@given(st.floats(0.1, 2.0), st.floats(-0.95, 0.95), st.floats(-0.95, 0.95), st.floats(0.2, 1.4))
+@given(
+    st.floats(0.1, 2.0),
+    st.floats(-0.95, 0.95),
+    st.floats(-0.95, 0.95),
+    st.floats(0.2, 1.4),
+)
 def test_neither_contact_is_nearer_to_slipping_than_the_other(fx, slide, turn, mu):
     fy = slide * mu * fx
     wrench = (fx, fy, W * turn * fx - D_X * fy)
@@ -72,11 +92,15 @@ def test_neither_contact_is_nearer_to_slipping_than_the_other(fx, slide, turn, m
 def test_what_is_not_possible_is_moved_as_for_any_two_contacts(fx, fy, tau, mu):
     out = parallel_push_allocator(REAR, FORWARD, mu, RHO)(fx, fy, tau)
     if out.status != "ok":
-        assert out == two_contact_allocator(REAR, (FORWARD, FORWARD), mu, RHO)(fx, fy, tau)
+        assert out == two_contact_allocator(REAR, (FORWARD, FORWARD), mu, RHO)(
+            fx, fy, tau
+        )
 
 
 def test_caps_are_kept():
-    out = parallel_push_allocator(REAR, FORWARD, 0.5, RHO, caps=(3.0, 3.0))(10.0, 0.0, 0.0)
+    out = parallel_push_allocator(REAR, FORWARD, 0.5, RHO, caps=(3.0, 3.0))(
+        10.0, 0.0, 0.0
+    )
     assert out.status == "projected"
     assert out.normals == pytest.approx((3.0, 3.0))
 

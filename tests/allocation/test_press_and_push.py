@@ -9,33 +9,44 @@ from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core.pose import cross
 from pushpressslide.mechanics.contacts import wrench_of_forces
 
-PRESS, PUSH, COP = (-0.11, 0.2), (-0.3, -0.2), (-0.05, 0.1)
+PRESS = (-0.11, 0.2)
+PUSH = (-0.3, -0.2)
+COP = (-0.05, 0.1)
 
 
 def drawn(count: int, seed: int):
     """Contacts anywhere with a lever, and a wrench of the size that they can give."""
     rng = np.random.default_rng(seed)
     while count:
-        press, push = tuple(rng.uniform(-0.3, 0.3, 2).tolist()), tuple(rng.uniform(-0.3, 0.3, 2).tolist())
-        angle, friction, load = rng.uniform(-math.pi, math.pi), rng.uniform(0.2, 1.2), rng.uniform(3.0, 60.0)
+        press = tuple(rng.uniform(-0.3, 0.3, 2).tolist())
+        push = tuple(rng.uniform(-0.3, 0.3, 2).tolist())
+        angle = rng.uniform(-math.pi, math.pi)
+        friction = rng.uniform(0.2, 1.2)
+        load = rng.uniform(3.0, 60.0)
         normal = (math.cos(angle), math.sin(angle))
         if abs(cross((push[0] - press[0], push[1] - press[1]), normal)) < 0.02:
             continue
         count -= 1
         size = friction * load
-        wrench = (*(0.8 * size * rng.normal(size=2)).tolist(), float(0.15 * size * rng.normal()))
+        wrench = (
+            *(0.8 * size * rng.normal(size=2)).tolist(),
+            float(0.15 * size * rng.normal()),
+        )
         cop = tuple(rng.uniform(-0.1, 0.1, 2).tolist())
         yield press, load, push, normal, friction, cop, wrench
 
 
 def possible(press, load, push, normal, friction, cop, wrench) -> tuple[bool, bool]:
-    """Whether some share of the force along the line of contacts is inside cone and disc, on a fine grid; and
-    whether that is so by far, or by far not.
+    """Whether some share of the force along the line of contacts is inside cone and
+    disc, on a fine grid; and whether that is so by far, or by far not.
     """
     fx, fy, tau = wrench
     r = np.array(push) - np.array(press)
-    e, n = r / np.linalg.norm(r), np.array(normal)
-    a = (tau - cross((press[0] - cop[0], press[1] - cop[1]), (fx, fy))) / cross(tuple(r), normal)
+    e = r / np.linalg.norm(r)
+    n = np.array(normal)
+    a = (tau - cross((press[0] - cop[0], press[1] - cop[1]), (fx, fy))) / cross(
+        tuple(r), normal
+    )
     reach = abs(a) + math.hypot(fx, fy) + friction * load
     s = np.linspace(-8.0 * reach, 8.0 * reach, 80_001)[:, None]
     f2 = a * n + s * e
@@ -63,11 +74,15 @@ def test_a_wrench_is_realised_exactly_whenever_some_forces_can() -> None:
 
 def test_forces_and_residual_add_up_and_are_inside_cone_and_disc() -> None:
     for press, load, push, normal, friction, cop, wrench in drawn(2000, seed=1):
-        out = press_and_push_allocator(press, load, push, normal, friction, cop)(*wrench)
+        out = press_and_push_allocator(press, load, push, normal, friction, cop)(
+            *wrench
+        )
         total = wrench_of_forces((press, push), out.forces, cop)
         given = (total.fx, total.fy, total.tau)
         for asked, got, missing in zip(wrench, given, out.residual, strict=True):
-            assert got + missing == pytest.approx(asked, abs=1e-9 * (1.0 + friction * load))
+            assert got + missing == pytest.approx(
+                asked, abs=1e-9 * (1.0 + friction * load)
+            )
         assert out.margin >= -1e-9 * friction * load
         assert out.normals[0] == load
         if out.status == "ok":
@@ -88,21 +103,29 @@ def test_friction_of_the_push_relieves_a_press_that_would_slip() -> None:
     wrench = (11.0, 6.0, 6.0)
     strong = press_and_push_allocator(PRESS, 60.0, PUSH, (1.0, 0.0), 0.7, COP)(*wrench)
     alone = math.hypot(*strong.forces[0])
-    weak = press_and_push_allocator(PRESS, 0.985 * alone / 0.7, PUSH, (1.0, 0.0), 0.7, COP)(*wrench)
+    weak = press_and_push_allocator(
+        PRESS, 0.985 * alone / 0.7, PUSH, (1.0, 0.0), 0.7, COP
+    )(*wrench)
     assert weak.status == "ok"
     assert weak.forces[1][1] != 0.0
     assert math.hypot(*weak.forces[0]) == pytest.approx(0.985 * alone)
 
 
 def test_a_push_never_pulls() -> None:
-    out = press_and_push_allocator(PRESS, 60.0, PUSH, (1.0, 0.0), 0.7, COP)(0.0, 0.0, -3.0)
+    out = press_and_push_allocator(PRESS, 60.0, PUSH, (1.0, 0.0), 0.7, COP)(
+        0.0, 0.0, -3.0
+    )
     assert out.status == "infeasible"
     assert out.forces == ((0.0, 0.0), (0.0, 0.0))
     assert out.residual == (0.0, 0.0, -3.0)
 
 
 @pytest.mark.parametrize(("load", "normal"), [(0.0, (1.0, 0.0)), (5.0, (0.19, 0.40))])
-def test_a_press_without_load_or_a_push_without_lever_is_refused(load: float, normal) -> None:
+def test_a_press_without_load_or_a_push_without_lever_is_refused(
+    load: float, normal
+) -> None:
     size = math.hypot(*normal)
     with pytest.raises(ValueError, match="load"):
-        press_and_push_allocator(PRESS, load, PUSH, (normal[0] / size, normal[1] / size), 0.7)
+        press_and_push_allocator(
+            PRESS, load, PUSH, (normal[0] / size, normal[1] / size), 0.7
+        )

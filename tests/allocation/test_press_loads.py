@@ -14,37 +14,60 @@ from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 components = st.floats(-1.0, 1.0)
-twists = st.tuples(components, components, st.floats(-5.0, 5.0)).filter(lambda t: math.hypot(*t) > 0.05)
+twists = st.tuples(components, components, st.floats(-5.0, 5.0)).filter(
+    lambda t: math.hypot(*t) > 0.05
+)
 coordinates = st.floats(0.1, 0.35)
 
 
 def pair(**changes):
     """Two presses on a 0.6 x 0.8 m box of 3 kg."""
     given_ = {
-        "left": (0.0, 0.3), "right": (0.0, -0.3), "weight": 29.43, "support_friction": 0.3,
-        "contact_friction": 0.8, "rho": 0.27, "cap": 200.0,
-    }  # fmt: skip
+        "left": (0.0, 0.3),
+        "right": (0.0, -0.3),
+        "weight": 29.43,
+        "support_friction": 0.3,
+        "contact_friction": 0.8,
+        "rho": 0.27,
+        "cap": 200.0,
+    }
     return TwoPresses(**{**given_, **changes})
 
 
 pairs = st.builds(
     lambda left, right, x, mu_s, extra, rho: pair(
-        left=(x, left), right=(-x, -right), support_friction=mu_s, contact_friction=mu_s * extra, rho=rho
+        left=(x, left),
+        right=(-x, -right),
+        support_friction=mu_s,
+        contact_friction=mu_s * extra,
+        rho=rho,
     ),
-    coordinates, coordinates, st.floats(-0.05, 0.05), st.floats(0.1, 0.4), st.floats(1.2, 4.0),
+    coordinates,
+    coordinates,
+    st.floats(-0.05, 0.05),
+    st.floats(0.1, 0.4),
+    st.floats(1.2, 4.0),
     st.floats(0.1, 0.3),
-)  # fmt: skip
+)
 
 
 def assert_drives(presses, loads, twist):
-    """The loads give the wrench on the limit surface that goes with their own centre of pressure."""
+    """The loads give the wrench on the limit surface that goes with their own centre of
+    pressure.
+    """
     total = presses.weight + sum(loads.normals)
     cop = [
-        sum(n * p[i] for n, p in zip(loads.normals, (presses.left, presses.right), strict=True)) / total
+        sum(
+            n * p[i]
+            for n, p in zip(loads.normals, (presses.left, presses.right), strict=True)
+        )
+        / total
         for i in (0, 1)
     ]
     assert loads.cop == pytest.approx(cop, abs=1e-12)
-    surface = EllipsoidLimitSurface(presses.support_friction * total, presses.rho, loads.cop)
+    surface = EllipsoidLimitSurface(
+        presses.support_friction * total, presses.rho, loads.cop
+    )
     realised = wrench_of_forces((presses.left, presses.right), loads.forces, loads.cop)
     assert realised[:3] == pytest.approx(surface.wrench(twist)[:3], abs=1e-7 * total)
     for force, normal in zip(loads.forces, loads.normals, strict=True):
@@ -59,25 +82,34 @@ def test_loads_in_a_ratio_drive_the_twist_and_nothing_less_does(presses, nu, sha
     assert_drives(presses, loads, twist)
     assert loads.normals[1] == pytest.approx(share * sum(loads.normals))
     assert max(loads.normals) <= presses.cap * (1.0 + 1e-12)
-    assert presses.at(tuple(0.999 * n for n in loads.normals), twist).status == "infeasible"
+    assert (
+        presses.at(tuple(0.999 * n for n in loads.normals), twist).status
+        == "infeasible"
+    )
 
 
 @given(twists, st.floats(0.33, 1.2), st.floats(1.0, 5.0))
 def test_more_press_never_hurts_where_the_centre_of_pressure_stays(nu, mu_a, more):
-    presses, twist = pair(contact_friction=mu_a), Twist(*nu)
+    presses = pair(contact_friction=mu_a)
+    twist = Twist(*nu)
     loads = presses.for_share("balanced", twist)
     assume(loads.status == "ok")
     assert presses.at(tuple(more * n for n in loads.normals), twist).status == "ok"
 
 
 def test_more_press_can_hurt_where_it_moves_the_centre_of_pressure_and_enough_is_found_all_the_same():
-    presses = TwoPresses((0.03125, 0.35), (-0.03125, -0.156), 29.43, 0.25, 0.29, 0.2, 400.0)
-    twist, share = Twist(0.0, 0.0, 1.0), 0.1
+    presses = TwoPresses(
+        (0.03125, 0.35), (-0.03125, -0.156), 29.43, 0.25, 0.29, 0.2, 400.0
+    )
+    twist = Twist(0.0, 0.0, 1.0)
+    share = 0.1
     loads = presses.for_share(share, twist)
     assert loads.status == "ok"
     assert loads.normals[1] == pytest.approx(share * sum(loads.normals))
     assert presses.at(tuple(1.01 * n for n in loads.normals), twist).status == "ok"
-    assert presses.at(tuple(2.0 * n for n in loads.normals), twist).status == "infeasible"
+    assert (
+        presses.at(tuple(2.0 * n for n in loads.normals), twist).status == "infeasible"
+    )
 
 
 @given(pairs, twists, st.floats(0.1, 0.9))
@@ -86,14 +118,20 @@ def test_the_centre_of_pressure_goes_where_it_is_asked_for(presses, nu, fraction
     loads = presses.for_cop(fraction, twist)
     assume(loads.status == "ok")
     assert_drives(presses, loads, twist)
-    (lx, ly), (rx, ry) = presses.left, presses.right
+    lx, ly = presses.left
+    rx, ry = presses.right
     along = (loads.cop[0] - lx) * (rx - lx) + (loads.cop[1] - ly) * (ry - ly)
-    assert along / math.dist(presses.left, presses.right) ** 2 == pytest.approx(fraction, abs=1e-9)
+    assert along / math.dist(presses.left, presses.right) ** 2 == pytest.approx(
+        fraction, abs=1e-9
+    )
 
 
 @given(twists, st.floats(0.1, 0.9))
-def test_for_a_centre_of_pressure_on_the_line_through_the_com_nothing_less_does(nu, fraction):
-    presses, twist = pair(), Twist(*nu)
+def test_for_a_centre_of_pressure_on_the_line_through_the_com_nothing_less_does(
+    nu, fraction
+):
+    presses = pair()
+    twist = Twist(*nu)
     loads = presses.for_cop(fraction, twist)
     assume(loads.status == "ok")
     total = presses.weight + sum(loads.normals)
@@ -109,7 +147,8 @@ def test_for_a_centre_of_pressure_on_the_line_through_the_com_nothing_less_does(
 @given(pairs, twists)
 def test_the_least_press_needs_no_more_than_an_even_one(presses, nu):
     twist = Twist(*nu)
-    least, even = presses.for_least_press(twist), presses.for_share("balanced", twist)
+    least = presses.for_least_press(twist)
+    even = presses.for_share("balanced", twist)
     if even.status == "ok":
         assert least.status == "ok"
         assert_drives(presses, least, twist)
@@ -124,10 +163,14 @@ def test_no_ratio_of_many_needs_less_than_the_least_press():
             right=(-0.02, -rng.uniform(0.1, 0.35)),
             rho=rng.uniform(0.1, 0.3),
         )
-        twist = Twist(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), rng.uniform(-5.0, 5.0))
+        twist = Twist(
+            rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), rng.uniform(-5.0, 5.0)
+        )
         least = sum(presses.for_least_press(twist).normals)
         found = [presses.for_share(share / 60, twist) for share in range(1, 60)]
-        assert least <= 1.005 * min(sum(loads.normals) for loads in found if loads.status == "ok")
+        assert least <= 1.005 * min(
+            sum(loads.normals) for loads in found if loads.status == "ok"
+        )
 
 
 @given(pairs, twists, st.sampled_from(["left", "right"]))
@@ -170,9 +213,13 @@ def test_the_press_for_every_twist_is_tight():
     presses = pair()
     total = 0.999 * presses.press_for_every_twist()
     fan = [
-        Twist(math.cos(a), 0.0, math.sin(a) / presses.rho) for a in (i * math.pi / 500 for i in range(500))
+        Twist(math.cos(a), 0.0, math.sin(a) / presses.rho)
+        for a in (i * math.pi / 500 for i in range(500))
     ]
-    assert any(presses.at((0.5 * total, 0.5 * total), twist).status == "infeasible" for twist in fan)
+    assert any(
+        presses.at((0.5 * total, 0.5 * total), twist).status == "infeasible"
+        for twist in fan
+    )
 
 
 def test_no_press_is_enough_where_the_support_grips_more_than_the_tips():
@@ -189,20 +236,29 @@ def test_no_press_is_enough_where_the_support_grips_more_than_the_tips():
 def test_a_centre_of_pressure_out_of_reach_gives_the_least_press_instead():
     loads = pair().for_cop(0.02, Twist(1.0, 0.0, 0.0))
     assert loads.status == "projected"
-    assert loads == pair().for_least_press(Twist(1.0, 0.0, 0.0))._replace(status="projected")
+    assert loads == pair().for_least_press(Twist(1.0, 0.0, 0.0))._replace(
+        status="projected"
+    )
 
 
 def test_pressing_only_one_contact_cannot_pivot_about_it():
-    """The paper drops N_R to zero for this; a contact that does not press transmits no force."""
+    """The paper drops N_R to zero for this; a contact that does not press transmits no
+    force.
+    """
     presses = pair()
-    assert presses.at((60.0, 0.0), Twist(0.0, 0.0, 1.0, presses.left)).status == "infeasible"
+    assert (
+        presses.at((60.0, 0.0), Twist(0.0, 0.0, 1.0, presses.left)).status
+        == "infeasible"
+    )
 
 
 WALL = {"left": (-0.2, 0.0), "right": (0.2, 0.0), "weight": 0.0}
 
 
 @given(st.floats(0.2, 1.2), st.floats(0.1, 1.2), st.floats(-1.0, 1.0))
-def test_on_a_wall_the_least_press_slides_the_object_and_nothing_less_does(mu_a, mu_w, up):
+def test_on_a_wall_the_least_press_slides_the_object_and_nothing_less_does(
+    mu_a, mu_w, up
+):
     weight = 4.0
     total = wall_press(weight, mu_a, mu_w, up)
     assume(total < 100.0)
@@ -210,16 +266,22 @@ def test_on_a_wall_the_least_press_slides_the_object_and_nothing_less_does(mu_a,
     twist = Twist(math.sqrt(1.0 - up * up), up, 0.0)
 
     def status(press):
-        return presses.at((0.5 * press, 0.5 * press), twist, gravity=(0.0, -weight)).status
+        return presses.at(
+            (0.5 * press, 0.5 * press), twist, gravity=(0.0, -weight)
+        ).status
 
     assert status((1.0 + 1e-3) * total) == "ok"
     assert status((1.0 - 1e-3) * total) == "infeasible"
 
 
 def test_press_on_a_wall_up_sideways_down_and_at_rest():
-    mg, mu_a, mu_w = 4.0, 0.8, 0.3
+    mg = 4.0
+    mu_a = 0.8
+    mu_w = 0.3
     assert wall_press(mg, mu_a, mu_w, 1.0) == pytest.approx(mg / (mu_a - mu_w))
-    assert wall_press(mg, mu_a, mu_w, 0.0) == pytest.approx(mg / math.sqrt(mu_a**2 - mu_w**2))
+    assert wall_press(mg, mu_a, mu_w, 0.0) == pytest.approx(
+        mg / math.sqrt(mu_a**2 - mu_w**2)
+    )
     assert wall_press(mg, mu_a, mu_w, -1.0) == pytest.approx(wall_hold(mg, mu_a, mu_w))
     assert wall_hold(mg, mu_a, mu_w) == pytest.approx(mg / (mu_a + mu_w))
     assert wall_press(mg, 0.3, 0.3, 1.0) == wall_press(mg, 0.2, 0.3, 0.0) == math.inf
@@ -228,18 +290,25 @@ def test_press_on_a_wall_up_sideways_down_and_at_rest():
 @given(st.floats(-1.0, 1.0), components, st.floats(-3.0, 3.0))
 def test_on_a_wall_the_loads_carry_the_weight_too(vx, vy, w):
     assume(math.hypot(vx, vy, w) > 0.05)
-    presses, weight = pair(**WALL), 4.0
+    presses = pair(**WALL)
+    weight = 4.0
     twist = Twist(vx, vy, w)
     loads = presses.for_share("balanced", twist, gravity=(0.0, -weight))
     assert loads.status == "ok"
     assert loads.cop == pytest.approx((0.0, 0.0), abs=1e-12)
-    slide = EllipsoidLimitSurface(presses.support_friction * sum(loads.normals), presses.rho).wrench(twist)
+    slide = EllipsoidLimitSurface(
+        presses.support_friction * sum(loads.normals), presses.rho
+    ).wrench(twist)
     realised = wrench_of_forces((presses.left, presses.right), loads.forces)
-    assert realised[:3] == pytest.approx((slide.fx, slide.fy + weight, slide.tau), abs=1e-6)
+    assert realised[:3] == pytest.approx(
+        (slide.fx, slide.fy + weight, slide.tau), abs=1e-6
+    )
 
 
 def test_moments_about_the_com_turn_an_object_that_was_meant_to_translate():
-    """Section 7: CoP (0, 0.1875) m, rho 0.2 m, a force of 1 N along x without moment about the CoM."""
+    """Section 7: CoP (0, 0.1875) m, rho 0.2 m, a force of 1 N along x without moment
+    about the CoM.
+    """
     surface = EllipsoidLimitSurface(1.0, 0.2, (0.0, 0.1875))
     meant = Wrench(1.0, 0.0, 0.0)
     twist = surface.twist_direction(meant)
@@ -248,4 +317,6 @@ def test_moments_about_the_com_turn_an_object_that_was_meant_to_translate():
     assert surface.twist_direction(correct).w == pytest.approx(0.0, abs=1e-12)
     points = ((0.0, 0.3), (0.0, -0.3))
     out = two_press_allocator(points, 0.8)(1.0, 0.0, 0.0, (10.0, 10.0), (0.0, 0.1875))
-    assert wrench_of_forces(points, out.forces, (0.0, 0.1875)).tau == pytest.approx(0.0, abs=1e-12)
+    assert wrench_of_forces(points, out.forces, (0.0, 0.1875)).tau == pytest.approx(
+        0.0, abs=1e-12
+    )

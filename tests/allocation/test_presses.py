@@ -16,9 +16,9 @@ from pushpressslide.allocation.presses import (
 from pushpressslide.mechanics.contacts import wrench_of_forces
 
 coordinates = st.floats(-0.3, 0.3)
-points_of_two = st.tuples(st.tuples(coordinates, coordinates), st.tuples(coordinates, coordinates)).filter(
-    lambda p: math.dist(*p) > 0.03
-)
+points_of_two = st.tuples(
+    st.tuples(coordinates, coordinates), st.tuples(coordinates, coordinates)
+).filter(lambda p: math.dist(*p) > 0.03)
 frictions = st.floats(0.1, 1.4)
 normal_forces = st.just(0.0) | st.floats(1e-3, 20.0)
 presses = st.tuples(normal_forces, normal_forces)
@@ -28,9 +28,17 @@ wrenches = st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-1.0,
 anything = st.floats(-1e50, 1e50) | st.sampled_from([math.nan, math.inf, -math.inf])
 
 
-@given(points_of_two, frictions, presses, st.tuples(coordinates, coordinates), st.tuples(shares, shares),
-       st.tuples(angles, angles))  # fmt: skip
-def test_a_wrench_of_the_discs_is_realised_inside_them(points, mu, normals, cop, parts, turns):
+@given(
+    points_of_two,
+    frictions,
+    presses,
+    st.tuples(coordinates, coordinates),
+    st.tuples(shares, shares),
+    st.tuples(angles, angles),
+)
+def test_a_wrench_of_the_discs_is_realised_inside_them(
+    points, mu, normals, cop, parts, turns
+):
     forces = [
         (mu * n * k * math.cos(a), mu * n * k * math.sin(a))
         for n, k, a in zip(normals, parts, turns, strict=True)
@@ -40,21 +48,34 @@ def test_a_wrench_of_the_discs_is_realised_inside_them(points, mu, normals, cop,
     scale = max(1.0, *normals)
     assert out.status == "ok"
     assert out.normals == normals
-    assert wrench_of_forces(points, out.forces, cop)[:3] == pytest.approx(wanted[:3], abs=1e-9 * scale)
-    margins = [mu * n - math.hypot(*f) for n, f in zip(normals, out.forces, strict=True)]
+    assert wrench_of_forces(points, out.forces, cop)[:3] == pytest.approx(
+        wanted[:3], abs=1e-9 * scale
+    )
+    margins = [
+        mu * n - math.hypot(*f) for n, f in zip(normals, out.forces, strict=True)
+    ]
     assert min(margins) >= -1e-9 * scale
     assert out.margin == pytest.approx(min(margins), abs=1e-9 * scale)
 
 
 @given(points_of_two, frictions, presses, wrenches)
-def test_along_the_line_the_contacts_never_pull_against_each_other(points, mu, normals, wrench):
+def test_along_the_line_the_contacts_never_pull_against_each_other(
+    points, mu, normals, wrench
+):
     e = ContactLine(*points).e
     out = two_press_allocator(points, mu)(*wrench, normals)
     along = [f[0] * e[0] + f[1] * e[1] for f in out.forces]
-    assert sum(map(abs, along)) == pytest.approx(abs(sum(along)), abs=1e-9 * (1.0 + sum(normals)))
+    assert sum(map(abs, along)) == pytest.approx(
+        abs(sum(along)), abs=1e-9 * (1.0 + sum(normals))
+    )
 
 
-@given(points_of_two, frictions, st.tuples(st.floats(0.1, 20.0), st.floats(0.1, 20.0)), wrenches)
+@given(
+    points_of_two,
+    frictions,
+    st.tuples(st.floats(0.1, 20.0), st.floats(0.1, 20.0)),
+    wrenches,
+)
 def test_a_wrench_beyond_the_discs_is_scaled_onto_them(points, mu, normals, wrench):
     assume(math.hypot(*wrench) > 1e-3)
     out = two_press_allocator(points, mu)(*wrench, normals)
@@ -92,11 +113,18 @@ def test_no_ratio_needs_less_than_the_least_presses(points, mu, wrench, share):
     assert two_press_allocator(points, mu)(*wrench, enough).status == "ok"
 
 
-@given(points_of_two, frictions, st.tuples(anything, anything, anything), st.tuples(anything, anything))
+@given(
+    points_of_two,
+    frictions,
+    st.tuples(anything, anything, anything),
+    st.tuples(anything, anything),
+)
 def test_nothing_raises_and_what_is_no_number_is_not_ok(points, mu, wrench, normals):
     out = two_press_allocator(points, mu)(*wrench, normals)
     assert out.status in ("ok", "projected", "infeasible")
-    if not all(math.isfinite(w) for w in wrench) or not all(n < math.inf for n in normals):
+    if not all(math.isfinite(w) for w in wrench) or not all(
+        n < math.inf for n in normals
+    ):
         assert out.status != "ok"
 
 

@@ -1,4 +1,6 @@
-"""Where a wrench is moved to that two side contacts cannot give (docs/mechanics.md, section 6)."""
+"""Where a wrench is moved to that two side contacts cannot give (docs/mechanics.md,
+section 6).
+"""
 
 import math
 
@@ -14,8 +16,10 @@ from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.core.pose import cross
 from pushpressslide.mechanics.friction import cone_edges
 
-D, RHO = 0.1, 0.08
-POINTS, NORMALS = ((-D, 0.0), (0.0, D)), ((1.0, 0.0), (0.0, -1.0))
+D = 0.1
+RHO = 0.08
+POINTS = ((-D, 0.0), (0.0, D))
+NORMALS = ((1.0, 0.0), (0.0, -1.0))
 parts = st.floats(-2.0, 2.0)
 frictions = st.floats(0.1, 0.95)
 coordinates = st.floats(-0.3, 0.3)
@@ -24,7 +28,11 @@ angles = st.floats(-math.pi, math.pi)
 
 def edge_wrenches(points, normals, mu):
     return np.array(
-        [(*f, cross(p, f)) for p, n in zip(points, normals, strict=True) for f in cone_edges(n, mu)]
+        [
+            (*f, cross(p, f))
+            for p, n in zip(points, normals, strict=True)
+            for f in cone_edges(n, mu)
+        ]
     ).T
 
 
@@ -39,10 +47,14 @@ def edge_wrenches(points, normals, mu):
 def test_the_nearest_wrench_is_that_of_least_squares(p1, p2, a, b, mu, wrench):
     assume(math.dist(p1, p2) > 0.03)
     normals = ((math.cos(a), math.sin(a)), (math.cos(b), math.sin(b)))
-    out = two_contact_allocator((p1, p2), normals, mu, RHO, split="least_force")(*wrench)
+    out = two_contact_allocator((p1, p2), normals, mu, RHO, split="least_force")(
+        *wrench
+    )
     assume(out.status != "ok")
     weights = np.array([1.0, 1.0, 1.0 / RHO])
-    _, least = nnls(weights[:, None] * edge_wrenches((p1, p2), normals, mu), weights * wrench)
+    _, least = nnls(
+        weights[:, None] * edge_wrenches((p1, p2), normals, mu), weights * wrench
+    )
     assert np.linalg.norm(weights * out.residual) == pytest.approx(least, abs=1e-9)
 
 
@@ -58,7 +70,9 @@ def test_the_facets_are_the_inequalities_of_section_6(p, q, t, mu):
 @given(parts, parts, parts, frictions)
 def test_priority_of_the_torque_adds_the_least_diagonal_drift(p, q, t, mu):
     wrench = (p, -q, t * D)
-    out = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection="torque_priority")(*wrench)
+    out = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection="torque_priority")(
+        *wrench
+    )
     drift = orthogonal.least_drift(*wrench, D, mu)
     assert out.residual == pytest.approx((-drift, drift, 0.0), abs=1e-8)
     if drift > 1e-6:
@@ -72,7 +86,9 @@ def test_priority_of_the_torque_adds_the_least_diagonal_drift(p, q, t, mu):
 def test_priority_of_the_force_clamps_the_moment(p, q, t, mu):
     assume(p + q > 1e-3)
     wrench = (p, -q, t * D)
-    out = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection="force_priority")(*wrench)
+    out = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection="force_priority")(
+        *wrench
+    )
     low, high = orthogonal.moment_limits(p, -q, D, mu)
     kept = min(max(wrench[2], low), high)
     assert out.residual == pytest.approx((0.0, 0.0, wrench[2] - kept), abs=1e-8)
@@ -81,7 +97,9 @@ def test_priority_of_the_force_clamps_the_moment(p, q, t, mu):
 @given(parts, parts, parts, frictions)
 def test_a_force_that_no_moment_makes_possible_goes_to_the_nearest_wrench(p, q, t, mu):
     wrench = (p, -q, t * D)
-    forced = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection="force_priority")(*wrench)
+    forced = two_contact_allocator(
+        POINTS, NORMALS, mu, RHO, projection="force_priority"
+    )(*wrench)
     nearest = two_contact_allocator(POINTS, NORMALS, mu, RHO)(*wrench)
     if forced.status == "projected" and max(map(abs, forced.residual[:2])) > 1e-6:
         assert forced == nearest
@@ -92,7 +110,9 @@ def test_the_nearest_is_no_farther_than_the_others(p, q, t, mu):
     wrench = (p, -q, t * D)
 
     def distance(projection):
-        fx, fy, tau = two_contact_allocator(POINTS, NORMALS, mu, RHO, projection=projection)(*wrench).residual
+        fx, fy, tau = two_contact_allocator(
+            POINTS, NORMALS, mu, RHO, projection=projection
+        )(*wrench).residual
         return math.hypot(fx, fy, tau / RHO)
 
     for other in ("force_priority", "torque_priority"):

@@ -13,7 +13,9 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 
-D, MU, RHO = 0.2, 0.5, 0.12
+D = 0.2
+MU = 0.5
+RHO = 0.12
 SURFACE = DraggedSurface(6.0, RHO, 0.02, (0.004, -0.003))
 ORTHOGONAL = (
     Contact(0, "side", (0.0, D), (0.0, -1.0), 0.05),
@@ -24,7 +26,9 @@ CONE = TwistCone(ORTHOGONAL, MU, SURFACE)
 
 def random_twists(count: int) -> list[tuple[float, float, float]]:
     rng = random.Random(3)
-    return [(rng.gauss(0, 1), rng.gauss(0, 1), rng.gauss(0, 1) / RHO) for _ in range(count)]
+    return [
+        (rng.gauss(0, 1), rng.gauss(0, 1), rng.gauss(0, 1) / RHO) for _ in range(count)
+    ]
 
 
 def test_it_says_inside_exactly_where_the_inequalities_of_section_6_do() -> None:
@@ -39,7 +43,9 @@ def test_it_says_inside_exactly_where_the_inequalities_of_section_6_do() -> None
 
 def test_many_twists_at_once_have_the_spare_of_each() -> None:
     twists = random_twists(200)
-    assert CONE.spares(np.array(twists)) == pytest.approx([CONE.spare(*twist) for twist in twists], abs=1e-12)
+    assert CONE.spares(np.array(twists)) == pytest.approx(
+        [CONE.spare(*twist) for twist in twists], abs=1e-12
+    )
 
 
 def test_the_wrench_is_the_one_that_drives_the_twist_of_the_com() -> None:
@@ -47,13 +53,18 @@ def test_the_wrench_is_the_one_that_drives_the_twist_of_the_com() -> None:
         wrench = CONE.wrench(*twist)
         driven = SURFACE.twist_direction(wrench).moved_to((0.0, 0.0))
         k = math.hypot(*twist[:2]) / math.hypot(driven.vx, driven.vy)
-        assert (k * driven.vx, k * driven.vy, k * driven.w) == pytest.approx(twist, abs=1e-9)
+        assert (k * driven.vx, k * driven.vy, k * driven.w) == pytest.approx(
+            twist, abs=1e-9
+        )
 
 
-def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_spare() -> None:
+def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_spare() -> (
+    None
+):
     rng = random.Random(4)
     for ray in CONE.rays(0.1):
-        spare, (fx, fy, tau, _) = CONE.spare(*ray), CONE.wrench(*ray)
+        spare = CONE.spare(*ray)
+        fx, fy, tau, _ = CONE.wrench(*ray)
         size = math.hypot(fx, fy, tau / RHO)
         for _ in range(50):
             off = [rng.gauss(0, 1) for _ in range(3)]
@@ -71,7 +82,9 @@ def test_rays_have_what_is_asked_for_and_point_all_round_the_cone() -> None:
 
 
 def test_the_nearest_wrench_is_possible_and_none_is_given_for_a_possible_one() -> None:
-    allocate = two_contact_allocator([c.point for c in ORTHOGONAL], [c.normal for c in ORTHOGONAL], MU, RHO)
+    allocate = two_contact_allocator(
+        [c.point for c in ORTHOGONAL], [c.normal for c in ORTHOGONAL], MU, RHO
+    )
     for twist in random_twists(200):
         wrench = CONE.wrench(*twist)
         nearest = CONE.nearest(wrench)
@@ -85,7 +98,8 @@ def test_the_nearest_wrench_is_possible_and_none_is_given_for_a_possible_one() -
 
 def test_the_point_that_a_wrench_is_about_does_not_matter() -> None:
     wrench = Wrench(-2.0, 1.0, 0.3)
-    near, far = CONE.nearest(wrench), CONE.nearest(wrench.moved_to((0.1, 0.2)))
+    near = CONE.nearest(wrench)
+    far = CONE.nearest(wrench.moved_to((0.1, 0.2)))
     assert near is not None
     assert far is not None
     assert near[:3] == pytest.approx(far[:3])

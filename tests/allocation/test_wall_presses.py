@@ -24,7 +24,9 @@ def down(angle: float) -> tuple[float, float]:
 
 @settings(max_examples=50, deadline=None)
 @given(st.floats(-3.0, 3.0), st.floats(0.0, 6.0), st.floats(-0.5, 0.5))
-def test_the_loads_drive_every_step_of_a_turn_and_a_little_less_does_not(heading, first, turn) -> None:
+def test_the_loads_drive_every_step_of_a_turn_and_a_little_less_does_not(
+    heading, first, turn
+) -> None:
     twist = Twist(math.cos(heading), math.sin(heading), 3.0)
     steps = [(twist, down(first + turn * i)) for i in range(4)]
     loads = wall_loads(presses(), steps, USES, 2.0)
@@ -37,10 +39,14 @@ def test_the_loads_drive_every_step_of_a_turn_and_a_little_less_does_not(heading
 def test_level_contacts_that_lift_straight_up_need_what_the_closed_form_says() -> None:
     level = presses(left=(0.25, 0.0), right=(-0.25, 0.0))
     loads = wall_loads(level, [(Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))], USES, 2.0)
-    assert sum(loads) == pytest.approx(wall_press(WEIGHT, 0.7 * 0.8, 0.2, 1.0), rel=1e-6)
+    assert sum(loads) == pytest.approx(
+        wall_press(WEIGHT, 0.7 * 0.8, 0.2, 1.0), rel=1e-6
+    )
 
 
-def test_what_is_asked_at_least_is_given_and_the_cap_lets_more_of_the_friction_be_used() -> None:
+def test_what_is_asked_at_least_is_given_and_the_cap_lets_more_of_the_friction_be_used() -> (
+    None
+):
     step = (Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))
     assert wall_loads(presses(), [step], USES, 65.0) == (65.0, 65.0)
     tight = wall_loads(presses(cap=20.0), [step], USES, 2.0)
@@ -57,7 +63,9 @@ def test_what_is_asked_at_least_is_given_and_the_cap_lets_more_of_the_friction_b
         ({"cap": 60.0}, 65.4, "65.4 N of each arm; limits.normal_force is 60 N"),
     ],
 )
-def test_what_cannot_be_is_refused_with_the_number_that_decides(given, least, says) -> None:
+def test_what_cannot_be_is_refused_with_the_number_that_decides(
+    given, least, says
+) -> None:
     step = (Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))
     with pytest.raises(ValueError, match=says):
         wall_loads(presses(**given), [step], USES, least)

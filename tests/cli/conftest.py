@@ -10,7 +10,9 @@ from pushpressslide.cli import app
 
 @pytest.fixture(scope="session")
 def refusal() -> Callable[..., str]:
-    """Return a function that runs ``pps`` in this process and returns the one line that it refused with."""
+    """Return a function that runs ``pps`` in this process and returns the one line that
+    it refused with.
+    """
 
     def run(*args: str) -> str:
         result = CliRunner().invoke(app, list(args))

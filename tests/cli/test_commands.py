@@ -32,11 +32,16 @@ def invoke(*args: str) -> Result:
 
 @pytest.fixture
 def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
-    """Return a function: ``pps run`` with run_task replaced by one that answers or raises what is given."""
+    """Return a function: ``pps run`` with run_task replaced by one that answers or
+    raises what is given.
+    """
 
     def call(answer: Any, *args: str) -> Result:
-        def run_task(task: Any, *, out: Path, progress: Any, **options: Any) -> dict[str, Any]:
-            call.seen = {"task": task, "out": out, **options}  # type: ignore[attr-defined]
+        def run_task(
+            task: Any, *, out: Path, progress: Any, **options: Any
+        ) -> dict[str, Any]:
+            # type: ignore[attr-defined]
+            call.seen = {"task": task, "out": out, **options}
             progress(1.0, 2.0)
             if isinstance(answer, BaseException):
                 raise answer
@@ -63,7 +68,9 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
         (ZeroDivisionError("division by zero"), 3),
     ],
 )
-def test_the_exit_status_says_how_the_run_ended(run_with: Any, answer: Any, status: int) -> None:
+def test_the_exit_status_says_how_the_run_ended(
+    run_with: Any, answer: Any, status: int
+) -> None:
     result = run_with(answer)
     assert result.exit_code == status
     assert len(result.stderr.splitlines()) == (status > 1)
@@ -86,7 +93,9 @@ def test_an_internal_error_shows_its_traceback_on_demand(
         (ZeroDivisionError("oh"), "internal_error"),
     ],
 )
-def test_json_is_the_result_and_nothing_else(run_with: Any, answer: Any, code: str) -> None:
+def test_json_is_the_result_and_nothing_else(
+    run_with: Any, answer: Any, code: str
+) -> None:
     printed = json.loads(run_with(answer, "--json").stdout)
     assert printed["reason"]["code"] == code
     if isinstance(answer, dict):
@@ -106,14 +115,28 @@ def test_the_table_has_units_and_the_report_as_its_last_line(run_with: Any) -> N
 
 
 def test_a_missed_goal_says_why(run_with: Any) -> None:
-    assert "it ended with goal_missed" in run_with(result_of(False, "goal_missed")).stdout
+    assert (
+        "it ended with goal_missed" in run_with(result_of(False, "goal_missed")).stdout
+    )
 
 
 def test_the_options_reach_the_run(run_with: Any) -> None:
     run_with(
-        result_of(), "--engine", "planar", "--mode", "rear_push", "--seed", "7", "--out", "here",
-        "--set", "motion.speed=0.03", "--set", "robots.0.base.yaw_deg=10", "--anyway",
-    )  # fmt: skip
+        result_of(),
+        "--engine",
+        "planar",
+        "--mode",
+        "rear_push",
+        "--seed",
+        "7",
+        "--out",
+        "here",
+        "--set",
+        "motion.speed=0.03",
+        "--set",
+        "robots.0.base.yaw_deg=10",
+        "--anyway",
+    )
     seen = run_with.seen
     assert seen["task"].motion.speed == 0.03
     assert seen["task"].modes == ("rear_push",)
@@ -134,7 +157,9 @@ def test_results_go_to_a_new_folder_below_runs(run_with: Any) -> None:
 
 def test_tasks_are_listed_one_a_line_with_a_description() -> None:
     lines = invoke("tasks").stdout.splitlines()
-    assert [line.split()[0] for line in lines] == sorted(json.loads(invoke("tasks", "--json").stdout))
+    assert [line.split()[0] for line in lines] == sorted(
+        json.loads(invoke("tasks", "--json").stdout)
+    )
     assert all(len(line.split()) > 3 for line in lines)
 
 
@@ -143,7 +168,9 @@ def test_every_mode_of_the_library_is_in_the_table() -> None:
 
     table = invoke("modes").stdout
     assert all(name in table for name in MODES)
-    assert [row["mode"] for row in json.loads(invoke("modes", "--json").stdout)] == list(MODES)
+    assert [
+        row["mode"] for row in json.loads(invoke("modes", "--json").stdout)
+    ] == list(MODES)
 
 
 def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
@@ -152,15 +179,27 @@ def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
     assert result.exit_code == 0
     assert rows[0]["feasible"]
     assert json.loads((tmp_path / "select.json").read_text())["choices"] == rows
-    assert "rear_push" in invoke("select", "rear-push-rear", "--out", str(tmp_path), "--force").stdout
+    assert (
+        "rear_push"
+        in invoke("select", "rear-push-rear", "--out", str(tmp_path), "--force").stdout
+    )
 
 
 @pytest.mark.parametrize("command", ["select", "plan"])
-def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(command: str, tmp_path: Path) -> None:
-    # Hardly any friction at the tip: the tightest turn is metres wide, and the way longer than the time.
+def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(
+    command: str, tmp_path: Path
+) -> None:
+    # Hardly any friction at the tip: the tightest turn is metres wide, and the way
+    # longer than the time.
     sets = ["--set", "motion.face=1", "--set", "goal={x: 0.42, y: 0.22, yaw_deg: 90}"]
     result = invoke(
-        command, "rear-push-rear", *sets, "--set", "contact.friction=0.01", "--out", str(tmp_path)
+        command,
+        "rear-push-rear",
+        *sets,
+        "--set",
+        "contact.friction=0.01",
+        "--out",
+        str(tmp_path),
     )
     assert result.exit_code == 2
     assert len(result.stderr.splitlines()) == 1
@@ -176,7 +215,18 @@ def test_plan_writes_its_files_and_prints_json(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    ["modes", "tasks", "select", "plan", "run", "report", "sweep", "reproduce", "identify", "bench"],
+    [
+        "modes",
+        "tasks",
+        "select",
+        "plan",
+        "run",
+        "report",
+        "sweep",
+        "reproduce",
+        "identify",
+        "bench",
+    ],
 )
 def test_every_command_of_the_contract_has_help(words: str) -> None:
     result = invoke(words, "--help")

@@ -1,6 +1,8 @@
-"""Ctrl-C at any time: status 130, one line, what was finished is kept, and no file is there by half.
+"""Ctrl-C at any time: status 130, one line, what was finished is kept, and no file is
+there by half.
 
-The process interrupts itself at a chosen place, so that nothing depends on how fast the machine is.
+The process interrupts itself at a chosen place, so that nothing depends on how fast the
+machine is.
 """
 
 import json
@@ -28,11 +30,17 @@ MAIN = "\nif __name__ == '__main__':\n    from pushpressslide.cli import main\n 
 
 
 def pps(folder: Path, patch: str, *args: str) -> subprocess.CompletedProcess[str]:
-    """Run ``pps`` in a process whose code is patched; a file, so that a sweep's workers can start from it."""
+    """Run ``pps`` in a process whose code is patched; a file, so that a sweep's workers
+    can start from it.
+    """
     indented = "".join(f"    {line}\n" for line in [*patch.splitlines(), "pass"])
     script = folder / "patched.py"
-    script.write_text(PRESS + AFTER + "\nif __name__ == '__main__':\n" + indented + MAIN)
-    return subprocess.run([sys.executable, script, *args], capture_output=True, text=True, check=False)
+    script.write_text(
+        PRESS + AFTER + "\nif __name__ == '__main__':\n" + indented + MAIN
+    )
+    return subprocess.run(
+        [sys.executable, script, *args], capture_output=True, text=True, check=False
+    )
 
 
 def check(done: subprocess.CompletedProcess[str]) -> str:
@@ -48,17 +56,36 @@ def names(folder: Path) -> set[str]:
 
 
 def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
-    patch = "import pushpressslide.experiments.run as r\nr.select = pressed_after(r.select)"
+    patch = (
+        "import pushpressslide.experiments.run as r\nr.select = pressed_after(r.select)"
+    )
     check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("engine", ["planar", "drake"])
-def test_while_simulating_the_record_so_far_is_kept_whole(engine: str, tmp_path: Path) -> None:
-    module = "pushpressslide.planar.engine" if engine == "planar" else "pushpressslide.sim.engine"
+def test_while_simulating_the_record_so_far_is_kept_whole(
+    engine: str, tmp_path: Path
+) -> None:
+    module = (
+        "pushpressslide.planar.engine"
+        if engine == "planar"
+        else "pushpressslide.sim.engine"
+    )
     patch = f"import {module} as e\ne.Recorder.add = pressed_after(e.Recorder.add, 100)"
     out = tmp_path / "out"
-    line = check(pps(tmp_path, patch, "run", "rear-push-rear", "--engine", engine, "--out", str(out)))
+    line = check(
+        pps(
+            tmp_path,
+            patch,
+            "run",
+            "rear-push-rear",
+            "--engine",
+            engine,
+            "--out",
+            str(out),
+        )
+    )
     assert str(out) in line
     run = load_run(out)
     assert len(run.record.arrays["time"]) == 100
@@ -70,14 +97,26 @@ def test_while_simulating_the_record_so_far_is_kept_whole(engine: str, tmp_path:
 def test_while_writing_pages_record_and_result_are_kept(tmp_path: Path) -> None:
     patch = "import pushpressslide.planar.replay as r\nr.write_replay = pressed_after(r.write_replay)"
     out = tmp_path / "out"
-    check(pps(tmp_path, patch, "run", "rear-push-rear", "--engine", "planar", "--out", str(out)))
+    check(
+        pps(
+            tmp_path,
+            patch,
+            "run",
+            "rear-push-rear",
+            "--engine",
+            "planar",
+            "--out",
+            str(out),
+        )
+    )
     assert load_run(out).result["success"]
     assert "report.html" not in names(out)
     assert not [name for name in names(out) if name.endswith(".part")]
 
 
 def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> None:
-    out, run = tmp_path / "out", ("run", "rear-push-rear", "--engine", "planar", "--force")
+    out = tmp_path / "out"
+    run = ("run", "rear-push-rear", "--engine", "planar", "--force")
     assert pps(tmp_path, "", *run, "--out", str(out), "--quiet").returncode == 0
     assert "report.html" in names(out)
     patch = "import pushpressslide.planar.engine as e\ne.Recorder.add = pressed_after(e.Recorder.add, 10)"
@@ -85,7 +124,9 @@ def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> Non
     assert names(out) == {"task.yaml", "plan.json", "record.npz", "result.json"}
 
 
-def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(tmp_path: Path) -> None:
+def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(
+    tmp_path: Path,
+) -> None:
     patch = """
 import pushpressslide.experiments.run as r
 def select(task, enough):

@@ -1,4 +1,6 @@
-"""Goals out of reach are refused when the task is loaded, by the arms' own kinematics; others never are."""
+"""Goals out of reach are refused when the task is loaded, by the arms' own kinematics;
+others never are.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -26,7 +28,9 @@ def test_a_goal_out_of_reach_is_refused_with_the_shortfall(
 def test_reach_is_of_the_arm_where_it_stands(refusal: Refusal) -> None:
     moved = ["--set", "robots.0.base={x: 0.8, y: 0.5, yaw_deg: -90}"]
     pps.load_task("rear-push-rear", [*FAR[1:], moved[1]])
-    assert ": start: " in refusal("run", "rear-push-rear", "--set", "robots.0.base={x: 1.6}")
+    assert ": start: " in refusal(
+        "run", "rear-push-rear", "--set", "robots.0.base={x: 1.6}"
+    )
 
 
 def test_a_free_tip_reaches_what_no_arm_does() -> None:
@@ -53,15 +57,25 @@ def test_nothing_is_refused_that_selection_could_do() -> None:
     assert 1 < loaded < 7
 
 
-def test_a_wrong_tip_frame_is_refused_by_its_field(tmp_path: Path, refusal: Refusal) -> None:
+def test_a_wrong_tip_frame_is_refused_by_its_field(
+    tmp_path: Path, refusal: Refusal
+) -> None:
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(urdf_text(load_facts("panda")))
     robot = f"robots=[{{model: {urdf}, tip_frame: nowhere}}]"
     line = refusal("run", "rear-push-rear", "--set", robot)
-    assert "robots[0].tip_frame: 'nowhere' is not allowed; it has no frame 'nowhere'" in line
+    assert (
+        "robots[0].tip_frame: 'nowhere' is not allowed; it has no frame 'nowhere'"
+        in line
+    )
     assert "panda_link8" in line
 
 
-def test_a_physics_step_longer_than_the_control_period_is_refused(refusal: Refusal) -> None:
+def test_a_physics_step_longer_than_the_control_period_is_refused(
+    refusal: Refusal,
+) -> None:
     line = refusal("run", "rear-push-rear", "--set", "motion.time_step=0.008")
-    assert "motion.time_step: 0.008 is not allowed; allowed: at most motion.control_period, 0.004 s" in line
+    assert (
+        "motion.time_step: 0.008 is not allowed; allowed: at most "
+        "motion.control_period, 0.004 s" in line
+    )

@@ -1,4 +1,6 @@
-"""Files that hold no task, wrong overrides and wrong options are refused like wrong fields."""
+"""Files that hold no task, wrong overrides and wrong options are refused like wrong
+fields.
+"""
 
 import os
 import subprocess
@@ -12,8 +14,15 @@ Refusal = Callable[..., str]
 
 
 def pps(*args: str, **env: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from pushpressslide.cli import main; main()", *args]
-    return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **env}, check=False)
+    command = [
+        sys.executable,
+        "-c",
+        "from pushpressslide.cli import main; main()",
+        *args,
+    ]
+    return subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, **env}, check=False
+    )
 
 
 TEXTS = {
@@ -23,7 +32,10 @@ TEXTS = {
     "tab": (b"name:\n\t- a\n", "line 2: not valid YAML"),
     "list": (b"- name: a\n", "the top level is a list"),
     "plain text": (b"hello\n", "the top level is a str"),
-    "duplicate key": (b"name: a\nname: b\n", "line 2: not valid YAML: duplicate key 'name'"),
+    "duplicate key": (
+        b"name: a\nname: b\n",
+        "line 2: not valid YAML: duplicate key 'name'",
+    ),
     "duplicate nested key": (
         b"start:\n  x: 1\n  y: 2\n  x: 3\n",
         "line 4: not valid YAML: duplicate key 'x'",
@@ -31,7 +43,10 @@ TEXTS = {
     "binary": (bytes(range(256)), "not UTF-8 text"),
     "zero bytes": (b"\0" * 100, "not valid YAML"),
     "two documents": (b"name: a\n---\nname: b\n", "line 2: not valid YAML"),
-    "python object": (b"name: !!python/object:os.system {}\n", "line 1: not valid YAML"),
+    "python object": (
+        b"name: !!python/object:os.system {}\n",
+        "line 1: not valid YAML",
+    ),
     "key that is a list": (b"? [a]\n: 1\n", "not valid YAML"),
     "impossible date": (b"name: 2020-99-99\n", "not valid YAML"),
     "nested too deeply": (b"[" * 20000, "not valid YAML"),
@@ -55,7 +70,9 @@ def test_a_file_that_is_no_mapping_in_yaml_is_refused_with_the_line(
 def test_a_list_that_holds_itself_many_times_over_is_refused_at_once(
     tmp_path: Path, refusal: Refusal
 ) -> None:
-    rows = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 12)]
+    rows = ["a0: &a0 [x, x]"] + [
+        f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 12)
+    ]
     file = tmp_path / "task.yaml"
     file.write_text("\n".join([*rows, "name: *a11", ""]))
     assert "unknown field" in refusal("select", str(file))
@@ -79,7 +96,9 @@ def test_an_unreadable_file_is_refused(
     assert "Permission denied" in refusal("run", str(tmp_path / "task.yaml"))
 
 
-def test_an_unknown_task_is_refused_with_the_nearest_shipped_name(refusal: Refusal) -> None:
+def test_an_unknown_task_is_refused_with_the_nearest_shipped_name(
+    refusal: Refusal,
+) -> None:
     line = refusal("run", "rear-push-lft")
     assert "did you mean 'rear-push-left'?" in line
     assert "rear-push-rear" in line
@@ -99,7 +118,9 @@ def test_an_unknown_task_is_refused_with_the_nearest_shipped_name(refusal: Refus
         ("name.first=a", "a value without fields"),
     ],
 )
-def test_a_bad_override_is_refused(override: str, expected: str, refusal: Refusal) -> None:
+def test_a_bad_override_is_refused(
+    override: str, expected: str, refusal: Refusal
+) -> None:
     assert expected in refusal("run", "rear-push-rear", "--set", override)
 
 
@@ -110,7 +131,10 @@ def test_a_bad_override_is_refused(override: str, expected: str, refusal: Refusa
         (["run", "rear-push-rear", "--mode", "rear_pull"], "did you mean 'rear_push'?"),
         (["run", "rear-push-rear", "--seed", "-1"], "'--seed'"),
         (["run", "rear-push-rear", "--seed", "one"], "'--seed'"),
-        (["run", "rear-push-rear", "--engine", "planar", "--live"], "--live is not allowed"),
+        (
+            ["run", "rear-push-rear", "--engine", "planar", "--live"],
+            "--live is not allowed",
+        ),
         (["run", "rear-push-rear", "--speed", "1"], "--speed"),
         (["run"], "TASK"),
         (["rn"], "'rn'"),
@@ -119,19 +143,27 @@ def test_a_bad_override_is_refused(override: str, expected: str, refusal: Refusa
         (["report"], "DIR"),
     ],
 )
-def test_a_wrong_option_is_refused(args: list[str], expected: str, refusal: Refusal) -> None:
+def test_a_wrong_option_is_refused(
+    args: list[str], expected: str, refusal: Refusal
+) -> None:
     assert expected in refusal(*args)
 
 
-def test_a_folder_that_holds_a_result_is_refused_unless_forced(tmp_path: Path, refusal: Refusal) -> None:
+def test_a_folder_that_holds_a_result_is_refused_unless_forced(
+    tmp_path: Path, refusal: Refusal
+) -> None:
     (tmp_path / "result.json").write_text("{}")
     assert "--force" in refusal("run", "rear-push-rear", "--out", str(tmp_path))
 
 
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path, refusal: Refusal) -> None:
+def test_a_folder_that_cannot_be_made_is_refused(
+    tmp_path: Path, refusal: Refusal
+) -> None:
     (tmp_path / "file").write_text("")
     assert "--out" in refusal("run", "rear-push-rear", "--out", str(tmp_path / "file"))
-    assert "--out" in refusal("run", "rear-push-rear", "--out", str(tmp_path / "file" / "below"))
+    assert "--out" in refusal(
+        "run", "rear-push-rear", "--out", str(tmp_path / "file" / "below")
+    )
 
 
 @pytest.mark.parametrize(

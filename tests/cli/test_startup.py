@@ -1,4 +1,6 @@
-"""Nothing heavy is imported before it is used; how long a start takes is for the benchmarks."""
+"""Nothing heavy is imported before it is used; how long a start takes is for the
+benchmarks.
+"""
 
 import subprocess
 import sys
@@ -10,7 +12,9 @@ HEAVY = ("numpy", "scipy", "matplotlib", "shapely", "pydrake", "yaml")
 
 def loaded_after(code: str) -> set[str]:
     report = f"{code}\nimport sys; print(*sys.modules, sep='\\n')"
-    out = subprocess.run([sys.executable, "-c", report], check=True, capture_output=True, text=True).stdout
+    out = subprocess.run(
+        [sys.executable, "-c", report], check=True, capture_output=True, text=True
+    ).stdout
     return {name.partition(".")[0] for name in out.splitlines()}
 
 
@@ -25,7 +29,9 @@ except SystemExit as stop:
 """
 
 
-@pytest.mark.parametrize("code", ["import pushpressslide", "import pushpressslide.cli", HELP])
+@pytest.mark.parametrize(
+    "code", ["import pushpressslide", "import pushpressslide.cli", HELP]
+)
 def test_importing_loads_nothing_heavy(code: str) -> None:
     assert not loaded_after(code) & set(HEAVY)
 

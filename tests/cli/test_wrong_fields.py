@@ -1,4 +1,6 @@
-"""Every task file that is wrong in one way is refused: exit status 2, one line on stderr, no traceback."""
+"""Every task file that is wrong in one way is refused: exit status 2, one line on
+stderr, no traceback.
+"""
 
 import copy
 from collections.abc import Callable
@@ -56,7 +58,8 @@ def post(x: float, y: float, name: str = "post") -> dict[str, Any]:
 
 PANDA = {"model": "panda"}
 
-# What is wrong: the change, the field that the message names, and a part of what it says is allowed.
+# What is wrong: the change, the field that the message names, and a part of what it
+# says is allowed.
 WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "unknown key": (put("objct", 1), "objct:", "did you mean 'object'?"),
     "unknown nested key": (put("object.mas", 1), "object.mas:", "did you mean 'mass'?"),
@@ -67,56 +70,157 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     "no object": (drop("object"), "object:", "missing"),
     "no goal": (drop("goal"), "goal:", "missing"),
     "NaN": (put("goal.x", float("nan")), "goal.x:", "finite number [m]"),
-    "infinity": (put("object.mass", float("inf")), "object.mass:", "finite number [kg]"),
-    "number too long for a float": (put("object.mass", 10**400), "object.mass:", "(0, 1000]"),
+    "infinity": (
+        put("object.mass", float("inf")),
+        "object.mass:",
+        "finite number [kg]",
+    ),
+    "number too long for a float": (
+        put("object.mass", 10**400),
+        "object.mass:",
+        "(0, 1000]",
+    ),
     "text for a number": (put("object.mass", "1.0"), "object.mass:", "finite number"),
-    "bool for a number": (put("support.friction", True), "support.friction:", "finite number"),
-    "number for a bool": (put("motion.joint_tracking", 1), "motion.joint_tracking:", "true or false"),
+    "bool for a number": (
+        put("support.friction", True),
+        "support.friction:",
+        "finite number",
+    ),
+    "number for a bool": (
+        put("motion.joint_tracking", 1),
+        "motion.joint_tracking:",
+        "true or false",
+    ),
     "null for a number": (put("start.x", None), "start.x:", "finite number"),
-    "number for a section": (put("start", 3), "start:", "a section with the fields x, y"),
+    "number for a section": (
+        put("start", 3),
+        "start:",
+        "a section with the fields x, y",
+    ),
     "list for a section": (put("goal", [0.6, 0.1, 0]), "goal:", "a section"),
-    "section for a list": (put("robots", {"model": "panda"}), "robots:", "a list of 1 to 2"),
-    "a side that there is not": (put("motion.cop", "middle"), "motion.cop:", "balanced, left, right"),
+    "section for a list": (
+        put("robots", {"model": "panda"}),
+        "robots:",
+        "a list of 1 to 2",
+    ),
+    "a side that there is not": (
+        put("motion.cop", "middle"),
+        "motion.cop:",
+        "balanced, left, right",
+    ),
     "a cop beyond the contacts": (put("motion.cop", 1.2), "motion.cop:", "[0, 1]"),
     "half a face": (put("motion.face", 1.5), "motion.face:", "whole number"),
     "face that the box lacks": (put("motion.face", 4), "motion.face:", "0 to 3"),
-    "negative size": (put("object.shape.box", [0.1, -0.1, 0.1]), "object.shape.box[1]:", "(0, 10]"),
-    "two sizes": (put("object.shape.box", [0.1, 0.1]), "object.shape.box:", "list of 3"),
-    "no shape": (put("object.shape", {}), "object.shape:", "exactly one of box, prism, cylinder"),
+    "negative size": (
+        put("object.shape.box", [0.1, -0.1, 0.1]),
+        "object.shape.box[1]:",
+        "(0, 10]",
+    ),
+    "two sizes": (
+        put("object.shape.box", [0.1, 0.1]),
+        "object.shape.box:",
+        "list of 3",
+    ),
+    "no shape": (
+        put("object.shape", {}),
+        "object.shape:",
+        "exactly one of box, prism, cylinder",
+    ),
     "two shapes": (
         put("object.shape.cylinder", {"radius": 0.1, "height": 0.1}),
         "object.shape:",
         "exactly one of",
     ),
-    "radius zero": (put("object.shape", {"cylinder": {"radius": 0, "height": 1}}), "radius:", "(0, 5]"),
+    "radius zero": (
+        put("object.shape", {"cylinder": {"radius": 0, "height": 1}}),
+        "radius:",
+        "(0, 5]",
+    ),
     "mass zero": (put("object.mass", 0), "object.mass:", "(0, 1000]"),
     "mass negative": (put("object.mass", -1), "object.mass:", "(0, 1000]"),
-    "centre of mass outside": (put("object.center_of_mass", [0.2, 0]), "center_of_mass:", "inside the foot"),
-    "support friction zero": (put("support.friction", 0), "support.friction:", "in (0, 2)"),
-    "contact friction too large": (put("contact.friction", 2.5), "contact.friction:", "in (0, 2)"),
-    "contact friction two": (put("contact.friction", 2), "contact.friction:", "in (0, 2)"),
-    "believed friction zero": (put("belief.support_friction", 0), "belief.support_friction:", "in (0, 2)"),
-    "support of another kind": (put("support.kind", "floor"), "support.kind:", "table, wall"),
-    "wall without a pose": (put("support.kind", "wall"), "support.pose:", "it is missing"),
+    "centre of mass outside": (
+        put("object.center_of_mass", [0.2, 0]),
+        "center_of_mass:",
+        "inside the foot",
+    ),
+    "support friction zero": (
+        put("support.friction", 0),
+        "support.friction:",
+        "in (0, 2)",
+    ),
+    "contact friction too large": (
+        put("contact.friction", 2.5),
+        "contact.friction:",
+        "in (0, 2)",
+    ),
+    "contact friction two": (
+        put("contact.friction", 2),
+        "contact.friction:",
+        "in (0, 2)",
+    ),
+    "believed friction zero": (
+        put("belief.support_friction", 0),
+        "belief.support_friction:",
+        "in (0, 2)",
+    ),
+    "support of another kind": (
+        put("support.kind", "floor"),
+        "support.kind:",
+        "table, wall",
+    ),
+    "wall without a pose": (
+        put("support.kind", "wall"),
+        "support.pose:",
+        "it is missing",
+    ),
     "opening in a table": (
-        put("support.opening", {"size": [0.1, 0.1], "depth": 0.1}), "support.opening:", "only a wall",
+        put("support.opening", {"size": [0.1, 0.1], "depth": 0.1}),
+        "support.opening:",
+        "only a wall",
     ),
     "pose of a table": (put("support.pose", {"x": 1}), "support.pose:", "only a wall"),
-    "legs beside modes": (put("legs", [{"mode": "rear_push"}]), "modes:", "one of the two"),
-    "a leg to nowhere": (put_legs({"mode": "rear_push"}, {"mode": "rear_push"}), "legs[0].pose:", "missing"),
-    "a last leg past the goal": (
-        put_legs({"mode": "rear_push", "pose": {"x": 0.5, "y": 0.0}}), "legs[0].pose:", "ends at the goal",
+    "legs beside modes": (
+        put("legs", [{"mode": "rear_push"}]),
+        "modes:",
+        "one of the two",
     ),
-    "a leg in an unknown mode": (put_legs({"mode": "rear_shove"}), "modes[0]:", "rear_push"),
+    "a leg to nowhere": (
+        put_legs({"mode": "rear_push"}, {"mode": "rear_push"}),
+        "legs[0].pose:",
+        "missing",
+    ),
+    "a last leg past the goal": (
+        put_legs({"mode": "rear_push", "pose": {"x": 0.5, "y": 0.0}}),
+        "legs[0].pose:",
+        "ends at the goal",
+    ),
+    "a leg in an unknown mode": (
+        put_legs({"mode": "rear_shove"}),
+        "modes[0]:",
+        "rear_push",
+    ),
     "a leg at another pace": (
-        put_legs({"mode": "rear_push", "motion": {"time_step": 0.001}}), "legs[0].motion.time_step:", "0.004",
+        put_legs({"mode": "rear_push", "motion": {"time_step": 0.001}}),
+        "legs[0].motion.time_step:",
+        "0.004",
     ),
     "a leg out of reach": (
-        put_legs({"mode": "rear_push", "pose": {"x": 5.0, "y": 0.0}}, {"mode": "rear_push"}), "legs[0]:",
+        put_legs(
+            {"mode": "rear_push", "pose": {"x": 5.0, "y": 0.0}}, {"mode": "rear_push"}
+        ),
+        "legs[0]:",
         "reach",
     ),
-    "goal of another body": (put("goal.body", "post"), "goal.body:", "allowed: a movable body"),
-    "concave polygon": (prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]), "polygon:", "convex"),
+    "goal of another body": (
+        put("goal.body", "post"),
+        "goal.body:",
+        "allowed: a movable body",
+    ),
+    "concave polygon": (
+        prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]),
+        "polygon:",
+        "convex",
+    ),
     "polygon that crosses itself": (
         prism([[0, 1], [0.59, -0.81], [-0.95, 0.31], [0.95, 0.31], [-0.59, -0.81]]),
         "polygon:",
@@ -124,56 +228,124 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     ),
     "polygon of two corners": (prism([[0, 0], [1, 0]]), "polygon:", "3 to 64"),
     "polygon on a line": (prism([[0, 0], [1, 0], [2, 0]]), "polygon:", "one line"),
-    "polygon with a corner twice": (prism([[0, 0], [0, 0], [1, 0], [0, 1]]), "polygon:", "the same"),
-    "point of three numbers": (prism([[0, 0, 0], [1, 0], [0, 1]]), "polygon[0]:", "a point [x, y]"),
+    "polygon with a corner twice": (
+        prism([[0, 0], [0, 0], [1, 0], [0, 1]]),
+        "polygon:",
+        "the same",
+    ),
+    "point of three numbers": (
+        prism([[0, 0, 0], [1, 0], [0, 1]]),
+        "polygon[0]:",
+        "a point [x, y]",
+    ),
     "no robot": (put("robots", []), "robots:", "1 to 2"),
     "three robots": (put("robots", [PANDA] * 3), "robots:", "1 to 2"),
     "two robots for one": (
-        put("robots", [PANDA, {"model": "panda", "base": {"x": 1.2}}]), "robots:", "1 robot",
+        put("robots", [PANDA, {"model": "panda", "base": {"x": 1.2}}]),
+        "robots:",
+        "1 robot",
     ),
-    "unknown robot": (put("robots", [{"model": "pnda"}]), "robots[0].model:", "did you mean 'panda'?"),
-    "missing robot file": (put("robots", [{"model": "arm.urdf"}]), "robots[0].model:", "no such file"),
+    "unknown robot": (
+        put("robots", [{"model": "pnda"}]),
+        "robots[0].model:",
+        "did you mean 'panda'?",
+    ),
+    "missing robot file": (
+        put("robots", [{"model": "arm.urdf"}]),
+        "robots[0].model:",
+        "no such file",
+    ),
     "tip of negative radius": (
-        put("robots", [{"model": "panda", "tip_radius": -0.01}]), "robots[0].tip_radius:", "[0.002, 0.1]",
+        put("robots", [{"model": "panda", "tip_radius": -0.01}]),
+        "robots[0].tip_radius:",
+        "[0.002, 0.1]",
     ),
     "goal out of reach": (put("goal.x", 1.5), "goal:", "the tip of the panda stays 0."),
     "goal on another planet": (put("goal.x", 1e9), "goal.x:", "[-10, 10]"),
-    "start out of reach": (put("start.y", -1.5), "start:", "the tip of the panda stays 0."),
+    "start out of reach": (
+        put("start.y", -1.5),
+        "start:",
+        "the tip of the panda stays 0.",
+    ),
     "start on the base": (put("start", {"x": 0.05, "y": 0}), "start:", "0.1 m or more"),
     "goal on the base": (put("goal", {"x": 0.0, "y": 0.1}), "goal:", "0.1 m or more"),
-    "obstacle on the start": (put("obstacles", [post(0.4, 0.25)]), "start:", "no overlap with"),
-    "obstacle on the goal": (put("obstacles", [post(0.7, -0.2)]), "goal:", "no overlap with obstacle 'post'"),
-    "obstacle on the base": (put("obstacles", [post(0.0, 0.05)]), "obstacles[0].pose:", "0.1 m or more"),
+    "obstacle on the start": (
+        put("obstacles", [post(0.4, 0.25)]),
+        "start:",
+        "no overlap with",
+    ),
+    "obstacle on the goal": (
+        put("obstacles", [post(0.7, -0.2)]),
+        "goal:",
+        "no overlap with obstacle 'post'",
+    ),
+    "obstacle on the base": (
+        put("obstacles", [post(0.0, 0.05)]),
+        "obstacles[0].pose:",
+        "0.1 m or more",
+    ),
     "obstacles on each other": (
-        put("obstacles", [post(0.5, 0.5), post(0.55, 0.5, "pole")]), "obstacles[1].pose:", "'post'",
+        put("obstacles", [post(0.5, 0.5), post(0.55, 0.5, "pole")]),
+        "obstacles[1].pose:",
+        "'post'",
     ),
     "two obstacles of one name": (
-        put("obstacles", [post(0.5, 0.5), post(0.5, -0.5)]), "obstacles[1].name:", "a name of its own",
+        put("obstacles", [post(0.5, 0.5), post(0.5, -0.5)]),
+        "obstacles[1].name:",
+        "a name of its own",
     ),
-    "reserved name": (put("obstacles", [post(0.5, 0.5, "object")]), "obstacles[0].name:", "of its own"),
+    "reserved name": (
+        put("obstacles", [post(0.5, 0.5, "object")]),
+        "obstacles[0].name:",
+        "of its own",
+    ),
     "true start on an obstacle": (
-        lambda d: d.update(obstacles=[post(0.38, 0.4)], start_error={"y": 0.1}), "start_error:", "'post'",
+        lambda d: d.update(obstacles=[post(0.38, 0.4)], start_error={"y": 0.1}),
+        "start_error:",
+        "'post'",
     ),
-    "unknown mode": (put("modes", ["rear_psh"]), "modes[0]:", "did you mean 'rear_push'?"),
+    "unknown mode": (
+        put("modes", ["rear_psh"]),
+        "modes[0]:",
+        "did you mean 'rear_push'?",
+    ),
     "mode twice": (put("modes", ["rear_push"] * 2), "modes[1]:", "twice"),
     "no mode": (put("modes", []), "modes:", "1 or more"),
     "mode that is a number": (put("modes", [1]), "modes[0]:", "a name"),
     "tolerance zero": (put("tolerance.position", 0), "tolerance.position:", "(0, 1]"),
-    "force limit zero": (put("limits.normal_force", 0), "limits.normal_force:", "(0, 1000]"),
+    "force limit zero": (
+        put("limits.normal_force", 0),
+        "limits.normal_force:",
+        "(0, 1000]",
+    ),
     "time limit negative": (put("limits.time", -1), "limits.time:", "(0, 3600]"),
     "workspace the wrong way round": (
-        put("limits.workspace", {"x": [1, 0], "y": [-1, 1]}), "limits.workspace.x:", "lower < upper",
+        put("limits.workspace", {"x": [1, 0], "y": [-1, 1]}),
+        "limits.workspace.x:",
+        "lower < upper",
     ),
     "goal at the start": (
-        put("goal", {"x": 0.382, "y": 0.22, "yaw_deg": 1}), "goal: 2.0 mm and 1.00 deg", "there already",
+        put("goal", {"x": 0.382, "y": 0.22, "yaw_deg": 1}),
+        "goal: 2.0 mm and 1.00 deg",
+        "there already",
     ),
     "goal off the workspace": (
-        put("limits.workspace", {"x": [0, 0.5], "y": [-1, 1]}), "goal:", "limits.workspace",
+        put("limits.workspace", {"x": [0, 0.5], "y": [-1, 1]}),
+        "goal:",
+        "limits.workspace",
     ),
-    "negative noise": (put("sensing.force_noise", -1), "sensing.force_noise:", "[0, 100]"),
+    "negative noise": (
+        put("sensing.force_noise", -1),
+        "sensing.force_noise:",
+        "[0, 100]",
+    ),
     "too fast": (put("motion.speed", 0.3), "motion.speed:", "(0, 0.2]"),
-    "contact above the object": (put("motion.contact_height", 0.2), "motion.contact_height:", "0.15 m"),
-}  # fmt: skip
+    "contact above the object": (
+        put("motion.contact_height", 0.2),
+        "motion.contact_height:",
+        "0.15 m",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", WRONG, ids=lambda case: case.replace(" ", "-"))
@@ -185,7 +357,9 @@ def test_it_is_refused_with_file_field_and_what_is_allowed(
     change(data)
     file = tmp_path / "task.yaml"
     file.write_text(yaml.safe_dump(data))
-    line = refusal("run", str(file), "--engine", "planar", "--out", str(tmp_path / "out"))
+    line = refusal(
+        "run", str(file), "--engine", "planar", "--out", str(tmp_path / "out")
+    )
     assert line.startswith(f"pps: {file}: ")
     assert field in line
     assert allowed in line

@@ -10,10 +10,14 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.pose import Pose2
 
 lengths = st.floats(0.01, 0.5)
-curvatures = st.one_of(st.just(0.0), st.floats(-15.0, 15.0).filter(lambda k: abs(k) > 0.05))
+curvatures = st.one_of(
+    st.just(0.0), st.floats(-15.0, 15.0).filter(lambda k: abs(k) > 0.05)
+)
 poses = st.builds(Pose2, st.floats(-1, 1), st.floats(-1, 1), st.floats(-3, 3))
 paths = st.builds(
-    lambda start, pieces: ArcPath(start, tuple((k, min(n, 6.0 / abs(k)) if k else n) for k, n in pieces)),
+    lambda start, pieces: ArcPath(
+        start, tuple((k, min(n, 6.0 / abs(k)) if k else n) for k, n in pieces)
+    ),
     poses,
     st.lists(st.tuples(curvatures, lengths), min_size=1, max_size=4),
 )
@@ -23,7 +27,8 @@ paths = st.builds(
 def test_a_point_beside_the_path_is_projected_onto_it(path, share, offset, behind):
     s = share * path.length
     pose = path.pose(s)
-    x, y = pose.apply((0.0, -offset))  # the path is to the left of the point by the offset
+    # the path is to the left of the point by the offset
+    x, y = pose.apply((0.0, -offset))
     near, left, heading, curvature = path.nearest(x, y, max(0.0, s - behind))
     found = path.pose(near)
     assert abs(near - s) < 1e-7
@@ -45,7 +50,8 @@ def test_past_the_end_the_path_goes_on_straight(path):
 
 @given(poses, curvatures, lengths, lengths)
 def test_advancing_twice_is_advancing_once(pose, curvature, a, b):
-    one, two = advance(pose, curvature, a + b), advance(advance(pose, curvature, a), curvature, b)
+    one = advance(pose, curvature, a + b)
+    two = advance(advance(pose, curvature, a), curvature, b)
     assert math.dist((one.x, one.y, one.yaw), (two.x, two.y, two.yaw)) < 1e-12
 
 
@@ -54,7 +60,8 @@ def test_a_profile_covers_its_length_from_rest_to_rest(length, speed, accelerati
     profile = SpeedProfile(length, speed, acceleration)
     steps = 400
     travelled = sum(
-        profile.at((i + 0.5) * profile.duration / steps)[1] * profile.duration / steps for i in range(steps)
+        profile.at((i + 0.5) * profile.duration / steps)[1] * profile.duration / steps
+        for i in range(steps)
     )
     assert abs(travelled - length) < 1e-2 * length
     assert profile.at(0.0) == (0.0, 0.0)
@@ -66,5 +73,8 @@ def test_the_rest_of_a_path_is_where_the_path_is() -> None:
     rest = path.rest(0.45)
     assert rest.length == pytest.approx(path.length - 0.45)
     for s in (0.0, 0.02, 0.2):
-        here, there = rest.pose(s), path.pose(0.45 + s)
-        assert (here.x, here.y, here.yaw) == pytest.approx((there.x, there.y, there.yaw))
+        here = rest.pose(s)
+        there = path.pose(0.45 + s)
+        assert (here.x, here.y, here.yaw) == pytest.approx(
+            (there.x, there.y, there.yaw)
+        )

@@ -20,12 +20,14 @@ def test_what_goes_to_the_world_comes_back(origin, yaw, p) -> None:
 
 
 def test_on_a_wall_x_is_to_the_left_and_y_up_for_robots_that_face_it() -> None:
-    ahead = SupportFrame.of_wall((0.9, 0.0, 0.5), math.pi)  # robots that look along +x have +y to their left
+    # robots that look along +x have +y to their left
+    ahead = SupportFrame.of_wall((0.9, 0.0, 0.5), math.pi)
     assert ahead.direction((1.0, 0.0, 0.0)) == (0.0, 1.0, 0.0)
     assert ahead.direction((0.0, 1.0, 0.0)) == (0.0, 0.0, 1.0)
     assert ahead.direction((0.0, 0.0, 1.0)) == (-1.0, 0.0, 0.0)
     assert ahead.point((0.2, -0.1, 0.3)) == pytest.approx((0.6, 0.2, 0.4))
-    to_the_left = SupportFrame.of_wall((0.0, 1.0, 0.5), -0.5 * math.pi)  # they look along +y: left is -x
+    # they look along +y: left is -x
+    to_the_left = SupportFrame.of_wall((0.0, 1.0, 0.5), -0.5 * math.pi)
     assert to_the_left.direction((1.0, 0.0, 0.0)) == (-1.0, 0.0, 0.0)
 
 

@@ -15,11 +15,15 @@ poses = st.builds(Pose2, numbers, numbers, st.floats(-3.0, 3.0))
 
 
 @given(poses, numbers, numbers, st.floats(-3.0, 3.0))
-def test_logarithm_and_exponential_are_inverse(start: Pose2, x: float, y: float, turn: float) -> None:
+def test_logarithm_and_exponential_are_inverse(
+    start: Pose2, x: float, y: float, turn: float
+) -> None:
     end = start.compose(Pose2(x, y, turn))
     there = moved(start, screw(start, end), 1.0)
     assert (there.x, there.y) == pytest.approx((end.x, end.y), abs=1e-9)
-    assert math.remainder(there.yaw - end.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    assert math.remainder(there.yaw - end.yaw, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=1e-9
+    )
 
 
 @given(st.lists(poses, min_size=2, max_size=4))
@@ -32,15 +36,22 @@ def test_logarithms_of_all_pairs_are_those_of_each(some: list[Pose2]) -> None:
             assert table[i, j] == pytest.approx(screw(start, end), abs=1e-9)
 
 
-@given(poses, st.lists(st.tuples(numbers, numbers, st.floats(-3.0, 3.0)), min_size=1, max_size=4))
-def test_many_twists_lead_where_each_does(start: Pose2, twists: list[tuple[float, float, float]]) -> None:
+@given(
+    poses,
+    st.lists(st.tuples(numbers, numbers, st.floats(-3.0, 3.0)), min_size=1, max_size=4),
+)
+def test_many_twists_lead_where_each_does(
+    start: Pose2, twists: list[tuple[float, float, float]]
+) -> None:
     for row, twist in zip(reached(start, np.array(twists)), twists, strict=True):
         end = moved(start, twist, 1.0)
         assert row == pytest.approx((end.x, end.y, end.yaw), abs=1e-9)
 
 
 @given(poses, poses, poses)
-def test_a_path_goes_through_its_poses_at_unit_speed(a: Pose2, b: Pose2, c: Pose2) -> None:
+def test_a_path_goes_through_its_poses_at_unit_speed(
+    a: Pose2, b: Pose2, c: Pose2
+) -> None:
     path = TwistPath.between((a, b, c), radius=0.2)
     for s, pose in path.starts:
         assert path.pose(s).position == pytest.approx(pose.position, abs=1e-9)
@@ -57,7 +68,9 @@ def test_a_turn_on_the_spot_is_as_long_as_its_radius_times_its_angle() -> None:
 
 
 @given(st.floats(0.05, 0.2), st.floats(-0.01, 0.01), st.floats(-0.02, 0.02))
-def test_the_nearest_place_is_found_near_the_path(s: float, left: float, turned: float) -> None:
+def test_the_nearest_place_is_found_near_the_path(
+    s: float, left: float, turned: float
+) -> None:
     path = TwistPath.between((Pose2(), Pose2(0.3, 0.0, 0.3)), radius=0.2)
     at = path.pose(s).compose(Pose2(0.0, left, turned))
     assert path.nearest(at, s - 0.02) == pytest.approx(s, abs=0.01)

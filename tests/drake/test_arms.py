@@ -11,7 +11,15 @@ import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Obstacle, Robot, Task
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    Motion,
+    ObjectModel,
+    Obstacle,
+    Robot,
+    Task,
+)
 from pushpressslide.pipeline.controller import RETREAT
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
@@ -23,9 +31,14 @@ from pushpressslide.sim.outline import Outline, least_distance
 
 
 def check(
-    plan: Plan, paths: tuple[ArmPath, ...], postures: tuple[np.ndarray, ...], moving: Collection[int] = (0, 1)
+    plan: Plan,
+    paths: tuple[ArmPath, ...],
+    postures: tuple[np.ndarray, ...],
+    moving: Collection[int] = (0, 1),
 ) -> None:
-    """Hold the ways of the moving arms from ``postures`` to the object to what is asked of them."""
+    """Hold the ways of the moving arms from ``postures`` to the object to what is asked
+    of them.
+    """
     for arm, ((path, _), posture) in enumerate(zip(paths, postures, strict=True)):
         if arm not in moving:
             continue
@@ -42,7 +55,9 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
     (left, _), (right, _) = paths
     times = np.linspace(0.0, max(left.approach_time[-1], right.approach_time[-1]), 500)
     ways = [
-        np.column_stack([np.interp(times, path.approach_time, column) for column in path.approach.T])
+        np.column_stack(
+            [np.interp(times, path.approach_time, column) for column in path.approach.T]
+        )
         for path in (left, right)
     ]
     one, other = (Outline(robot, i) for i, robot in enumerate(plan.task.robots))
@@ -53,7 +68,8 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
 def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
     """The goal that is turned about a point of B."""
     yaw = math.radians(degrees)
-    (cx, cy), (x, y) = start.apply(point), Pose2(0.0, 0.0, start.yaw + yaw).rotate(point)
+    cx, cy = start.apply(point)
+    x, y = Pose2(0.0, 0.0, start.yaw + yaw).rotate(point)
     return Pose2(cx - x, cy - y, start.yaw + yaw)
 
 
@@ -62,25 +78,41 @@ def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
     first = joint_paths(press)
     postures = drawn_back(press, first)
     kin = arm_kinematics(press.task.robots[0])
-    above, contact = (np.asarray(kin.tip_pose(q)[1]) for q in (postures[0], first[0][0].move[-1]))
+    above, contact = (
+        np.asarray(kin.tip_pose(q)[1]) for q in (postures[0], first[0][0].move[-1])
+    )
     np.testing.assert_allclose(above - contact, (0.0, 0.0, RETREAT), atol=1e-5)
     start = press.stretches[-1].goal
     push = pps.plan(
-        replace(press.task, start=start, goal=start.compose(Pose2(0.15, 0.0, 0.0)), modes=("rear_push",),
-                motion=Motion())
-    )  # fmt: skip
+        replace(
+            press.task,
+            start=start,
+            goal=start.compose(Pose2(0.15, 0.0, 0.0)),
+            modes=("rear_push",),
+            motion=Motion(),
+        )
+    )
     check(push, joint_paths(push, postures=postures), postures)
 
 
 def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> None:
-    start, point = Pose2(0.5, 0.0, 0.0), (-0.08, 0.10)
+    start = Pose2(0.5, 0.0, 0.0)
+    point = (-0.08, 0.10)
     there = Task(
-        "there", ObjectModel(Box((0.4, 0.3, 0.1)), 2.0, (0.0, 0.0)), start, turned(start, point, 25.0),
-        tuple(Robot("iiwa7", (0.0, y, 0.2)) for y in (0.4, -0.4)), contact_friction=0.8,
-        belief=Belief(0.3, 0.8, 2.0), motion=Motion(contacts=(point,)), modes=("press_and_push",),
-    )  # fmt: skip
+        "there",
+        ObjectModel(Box((0.4, 0.3, 0.1)), 2.0, (0.0, 0.0)),
+        start,
+        turned(start, point, 25.0),
+        tuple(Robot("iiwa7", (0.0, y, 0.2)) for y in (0.4, -0.4)),
+        contact_friction=0.8,
+        belief=Belief(0.3, 0.8, 2.0),
+        motion=Motion(contacts=(point,)),
+        modes=("press_and_push",),
+    )
     turn = pps.plan(there)
-    on = pps.plan(replace(there, name="on", start=there.goal, goal=turned(start, point, 50.0)))
+    on = pps.plan(
+        replace(there, name="on", start=there.goal, goal=turned(start, point, 50.0))
+    )
     first = joint_paths(turn)
     postures = drawn_back(turn, first, frozenset({0}))
     np.testing.assert_array_equal(postures[0], first[0][0].move[-1])
@@ -92,22 +124,37 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
     keep_apart(on, paths)
 
 
-def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paper's third experiment: the right arm turns with the face, which only refinement makes possible,
-    then both go round to the rear.
+def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The paper's third experiment: the right arm turns with the face, which only
+    refinement makes possible, then both go round to the rear.
     """
-    start, point = Pose2(0.38, -0.26, 0.0), (-0.11, 0.205)
+    start = Pose2(0.38, -0.26, 0.0)
+    point = (-0.11, 0.205)
     goal = turned(start, point, 90.0)
     size = (0.6, 0.8, 0.7)
     monkeypatch.setattr(levers, "PLACES", [0.5 - 0.2 / 0.76])
-    slot = tuple(Obstacle(f"slot_{i}", size, Pose2(1.385, goal.y + i * 0.62, 0.5 * math.pi)) for i in (1, -1))
+    slot = tuple(
+        Obstacle(f"slot_{i}", size, Pose2(1.385, goal.y + i * 0.62, 0.5 * math.pi))
+        for i in (1, -1)
+    )
     stands = ((0.75, -0.30), (-0.75, -0.35))
     task = Task(
-        "turn", ObjectModel(Box(size), 5.0, (0.0, 0.0)), start, goal,
-        tuple(Robot("iiwa7", (0.0, y, 0.3), yaw, tip_radius=0.03, tip_length=0.12) for y, yaw in stands),
-        contact_friction=0.7, belief=Belief(0.3, 0.7, 5.0), obstacles=slot, modes=("press_and_push",),
+        "turn",
+        ObjectModel(Box(size), 5.0, (0.0, 0.0)),
+        start,
+        goal,
+        tuple(
+            Robot("iiwa7", (0.0, y, 0.3), yaw, tip_radius=0.03, tip_length=0.12)
+            for y, yaw in stands
+        ),
+        contact_friction=0.7,
+        belief=Belief(0.3, 0.7, 5.0),
+        obstacles=slot,
+        modes=("press_and_push",),
         motion=Motion(contacts=(point,), face=3, contact_height=0.2),
-    )  # fmt: skip
+    )
     turn = pps.plan(task)
     push = pps.plan(
         replace(

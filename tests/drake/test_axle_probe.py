@@ -1,4 +1,6 @@
-"""The virtual axle in Drake, open loop, against the exact model with the contact's height."""
+"""The virtual axle in Drake, open loop, against the exact model with the contact's
+height.
+"""
 
 import math
 from dataclasses import asdict
@@ -8,7 +10,13 @@ from pathlib import Path
 import pytest
 
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.experiments.virtual_axle import TASK, TOLERANCE, Case, run_case, virtual_axle
+from pushpressslide.experiments.virtual_axle import (
+    TASK,
+    TOLERANCE,
+    Case,
+    run_case,
+    virtual_axle,
+)
 from pushpressslide.pipeline.task_file import load_task
 from pushpressslide.sim.axle_probe import Probe, probe_axle
 
@@ -18,25 +26,33 @@ def row_of(case: Case) -> dict:
     return run_case(load_task(TASK), case)
 
 
-@pytest.mark.parametrize("case", [Case(15, 8.0, 0.1), Case(75, 8.0, 0.1), Case(165, 8.0, 0.1)], ids=str)
+@pytest.mark.parametrize(
+    "case", [Case(15, 8.0, 0.1), Case(75, 8.0, 0.1), Case(165, 8.0, 0.1)], ids=str
+)
 def test_the_box_turns_about_the_predicted_axle(case: Case) -> None:
     row = row_of(case)
     assert row["measured"] == pytest.approx(row["predicted"], abs=3e-3)
-    assert row["measured_force_angle"] == pytest.approx(math.radians(case.angle), abs=2e-3)
+    assert row["measured_force_angle"] == pytest.approx(
+        math.radians(case.angle), abs=2e-3
+    )
     assert row["measured_load"] == pytest.approx(case.load, rel=1e-3)
     assert row["measured_slip"] < 5e-4
     low, high = row["measured_axle_band"]
     assert high - low < 2e-3
 
 
-def test_pulled_and_pushed_it_turns_about_points_over_twenty_centimetres_apart() -> None:
-    pulled, pushed = row_of(Case(15, 8.0, 0.1)), row_of(Case(165, 8.0, 0.1))
+def test_pulled_and_pushed_it_turns_about_points_over_twenty_centimetres_apart() -> (
+    None
+):
+    pulled = row_of(Case(15, 8.0, 0.1))
+    pushed = row_of(Case(165, 8.0, 0.1))
     assert pulled["measured"] - pushed["measured"] > 0.2
     assert pulled["without_height"] == pytest.approx(pushed["without_height"], abs=1e-6)
 
 
 def test_a_hand_that_keeps_its_yaw_moves_the_axle_by_its_spin_friction() -> None:
-    follows, held = row_of(Case(75, 8.0, 0.1)), row_of(Case(75, 8.0, 0.1, "hand's yaw held"))
+    follows = row_of(Case(75, 8.0, 0.1))
+    held = row_of(Case(75, 8.0, 0.1, "hand's yaw held"))
     assert held["measured"] - follows["measured"] < -8e-3
 
 
@@ -47,7 +63,9 @@ def test_a_push_that_does_not_move_the_object_measures_nothing() -> None:
 
 def test_a_probe_gives_the_same_figures_again() -> None:
     probe = Probe((0.2, 0.0), 8.0, 1.0, tile=0.1)
-    assert asdict(probe_axle(load_task(TASK), probe)) == asdict(probe_axle(load_task(TASK), probe))
+    assert asdict(probe_axle(load_task(TASK), probe)) == asdict(
+        probe_axle(load_task(TASK), probe)
+    )
 
 
 @pytest.mark.long

@@ -7,14 +7,20 @@ from pushpressslide.sim.joint_path import joint_path
 
 
 def share(overrides: list[str]) -> float:
-    light, plan = pps.plan(pps.load_task("press-slide")), pps.plan(pps.load_task("press-slide", overrides))
+    light = pps.plan(pps.load_task("press-slide"))
+    plan = pps.plan(pps.load_task("press-slide", overrides))
     path, _ = joint_path(light)
-    bodies = [light.object_pose(s).compose(light.task.object.X_GB) for s in path.arc_length]
+    bodies = [
+        light.object_pose(s).compose(light.task.object.X_GB) for s in path.arc_length
+    ]
     contact = plan.choice.contacts[0]
-    return largest_share(plan, contact, ArmModel(plan.task.robots[0]), path.move, bodies)
+    return largest_share(
+        plan, contact, ArmModel(plan.task.robots[0]), path.move, bodies
+    )
 
 
 def test_a_heavy_press_takes_more_than_a_wrist_has() -> None:
-    few, many = share([]), share(["motion.press_force=75", "object.mass=3.0"])
+    few = share([])
+    many = share(["motion.press_force=75", "object.mass=3.0"])
     assert 0.2 < few < 0.5
     assert many > few + 0.2

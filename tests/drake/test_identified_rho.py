@@ -12,7 +12,9 @@ from pushpressslide.report.files import load_run
 
 
 @pytest.mark.long
-def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(tmp_path: Path) -> None:
+def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(
+    tmp_path: Path,
+) -> None:
     (variant,) = IDENTIFIED_RHO.variants
     run_task(load_task(variant.task, variant.overrides), out=tmp_path)
     run = load_run(tmp_path)

@@ -1,4 +1,6 @@
-"""Joint paths: right to the tip, refused with a figure, made good where a grid of postures just fails."""
+"""Joint paths: right to the tip, refused with a figure, made good where a grid of
+postures just fails.
+"""
 
 import math
 from dataclasses import replace
@@ -30,14 +32,21 @@ def near_the_base(radius: float) -> Task:
     """Return a push that begins with the tip ``radius`` [m] in front of the base."""
     task = base()
     start = Pose2(radius + 0.075 + task.robots[0].tip_radius, 0.0, 0.0)
-    return replace(task, start=start, goal=start.compose(Pose2(0.25, 0.03, math.radians(15.0))))
+    return replace(
+        task, start=start, goal=start.compose(Pose2(0.25, 0.03, math.radians(15.0)))
+    )
 
 
-def tip_errors(plan: Plan, path: JointPath, attitude: ToolAttitude) -> tuple[float, float]:
+def tip_errors(
+    plan: Plan, path: JointPath, attitude: ToolAttitude
+) -> tuple[float, float]:
     """Return how far the tip [m] and the tool's turn [rad] are off at the samples."""
-    kin, contact = arm_kinematics(plan.task.robots[0]), plan.choice.contacts[0]
+    kin = arm_kinematics(plan.task.robots[0])
+    contact = plan.choice.contacts[0]
     inside, height = contact.tip_place(plan.task.robots[0].tip_radius)
-    bodies = [plan.path.pose(float(x)).compose(plan.X_BV.inverse()) for x in path.arc_length]
+    bodies = [
+        plan.path.pose(float(x)).compose(plan.X_BV.inverse()) for x in path.arc_length
+    ]
     R, p = kin.tip_pose(path.move)
     off = p - np.array([(*X.apply(inside), height) for X in bodies])
     wanted = attitude.rotation(np.array([X.yaw for X in bodies]) + path.tool_yaw_offset)
@@ -53,13 +62,19 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
     assert turn < 2e-6
     assert kin.joint_margin(path.move).min() >= JOINT_MARGIN
     assert np.linalg.cond(kin.jacobian(path.move)).max() < CONDITION_LIMIT
-    model, start = ClearanceModel(plan, 0), plan.task.start
+    model = ClearanceModel(plan, 0)
+    start = plan.task.start
     objects = [plan.object_pose(float(s)) for s in path.arc_length]
     assert model.least(path.move, objects, touching=True)[0] >= search.CLEARANCE
-    assert model.least(path.approach, [start] * len(path.approach), touching=False)[0] >= search.CLEARANCE
+    assert (
+        model.least(path.approach, [start] * len(path.approach), touching=False)[0]
+        >= search.CLEARANCE
+    )
     assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
     gap = path.gap * np.array(plan.choice.contacts[0].direction(plan.object_pose(0.0)))
-    end, first = (np.asarray(kin.tip_pose(q)[1]) for q in (path.approach[-1], path.move[0]))
+    end, first = (
+        np.asarray(kin.tip_pose(q)[1]) for q in (path.approach[-1], path.move[0])
+    )
     assert np.linalg.norm(first - gap - end) < 1e-4
 
 
@@ -94,15 +109,18 @@ def test_a_push_may_begin_near_the_base(radius: float) -> None:
 def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> None:
     plan = pps.plan(pps.load_task("rear-push-rear"))
     path, _ = search.joint_path(plan)
-    model, rng = ClearanceModel(plan, 0), np.random.default_rng(0)
+    model = ClearanceModel(plan, 0)
+    rng = np.random.default_rng(0)
     for i in np.linspace(0, len(path.move) - 1, 5).astype(int):
-        q, pose = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1]), plan.object_pose(0.0)
+        q = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1])
+        pose = plan.object_pose(0.0)
         smooth, gradient = model.smooth_least(q, pose, touching=False)
         exact, _ = model.least(q[None], [pose], touching=False)
         assert exact - 2e-3 < smooth <= exact
         step = 1e-6
         for joint, slope in enumerate(gradient):
-            ahead, behind = q.copy(), q.copy()
+            ahead = q.copy()
+            behind = q.copy()
             ahead[joint] += step
             behind[joint] -= step
             rise = model.smooth_least(ahead, pose, touching=False)[0]
@@ -114,7 +132,15 @@ def test_arms_go_to_their_next_way_from_rest_to_rest_and_in_the_same_time() -> N
     facts = arm_kinematics(base().robots[0]).facts
     home = facts.home
     path = JointPath(
-        np.array([0.0, 1.0]), np.stack([home, home + 0.1]), np.zeros(1), home[None], 0.0, 1.0, 1.0, 0.1, 0.1
+        np.array([0.0, 1.0]),
+        np.stack([home, home + 0.1]),
+        np.zeros(1),
+        home[None],
+        0.0,
+        1.0,
+        1.0,
+        0.1,
+        0.1,
     )
     near, far = led_in([path, path], [facts, facts], [home + 0.01, home - 0.8])
     assert near.approach_time[-1] == pytest.approx(far.approach_time[-1])
@@ -122,6 +148,9 @@ def test_arms_go_to_their_next_way_from_rest_to_rest_and_in_the_same_time() -> N
         assert led.approach[0] == pytest.approx(start)
         assert led.approach[-2:] == pytest.approx(path.approach)
         assert np.diff(led.approach_time[-2:]) == pytest.approx(1.0)
-        rate = np.abs(np.diff(led.approach[:-1], axis=0)) / np.diff(led.approach_time[:-1])[:, None]
+        rate = (
+            np.abs(np.diff(led.approach[:-1], axis=0))
+            / np.diff(led.approach_time[:-1])[:, None]
+        )
         assert rate.max() <= 1.01 * APPROACH_SPEED
         assert max(rate[0].max(), rate[-1].max()) < 0.05 * rate.max()

@@ -1,4 +1,6 @@
-"""Tasks in several legs, in Drake: one continuous run with arms that let go and take other contacts."""
+"""Tasks in several legs, in Drake: one continuous run with arms that let go and take
+other contacts.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from pushpressslide.experiments.run import simulate
 from pushpressslide.pipeline.task_file import load_task
 from pushpressslide.report.metrics import result
 
-TIGHT = ["obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"]  # 10 mm a side in place of 20
+# 10 mm a side in place of 20
+TIGHT = ["obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"]
 
 
 @pytest.mark.long

@@ -1,4 +1,6 @@
-"""One arm on top, in Drake: goals reached, presses lost and found again, wrong beliefs, tool use."""
+"""One arm on top, in Drake: goals reached, presses lost and found again, wrong beliefs,
+tool use.
+"""
 
 import math
 from dataclasses import replace
@@ -14,15 +16,26 @@ from pushpressslide.pipeline.task_file import load_task
 from pushpressslide.report.metrics import result
 
 BACK = [
-    "start.x=0.40", "start.y=0.33", "start.yaw_deg=100", "goal.x=0.47", "goal.y=-0.25", "goal.yaw_deg=90",
-]  # fmt: skip
+    "start.x=0.40",
+    "start.y=0.33",
+    "start.yaw_deg=100",
+    "goal.x=0.47",
+    "goal.y=-0.25",
+    "goal.yaw_deg=90",
+]
 
 
 def measured(task, engine="drake"):
-    """Return the result of a run, the yaw error in degrees and the position error in millimetres."""
+    """Return the result of a run, the yaw error in degrees and the position error in
+    millimetres.
+    """
     plan, record, _ = simulate(task, engine=engine)
     found = result(task, plan, record, {})
-    return found, 1e3 * found["final_position_error"], math.degrees(found["final_yaw_error"])
+    return (
+        found,
+        1e3 * found["final_position_error"],
+        math.degrees(found["final_yaw_error"]),
+    )
 
 
 def test_press_slide_reaches_its_goal_without_slipping() -> None:
@@ -37,7 +50,10 @@ def test_press_slide_reaches_its_goal_without_slipping() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize(
     "overrides",
-    [["start.x=0.40", "start.yaw_deg=75"], ["start.x=0.6", "start.y=-0.3", "start.yaw_deg=125"]],
+    [
+        ["start.x=0.40", "start.yaw_deg=75"],
+        ["start.x=0.6", "start.y=-0.3", "start.yaw_deg=125"],
+    ],
 )
 def test_press_slide_reaches_its_goal_from_other_starts(overrides: list[str]) -> None:
     _, off, turned = measured(load_task("press-slide", overrides))
@@ -55,7 +71,9 @@ def test_press_slide_reaches_its_goal_from_other_starts(overrides: list[str]) ->
         ("press-slide-pivot", [], 5.0),
     ],
 )
-def test_other_vehicles_reach_their_goals(name: str, overrides: list[str], most: float) -> None:
+def test_other_vehicles_reach_their_goals(
+    name: str, overrides: list[str], most: float
+) -> None:
     _, off, turned = measured(load_task(name, overrides))
     assert off < most
     assert turned < 1.0
@@ -63,12 +81,14 @@ def test_other_vehicles_reach_their_goals(name: str, overrides: list[str], most:
 
 def test_a_tip_too_smooth_to_drag_is_refused_before_it_moves() -> None:
     with pytest.raises(InfeasibleTaskError, match="the tip slips before the object"):
-        simulate(load_task("press-slide", ["contact.friction=0.39"]))  # 1.3 times the support's
+        # 1.3 times the support's
+        simulate(load_task("press-slide", ["contact.friction=0.39"]))
 
 
 @pytest.mark.long
 def test_a_tip_just_rough_enough_drags() -> None:
-    _, off, turned = measured(load_task("press-slide", ["contact.friction=0.45"]))  # 1.5 times
+    # 1.5 times
+    _, off, turned = measured(load_task("press-slide", ["contact.friction=0.45"]))
     assert off < 5.0
     assert turned < 1.0
 
@@ -89,7 +109,8 @@ def test_a_lost_press_is_noticed_and_taken_again() -> None:
 
     task = load_task("press-slide")
     plan = pps.plan(task)
-    begin, end = 9.0, 9.2
+    begin = 9.0
+    end = 9.2
 
     def cut(time, commands):
         if not begin <= time < end:
@@ -97,7 +118,8 @@ def test_a_lost_press_is_noticed_and_taken_again() -> None:
         return tuple(c and replace(c, force=(*c.force[:2], 0.0)) for c in commands)
 
     record = run(plan, disturb=cut)
-    time, phase = record.arrays["time"], record.arrays["phase"]
+    time = record.arrays["time"]
+    phase = record.arrays["phase"]
     touching = phase == PHASES.index("touch")
     noticed = time[touching & (time > begin)]
     assert len(noticed)
@@ -109,7 +131,9 @@ def test_a_lost_press_is_noticed_and_taken_again() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("overrides", [[], ["obstacles.0.mass=1.0"], ["obstacles.0.pose.x=0.46"]])
+@pytest.mark.parametrize(
+    "overrides", [[], ["obstacles.0.mass=1.0"], ["obstacles.0.pose.x=0.46"]]
+)
 def test_a_bar_pushes_a_cube_to_its_place(overrides: list[str]) -> None:
     found, off, turned = measured(load_task("tool-use", overrides))
     assert found["success"]

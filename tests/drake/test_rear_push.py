@@ -1,4 +1,6 @@
-"""Rear push on Drake with the Panda: shipped tasks, planar engine, other time steps, wrong starts."""
+"""Rear push on Drake with the Panda: shipped tasks, planar engine, other time steps,
+wrong starts.
+"""
 
 import itertools
 import math
@@ -36,7 +38,9 @@ def figures(plan: Plan, record: Record) -> dict:
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_a_shipped_task_reaches_its_goal_within_three_millimetres_and_one_degree(name: str) -> None:
+def test_a_shipped_task_reaches_its_goal_within_three_millimetres_and_one_degree(
+    name: str,
+) -> None:
     plan, record = run_of(name)
     measured = figures(plan, record)
     assert measured["success"]
@@ -68,7 +72,9 @@ def test_contact_is_kept_and_the_tip_hardly_slides(name: str) -> None:
 
 
 def moving_path(record: Record) -> np.ndarray:
-    """Return the object's positions (101, 2) [m] at equal shares of its way while it is pushed."""
+    """Return the object's positions (101, 2) [m] at equal shares of its way while it is
+    pushed.
+    """
     moving = record.arrays["phase"] == PHASES.index("move")
     p = record.arrays["object_pose"][moving, :2]
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
@@ -77,7 +83,9 @@ def moving_path(record: Record) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", TASKS)
-def test_drake_and_the_planar_engine_move_the_object_along_the_same_path(name: str) -> None:
+def test_drake_and_the_planar_engine_move_the_object_along_the_same_path(
+    name: str,
+) -> None:
     plan, record = run_of(name)
     apart = np.linalg.norm(moving_path(record) - moving_path(run_planar(plan)), axis=1)
     assert apart.max() < 0.010
@@ -86,7 +94,9 @@ def test_drake_and_the_planar_engine_move_the_object_along_the_same_path(name: s
 @pytest.mark.parametrize("name", TASKS)
 def test_the_object_follows_its_plan(name: str) -> None:
     plan, record = run_of(name)
-    planned = np.array([plan.object_pose(s).position for s in np.linspace(0.0, plan.path.length, 400)])
+    planned = np.array(
+        [plan.object_pose(s).position for s in np.linspace(0.0, plan.path.length, 400)]
+    )
     way = moving_path(record)
     nearest = np.min(np.linalg.norm(way[:, None] - planned[None], axis=2), axis=1)
     assert nearest.max() < 0.010
@@ -100,9 +110,13 @@ def change_of_the_end(first: Record, second: Record) -> tuple[float, float]:
 
 @pytest.mark.parametrize("name", TASKS)
 def test_half_the_time_step_and_control_period_end_at_the_same_place(name: str) -> None:
-    """A third of what a shipped task is held to; finer steps agree better, see the next test."""
+    """A third of what a shipped task is held to; finer steps agree better, see the next
+    test.
+    """
     plan, coarse = run_of(name)
-    position, yaw = change_of_the_end(coarse, run_drake(plan, time_step=0.5 * plan.task.motion.time_step))
+    position, yaw = change_of_the_end(
+        coarse, run_drake(plan, time_step=0.5 * plan.task.motion.time_step)
+    )
     assert position < 1e-3
     assert yaw < math.radians(0.6)
 
@@ -111,15 +125,20 @@ def test_half_the_time_step_and_control_period_end_at_the_same_place(name: str) 
 @pytest.mark.parametrize("name", TASKS)
 def test_the_end_converges_with_the_time_step(name: str) -> None:
     plan = pps.plan(pps.load_task(name))
-    position, yaw = change_of_the_end(*(run_drake(plan, time_step=dt) for dt in (0.002, 0.001)))
+    position, yaw = change_of_the_end(
+        *(run_drake(plan, time_step=dt) for dt in (0.002, 0.001))
+    )
     assert position < 5e-4
     assert yaw < math.radians(0.3)
 
 
 def test_the_same_run_again_is_identical_to_the_last_bit() -> None:
     plan = pps.plan(pps.load_task("rear-push-rear"))
-    short = replace(plan, task=replace(plan.task, limits=replace(plan.task.limits, time=8.0)))
-    first, second = run_drake(short), run_drake(short)
+    short = replace(
+        plan, task=replace(plan.task, limits=replace(plan.task.limits, time=8.0))
+    )
+    first = run_drake(short)
+    second = run_drake(short)
     assert (first.arrays["phase"] == PHASES.index("move")).any()
     for name, values in first.arrays.items():
         if not name.startswith("tick_"):
@@ -142,5 +161,7 @@ def test_a_start_one_centimetre_and_five_degrees_off_is_corrected(index: int) ->
 @pytest.mark.long
 @pytest.mark.parametrize("name", TASKS)
 @pytest.mark.parametrize("index", range(len(START_ERRORS)))
-def test_every_start_one_centimetre_and_five_degrees_off_is_corrected(name: str, index: int) -> None:
+def test_every_start_one_centimetre_and_five_degrees_off_is_corrected(
+    name: str, index: int
+) -> None:
     check_wrong_start(name, START_ERRORS[index])

@@ -1,4 +1,6 @@
-"""The robots in the physics engine agree with the array kinematics and with the makers' published models."""
+"""The robots in the physics engine agree with the array kinematics and with the makers'
+published models.
+"""
 
 import dataclasses
 import math
@@ -20,7 +22,9 @@ from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.robot_models import DRAKE_MODELS, add_robot
 
-DRAKE_MODELS_COPY = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "drake_models"
+DRAKE_MODELS_COPY = (
+    Path(__file__).resolve().parents[2].parent / "shared" / "data" / "drake_models"
+)
 needs_copy = pytest.mark.skipif(
     not (DRAKE_MODELS_COPY / "package.xml").is_file(),
     reason="no copy of Drake's models in ../shared/data/drake_models",
@@ -56,7 +60,9 @@ def assert_kinematics_agree(robot, **options):
     kin = arm_kinematics(robot)
     plant, instance, context, _ = build(robot, **options)
     for q in random_postures(kin.facts):
-        for ours, drakes in zip(kin.tip_and_jacobian(q), tip_of(plant, instance, context, q), strict=True):
+        for ours, drakes in zip(
+            kin.tip_and_jacobian(q), tip_of(plant, instance, context, q), strict=True
+        ):
             np.testing.assert_allclose(ours, drakes, atol=1e-10)
 
 
@@ -73,7 +79,10 @@ def test_limits_and_rotors_arrive_in_the_plant(model):
     np.testing.assert_array_equal(plant.GetPositionUpperLimits(), facts.upper)
     np.testing.assert_array_equal(plant.GetVelocityUpperLimits(), facts.velocity_limit)
     np.testing.assert_array_equal(plant.GetEffortUpperLimits(), facts.effort_limit)
-    joints = [plant.get_joint(i).name() for i in plant.GetJointIndices(instance.model_instance)]
+    joints = [
+        plant.get_joint(i).name()
+        for i in plant.GetJointIndices(instance.model_instance)
+    ]
     assert [name for name in joints if name in {j.name for j in facts.moving}] == [
         j.name for j in facts.moving
     ]
@@ -93,10 +102,23 @@ def test_the_hand_weighs_half_a_kilogram():
 
 
 def official_text(model):
-    """The published file, its rounded quarter turns made exact, so that models compare to 1e-8."""
-    path = DRAKE_MODELS_COPY / DRAKE_MODELS[model].removeprefix("package://drake_models/")
-    text = re.sub(r"<visual.*?</visual>|<collision>.*?</collision>", "", path.read_text(), flags=re.S)
-    for rounded, exact in (("1.570796327", math.pi / 2), ("3.14159", math.pi), ("1.5708", math.pi / 2)):
+    """The published file, its rounded quarter turns made exact, so that models compare
+    to 1e-8.
+    """
+    path = DRAKE_MODELS_COPY / DRAKE_MODELS[model].removeprefix(
+        "package://drake_models/"
+    )
+    text = re.sub(
+        r"<visual.*?</visual>|<collision>.*?</collision>",
+        "",
+        path.read_text(),
+        flags=re.S,
+    )
+    for rounded, exact in (
+        ("1.570796327", math.pi / 2),
+        ("3.14159", math.pi),
+        ("1.5708", math.pi / 2),
+    ):
         text = re.sub(rf"(?<![\d.]){re.escape(rounded)}(?=[\s\"<])", repr(exact), text)
     return text, path.suffix[1:]
 
@@ -119,7 +141,9 @@ def test_the_generated_arm_equals_the_published_one(model):
             plant.SetPositions(context, q)
             X = plant.GetFrameByName(last).CalcPoseInWorld(context)
             gravity = plant.CalcGravityGeneralizedForces(context)
-            quantities.append((X.GetAsMatrix34(), plant.CalcMassMatrix(context), gravity))
+            quantities.append(
+                (X.GetAsMatrix34(), plant.CalcMassMatrix(context), gravity)
+            )
         for ours, published in zip(*quantities, strict=True):
             np.testing.assert_allclose(ours, published, atol=1e-8)
 
@@ -128,7 +152,9 @@ def test_the_generated_arm_equals_the_published_one(model):
 @pytest.mark.parametrize("model", ["panda", "iiwa7"])
 def test_drakes_own_models_carry_our_tip(model):
     robot = Robot(model, (0.1, -0.2, 0.3), 0.7)
-    plant, instance, context, _ = build(robot, models="drake_models", drake_models=DRAKE_MODELS_COPY)
+    plant, instance, context, _ = build(
+        robot, models="drake_models", drake_models=DRAKE_MODELS_COPY
+    )
     kin = arm_kinematics(robot)
     for q in random_postures(kin.facts):
         R, p, _ = tip_of(plant, instance, context, q)
@@ -140,7 +166,11 @@ def test_drakes_own_models_carry_our_tip(model):
 
 def test_a_folder_without_drakes_models_is_refused(tmp_path):
     with pytest.raises(TaskError, match=r"package\.xml"):
-        build(Robot("panda", (0.0, 0.0, 0.0)), models="drake_models", drake_models=tmp_path)
+        build(
+            Robot("panda", (0.0, 0.0, 0.0)),
+            models="drake_models",
+            drake_models=tmp_path,
+        )
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -151,13 +181,18 @@ def test_the_reaction_at_the_tip_joint_is_the_weight_of_the_tip_at_rest(model):
     plant.get_actuation_input_port(instance.model_instance).FixValue(context, holding)
     joint = plant.GetJointByName(instance.tip_joint_name, instance.model_instance)
     reaction = plant.get_reaction_forces_output_port().Eval(context)[int(joint.index())]
-    force = instance.tip_frame.CalcRotationMatrixInWorld(context).matrix() @ reaction.translational()
+    force = (
+        instance.tip_frame.CalcRotationMatrixInWorld(context).matrix()
+        @ reaction.translational()
+    )
     np.testing.assert_allclose(force, [0.0, 0.0, 9.81 * TIP_MASS], atol=1e-9)
 
 
 def test_only_the_tip_touches_unless_capsules_are_asked_for():
     bare = build(Robot("panda", (0.0, 0.0, 0.0)))
-    touching = build(Robot("panda", (0.0, 0.0, 0.0)), tip_properties=ProximityProperties())
+    touching = build(
+        Robot("panda", (0.0, 0.0, 0.0)), tip_properties=ProximityProperties()
+    )
     full = build(Robot("panda", (0.0, 0.0, 0.0)), collision=True)
     assert bare[1].tip_geometry is None
     assert bare[0].num_collision_geometries() == 0
@@ -184,7 +219,10 @@ def test_the_capsules_do_not_touch_each_other_in_the_home_posture(model):
 
 def test_two_robots_of_one_kind_stand_side_by_side():
     plant = MultibodyPlant(0.0)
-    left, right = (add_robot(plant, Robot("iiwa7", (0.0, y, 0.2)), i) for i, y in enumerate((0.5, -0.5)))
+    left, right = (
+        add_robot(plant, Robot("iiwa7", (0.0, y, 0.2)), i)
+        for i, y in enumerate((0.5, -0.5))
+    )
     plant.Finalize()
     assert left.name != right.name
     assert plant.num_positions() == 14
@@ -195,13 +233,20 @@ def test_a_raised_base_gets_a_pedestal_and_the_free_hand_none():
     def count(robot):
         return build(robot)[3].model_inspector().num_geometries()
 
-    assert count(Robot("panda", (0.0, 0.0, 0.4))) == count(Robot("panda", (0.0, 0.0, 0.0))) + 2
-    assert count(Robot("hand", (0.0, 0.0, 0.4))) == count(Robot("hand", (0.0, 0.0, 0.0)))
+    assert (
+        count(Robot("panda", (0.0, 0.0, 0.4)))
+        == count(Robot("panda", (0.0, 0.0, 0.0))) + 2
+    )
+    assert count(Robot("hand", (0.0, 0.0, 0.4))) == count(
+        Robot("hand", (0.0, 0.0, 0.0))
+    )
 
 
 def arm_file(folder, edit=lambda text: text, name="arm.urdf"):
     """A URDF as a user might have: our iiwa7 with a frame at the tip."""
-    frame = '<frame name="tcp" link="iiwa_flange" xyz="0.01 0 0.2" rpy="0 0.1 0"/></robot>'
+    frame = (
+        '<frame name="tcp" link="iiwa_flange" xyz="0.01 0 0.2" rpy="0 0.1 0"/></robot>'
+    )
     path = folder / name
     path.write_text(edit(urdf_text(load_facts("iiwa7")).replace("</robot>", frame)))
     return str(path)
@@ -212,13 +257,19 @@ def test_a_robot_given_by_its_urdf_has_the_kinematics_of_the_file(tmp_path):
     assert_kinematics_agree(robot)
     plant, instance, _, _ = build(robot, tip_properties=ProximityProperties())
     assert instance.tip_geometry is not None
-    np.testing.assert_array_equal(plant.GetEffortUpperLimits(), load_facts("iiwa7").effort_limit)
+    np.testing.assert_array_equal(
+        plant.GetEffortUpperLimits(), load_facts("iiwa7").effort_limit
+    )
 
 
 def test_a_urdf_without_transmissions_is_driven_all_the_same(tmp_path):
-    path = arm_file(tmp_path, lambda text: re.sub(r"<transmission.*?</transmission>", "", text))
+    path = arm_file(
+        tmp_path, lambda text: re.sub(r"<transmission.*?</transmission>", "", text)
+    )
     plant, _, _, _ = build(Robot(path, (0.0, 0.0, 0.0), tip_frame="tcp"))
-    np.testing.assert_array_equal(plant.GetEffortUpperLimits(), load_facts("iiwa7").effort_limit)
+    np.testing.assert_array_equal(
+        plant.GetEffortUpperLimits(), load_facts("iiwa7").effort_limit
+    )
 
 
 @needs_copy
@@ -226,7 +277,9 @@ def test_a_robot_given_by_its_sdf_has_the_kinematics_of_the_file(tmp_path):
     text, _ = official_text("iiwa7")
     path = tmp_path / "iiwa.sdf"
     path.write_text(text)
-    assert_kinematics_agree(Robot(str(path), (0.0, 0.1, 0.2), 0.4, tip_frame="iiwa_link_7"))
+    assert_kinematics_agree(
+        Robot(str(path), (0.0, 0.1, 0.2), 0.4, tip_frame="iiwa_link_7")
+    )
 
 
 @pytest.mark.parametrize(
@@ -237,13 +290,31 @@ def test_a_robot_given_by_its_sdf_has_the_kinematics_of_the_file(tmp_path):
         ({"tip_frame": None}, None, "needs tip_frame"),
         ({"tip_frame": "tpc"}, None, "no frame 'tpc'.*tcp"),
         ({}, lambda text: text[:200], "not XML"),
-        ({}, lambda text: text.replace('type="revolute"', 'type="planar"', 1), "planar"),
-        ({"tip_frame": "iiwa_link_4"}, None, "'iiwa_joint_5' does not lead to the tip frame"),
-        ({}, lambda text: text.replace('name="iiwa_link_0"', 'name="base"', 1), "iiwa_link_0"),
+        (
+            {},
+            lambda text: text.replace('type="revolute"', 'type="planar"', 1),
+            "planar",
+        ),
+        (
+            {"tip_frame": "iiwa_link_4"},
+            None,
+            "'iiwa_joint_5' does not lead to the tip frame",
+        ),
+        (
+            {},
+            lambda text: text.replace('name="iiwa_link_0"', 'name="base"', 1),
+            "iiwa_link_0",
+        ),
     ],
 )
-def test_a_model_that_cannot_be_used_is_refused_in_one_line(tmp_path, change, edit, message):
-    robot = Robot(arm_file(tmp_path, edit or (lambda text: text)), (0.0, 0.0, 0.0), tip_frame="tcp")
+def test_a_model_that_cannot_be_used_is_refused_in_one_line(
+    tmp_path, change, edit, message
+):
+    robot = Robot(
+        arm_file(tmp_path, edit or (lambda text: text)),
+        (0.0, 0.0, 0.0),
+        tip_frame="tcp",
+    )
     with pytest.raises(TaskError, match=message) as caught:
         build(dataclasses.replace(robot, **change), source="task.yaml")
     assert str(caught.value).startswith("task.yaml: robots[0].model")

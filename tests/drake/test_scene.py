@@ -1,5 +1,5 @@
-"""The scene's physics against integrals: drag of every shape, friction of every pair, inertia,
-repeatability.
+"""The scene's physics against integrals: drag of every shape, friction of every pair,
+inertia, repeatability.
 """
 
 import math
@@ -15,7 +15,16 @@ from pydrake.systems.analysis import Simulator
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism, Robot, Support, Task
+from pushpressslide.core.task import (
+    Box,
+    Cylinder,
+    ObjectModel,
+    Obstacle,
+    Prism,
+    Robot,
+    Support,
+    Task,
+)
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import support_pressure
@@ -24,7 +33,8 @@ from pushpressslide.sim.scenes import build_scene, rest_height, solid_inertia
 from pushpressslide.sim.surfaces import OBJECT_FRICTION, partner_friction
 
 GRAVITY = 9.81
-MASS, FRICTION = 1.2, 0.3
+MASS = 1.2
+FRICTION = 0.3
 START = Pose2(0.503, 0.017, 0.2)  # not on the lattice of the support's grid
 SHAPES = {
     "cube": Box((0.15, 0.15, 0.15)),
@@ -41,27 +51,49 @@ def centroid(shape):
     return (float(x), float(y))
 
 
-def still_plan(shape, obstacles=(), contact_friction=0.6, com=None, time_step=0.002) -> Plan:
-    """Return a plan that goes nowhere: it is only there to build a scene from, with no arm in it."""
+def still_plan(
+    shape, obstacles=(), contact_friction=0.6, com=None, time_step=0.002
+) -> Plan:
+    """Return a plan that goes nowhere: it is only there to build a scene from, with no
+    arm in it.
+    """
     body = ObjectModel(shape, MASS, com if com is not None else centroid(shape))
     task = Task(
-        "scene", body, START, START, (Robot("hand", (0.0, 0.0, 0.0)),), Support("table", FRICTION),
-        contact_friction, obstacles=obstacles,
-    )  # fmt: skip
+        "scene",
+        body,
+        START,
+        START,
+        (Robot("hand", (0.0, 0.0, 0.0)),),
+        Support("table", FRICTION),
+        contact_friction,
+        obstacles=obstacles,
+    )
     task = replace(task, robots=(), motion=replace(task.motion, time_step=time_step))
     path = ArcPath(START, ((0.0, 0.0),))
-    return Plan(task, Choice("rear_push", True, "test"), path, SpeedProfile(0.0, 0.05, 0.1), Pose2())
+    return Plan(
+        task,
+        Choice("rear_push", True, "test"),
+        path,
+        SpeedProfile(0.0, 0.05, 0.1),
+        Pose2(),
+    )
 
 
 class Dragged:
-    """An object in its scene, held at a wanted planar twist by a velocity servo in the plane of the base."""
+    """An object in its scene, held at a wanted planar twist by a velocity servo in the
+    plane of the base.
+    """
 
     def __init__(self, plan: Plan) -> None:
         scene = build_scene(plan)
-        self.plant, self.body, self.task = scene.plant, scene.object, plan.task
+        self.plant = scene.plant
+        self.body = scene.object
+        self.task = plan.task
         diagram = scene.builder.Build()
         self.simulator = Simulator(diagram)
-        self.context = scene.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+        self.context = scene.plant.GetMyMutableContextFromRoot(
+            self.simulator.get_mutable_context()
+        )
         pose = rigid_transform(plan.task.true_start, rest_height(plan.task.object))
         scene.plant.SetFreeBodyPose(self.context, self.body, pose)
         self.port = scene.plant.get_applied_spatial_force_input_port()
@@ -72,16 +104,24 @@ class Dragged:
         com = self.task.object.center_of_mass
         pushed = ExternallyAppliedSpatialForce()
         pushed.body_index = self.body.index()
-        pushed.p_BoBq_B = np.array([com[0], com[1], -0.5 * self.task.object.shape.height])
-        pushed.F_Bq_W = SpatialForce(tau=np.array([0, 0, wrench[2]]), f=np.array([wrench[0], wrench[1], 0]))
+        pushed.p_BoBq_B = np.array(
+            [com[0], com[1], -0.5 * self.task.object.shape.height]
+        )
+        pushed.F_Bq_W = SpatialForce(
+            tau=np.array([0, 0, wrench[2]]), f=np.array([wrench[0], wrench[1], 0])
+        )
         self.port.FixValue(self.context, [pushed])
 
     def base_velocity(self):
-        """Return the planar velocity, world axes, of the CoM's projection on the support."""
+        """Return the planar velocity, world axes, of the CoM's projection on the
+        support.
+        """
         X = self.plant.EvalBodyPoseInWorld(self.context, self.body)
         V = self.plant.EvalBodySpatialVelocityInWorld(self.context, self.body)
         com = self.task.object.center_of_mass
-        arm = X.rotation() @ np.array([com[0], com[1], -0.5 * self.task.object.shape.height])
+        arm = X.rotation() @ np.array(
+            [com[0], com[1], -0.5 * self.task.object.shape.height]
+        )
         v = V.translational() + np.cross(V.rotational(), arm)
         return np.array([v[0], v[1], V.rotational()[2]])
 
@@ -90,13 +130,18 @@ class Dragged:
         return math.atan2(R[1, 0], R[0, 0])
 
     def drag(self, twist_B, duration=0.5):
-        """Return the mean wrench (fx, fy, tau) in B, about the CoM, that keeps up ``twist_B``."""
-        dt, total, count = self.task.motion.time_step, np.zeros(3), 0
+        """Return the mean wrench (fx, fy, tau) in B, about the CoM, that keeps up
+        ``twist_B``.
+        """
+        dt = self.task.motion.time_step
+        total = np.zeros(3)
+        count = 0
         gain = np.array([200.0, 200.0, 0.6])
         integral = np.zeros(3)
         steps = round(duration / dt)
         for k in range(steps):
-            c, s = math.cos(self.yaw()), math.sin(self.yaw())
+            c = math.cos(self.yaw())
+            s = math.sin(self.yaw())
             turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
             error = turn @ np.array(twist_B) - self.base_velocity()
             integral += 20.0 * dt * error
@@ -104,7 +149,8 @@ class Dragged:
             self.apply(wrench)
             self.simulator.AdvanceTo((k + 1) * dt)
             if k >= steps // 2:
-                total, count = total + turn.T @ wrench, count + 1
+                total = total + turn.T @ wrench
+                count = count + 1
         return total / count
 
 
@@ -113,7 +159,9 @@ MOTIONS = {"x": (0.02, 0.0, 0.0), "y": (0.0, 0.02, 0.0), "yaw": (0.0, 0.0, 0.3)}
 
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(name: str, motion: str) -> None:
+def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(
+    name: str, motion: str
+) -> None:
     plan = still_plan(SHAPES[name])
     body = plan.task.object
     twist = MOTIONS[motion]
@@ -121,18 +169,28 @@ def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(name: str, moti
     samples = support_pressure(body.shape, MASS * GRAVITY, body.center_of_mass)
     exact = exact_wrench(samples, FRICTION, Twist(*twist))
     wanted = np.array([exact.fx, exact.fy, exact.tau])
-    rho = np.abs(exact_wrench(samples, FRICTION, Twist(0.0, 0.0, 1.0)).tau) / (FRICTION * MASS * GRAVITY)
+    rho = np.abs(exact_wrench(samples, FRICTION, Twist(0.0, 0.0, 1.0)).tau) / (
+        FRICTION * MASS * GRAVITY
+    )
     scale = np.array([1.0, 1.0, 1.0 / rho])  # all in newtons
-    assert np.linalg.norm(scale * (measured - wanted)) < 0.03 * np.linalg.norm(scale * wanted)
+    assert np.linalg.norm(scale * (measured - wanted)) < 0.03 * np.linalg.norm(
+        scale * wanted
+    )
 
 
 def tilted_scene(plan: Plan, slope: float, bearing: float = 0.3):
-    """Return the simulator of a scene whose gravity is that of a slope of ``slope`` = tan(angle)."""
+    """Return the simulator of a scene whose gravity is that of a slope of ``slope`` =
+    tan(angle).
+    """
     scene = build_scene(plan)
     angle = math.atan(slope)
     along = GRAVITY * math.sin(angle)
     scene.plant.mutable_gravity_field().set_gravity_vector(
-        [along * math.cos(bearing), along * math.sin(bearing), -GRAVITY * math.cos(angle)]
+        [
+            along * math.cos(bearing),
+            along * math.sin(bearing),
+            -GRAVITY * math.cos(angle),
+        ]
     )
     simulator = Simulator(scene.builder.Build())
     context = scene.plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
@@ -147,7 +205,11 @@ def sliding_acceleration(scene, simulator, context, body) -> float:
     for t in (0.1, 0.3):
         simulator.AdvanceTo(t)
         speeds.append(
-            np.linalg.norm(scene.plant.EvalBodySpatialVelocityInWorld(context, body).translational()[:2])
+            np.linalg.norm(
+                scene.plant.EvalBodySpatialVelocityInWorld(
+                    context, body
+                ).translational()[:2]
+            )
         )
     return float(speeds[1] - speeds[0]) / 0.2
 
@@ -156,55 +218,79 @@ def sliding_acceleration(scene, simulator, context, body) -> float:
 def test_object_and_support_have_the_friction_of_their_pair(slope: float) -> None:
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"]), slope)
     expected = max(0.0, GRAVITY * (slope - FRICTION) * math.cos(math.atan(slope)))
-    assert sliding_acceleration(scene, simulator, context, scene.object) == pytest.approx(expected, abs=0.03)
+    assert sliding_acceleration(
+        scene, simulator, context, scene.object
+    ) == pytest.approx(expected, abs=0.03)
 
 
 @pytest.mark.parametrize(("friction", "slope"), [(0.2, 0.3), (0.45, 0.6), (0.45, 0.4)])
-def test_movable_obstacle_and_support_have_the_friction_of_their_pair(friction: float, slope: float) -> None:
-    post = Obstacle("post", (0.1, 0.1, 0.06), Pose2(0.52, 0.4, 0.0), True, 0.8, friction)
+def test_movable_obstacle_and_support_have_the_friction_of_their_pair(
+    friction: float, slope: float
+) -> None:
+    post = Obstacle(
+        "post", (0.1, 0.1, 0.06), Pose2(0.52, 0.4, 0.0), True, 0.8, friction
+    )
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"], (post,)), slope)
     expected = max(0.0, GRAVITY * (slope - friction) * math.cos(math.atan(slope)))
     measured = sliding_acceleration(scene, simulator, context, scene.bodies["post"])
     assert measured == pytest.approx(expected, abs=0.05)
 
 
-def test_with_a_rough_obstacle_object_and_support_keep_the_friction_of_their_pair() -> None:
+def test_with_a_rough_obstacle_object_and_support_keep_the_friction_of_their_pair() -> (
+    None
+):
     post = Obstacle("post", (0.1, 0.1, 0.06), Pose2(0.52, 0.4, 0.0), True, 0.8, 0.45)
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"], (post,)), 0.4)
     expected = GRAVITY * (0.4 - FRICTION) * math.cos(math.atan(0.4))
-    assert sliding_acceleration(scene, simulator, context, scene.object) == pytest.approx(expected, abs=0.03)
+    assert sliding_acceleration(
+        scene, simulator, context, scene.object
+    ) == pytest.approx(expected, abs=0.03)
 
 
 def test_tip_and_object_have_the_friction_of_their_pair() -> None:
-    """A tip that holds its place beside a face while the object slides past feels mu times its normal
-    force.
+    """A tip that holds its place beside a face while the object slides past feels mu
+    times its normal force.
     """
     for pair in (0.3, 0.8):
         assert measured_tip_friction(pair) == pytest.approx(pair, rel=0.05)
 
 
 def measured_tip_friction(pair: float) -> float:
-    """Press a free tip on the left face of an object that is dragged along it; return |f_t| / f_n."""
+    """Press a free tip on the left face of an object that is dragged along it; return
+    |f_t| / f_n.
+    """
     plan = still_plan(SHAPES["cube"], contact_friction=pair)
-    radius, height = 0.02, 0.05
+    radius = 0.02
+    height = 0.05
     robot = Robot("hand", (0.0, 0.0, 0.0), tip_radius=radius)
     task = replace(plan.task, start=Pose2(0.5, 0.0, 0.0), robots=(robot,))
-    scene = build_scene(replace(plan, task=task, path=ArcPath(task.start, ((0.0, 0.0),))))
+    scene = build_scene(
+        replace(plan, task=task, path=ArcPath(task.start, ((0.0, 0.0),)))
+    )
     simulator = Simulator(scene.builder.Build())
     context = scene.plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-    scene.plant.SetFreeBodyPose(context, scene.object, rigid_transform(task.start, rest_height(task.object)))
+    scene.plant.SetFreeBodyPose(
+        context, scene.object, rigid_transform(task.start, rest_height(task.object))
+    )
     hand = scene.robots[0]
     q0 = scene.plant.GetPositions(context, hand.model_instance)
     scene.plant.SetPositions(context, hand.model_instance, np.zeros(len(q0)))
-    tip = scene.plant.CalcRelativeTransform(context, scene.plant.world_frame(), hand.tip_frame).translation()
+    tip = scene.plant.CalcRelativeTransform(
+        context, scene.plant.world_frame(), hand.tip_frame
+    ).translation()
     target = np.array([0.5, 0.075 + radius + 1e-4, height])
     q0 = np.zeros(len(q0))
     q0[:3] += target - tip
     scene.plant.SetPositions(context, hand.model_instance, q0)
     applied = scene.plant.get_applied_spatial_force_input_port()
     actuation = scene.plant.get_actuation_input_port(hand.model_instance)
-    ratios, dt, press = [], task.motion.time_step, 3.0
-    weight = sum(body.default_mass() for body in bodies_of(scene.plant, hand.model_instance)) * GRAVITY
+    ratios = []
+    dt = task.motion.time_step
+    press = 3.0
+    weight = (
+        sum(body.default_mass() for body in bodies_of(scene.plant, hand.model_instance))
+        * GRAVITY
+    )
     for k in range(250):
         q = scene.plant.GetPositions(context, hand.model_instance)
         v = scene.plant.GetVelocities(context, hand.model_instance)
@@ -214,13 +300,16 @@ def measured_tip_friction(pair: float) -> float:
         V = scene.plant.EvalBodySpatialVelocityInWorld(context, scene.object)
         X = scene.plant.EvalBodyPoseInWorld(context, scene.object)
         force = ExternallyAppliedSpatialForce()
-        force.body_index, force.p_BoBq_B = scene.object.index(), np.array([0.0, 0.0, height - 0.075])
-        slide, side = (
-            400.0 * (0.03 - V.translational()[0]),
-            -2e4 * X.translation()[1] - 300.0 * V.translational()[1],
+        force.body_index, force.p_BoBq_B = (
+            scene.object.index(),
+            np.array([0.0, 0.0, height - 0.075]),
         )
+        slide = 400.0 * (0.03 - V.translational()[0])
+        side = -2e4 * X.translation()[1] - 300.0 * V.translational()[1]
         turn = -50.0 * X.rotation().matrix()[1, 0] - 2.0 * V.rotational()[2]
-        force.F_Bq_W = SpatialForce(tau=np.array([0.0, 0.0, turn]), f=np.array([slide, side, 0.0]))
+        force.F_Bq_W = SpatialForce(
+            tau=np.array([0.0, 0.0, turn]), f=np.array([slide, side, 0.0])
+        )
         applied.FixValue(context, [force])
         simulator.AdvanceTo((k + 1) * dt)
         if k > 150:
@@ -267,13 +356,19 @@ def test_the_inertia_of_a_box_is_drakes_own_about_its_moved_centre_of_mass(com) 
     assert own.get_mass() == MASS
     np.testing.assert_allclose(own.get_com(), [*com, 0.0], atol=1e-15)
     about_com = own.Shift(own.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
-    np.testing.assert_allclose(about_com, drake.CalcRotationalInertia().CopyToFullMatrix3(), atol=1e-12)
+    np.testing.assert_allclose(
+        about_com, drake.CalcRotationalInertia().CopyToFullMatrix3(), atol=1e-12
+    )
 
 
 def test_the_inertia_of_a_cylinder_is_drakes_own() -> None:
     own = solid_inertia(ObjectModel(Cylinder(0.08, 0.12), MASS, (0.0, 0.0)))
-    drake = SpatialInertia.SolidCylinderWithMass(MASS, 0.08, 0.12, np.array([0.0, 0.0, 1.0]))
-    np.testing.assert_allclose(own.CopyToFullMatrix6(), drake.CopyToFullMatrix6(), atol=1e-12)
+    drake = SpatialInertia.SolidCylinderWithMass(
+        MASS, 0.08, 0.12, np.array([0.0, 0.0, 1.0])
+    )
+    np.testing.assert_allclose(
+        own.CopyToFullMatrix6(), drake.CopyToFullMatrix6(), atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (0.01, -0.02)])
@@ -282,12 +377,15 @@ def test_the_inertia_of_a_prism_is_the_sum_over_its_cells(shift) -> None:
     middle = centroid(shape)
     com = (middle[0] + shift[0], middle[1] + shift[1])
     own = solid_inertia(ObjectModel(shape, MASS, com))
-    samples = support_pressure(shape, MASS, middle, resolution=20)  # uniform, about the centroid
+    # uniform, about the centroid
+    samples = support_pressure(shape, MASS, middle, resolution=20)
     x, y = samples.points.T
     cell = 0.5 * samples.radii**2  # second moment of a cell about its own axis
     h2 = shape.height**2 / 12.0
-    ixx, iyy = samples.loads @ (y**2 + cell + h2), samples.loads @ (x**2 + cell + h2)
-    izz, ixy = samples.loads @ (x**2 + y**2 + 2.0 * cell), -samples.loads @ (x * y)
+    ixx = samples.loads @ (y**2 + cell + h2)
+    iyy = samples.loads @ (x**2 + cell + h2)
+    izz = samples.loads @ (x**2 + y**2 + 2.0 * cell)
+    ixy = -samples.loads @ (x * y)
     wanted = np.array([[ixx, ixy, 0.0], [ixy, iyy, 0.0], [0.0, 0.0, izz]])
     about_com = own.Shift(own.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
     np.testing.assert_allclose(about_com, wanted, rtol=1e-3, atol=2e-3 * izz)

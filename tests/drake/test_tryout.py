@@ -1,4 +1,6 @@
-"""What a demanding new user tries first: other arms, shapes, wrong beliefs, noise, obstacles, limits."""
+"""What a demanding new user tries first: other arms, shapes, wrong beliefs, noise,
+obstacles, limits.
+"""
 
 import math
 from pathlib import Path
@@ -21,7 +23,9 @@ ROD = '<frame name="tool" link="panda_link8" xyz="0 0 0.15" rpy="0 0 0"/></robot
 
 
 def task(**more: Any) -> Task:
-    """Return a push of a 12 cm box to the left of a Panda: 25 cm ahead, with a turn of 20 degrees."""
+    """Return a push of a 12 cm box to the left of a Panda: 25 cm ahead, with a turn of
+    20 degrees.
+    """
     data: dict[str, Any] = {
         "name": "tryout",
         "object": {"shape": {"box": [0.12, 0.12, 0.12]}, "mass": 1.0},
@@ -33,7 +37,9 @@ def task(**more: Any) -> Task:
 
 
 def close(of: Task, engine: Any = "drake") -> tuple[dict[str, Any], Record]:
-    """Run and check that the goal is reached within 3 mm and 1 degree and that the arm kept its limits."""
+    """Run and check that the goal is reached within 3 mm and 1 degree and that the arm
+    kept its limits.
+    """
     plan, record, _ = simulate(of, engine=engine)
     measured = result(of, plan, record, {})
     assert measured["success"], measured["reason"]
@@ -46,12 +52,19 @@ def close(of: Task, engine: Any = "drake") -> tuple[dict[str, Any], Record]:
 
 
 def arm_file(folder: Path, kind: str) -> dict[str, Any]:
-    """Write a Panda as a file, and a frame at a rod: with link shapes, or an axis fixed."""
-    text = urdf_text(load_facts("panda"), collision=kind == "shapes").replace("</robot>", ROD)
+    """Write a Panda as a file, and a frame at a rod: with link shapes, or an axis
+    fixed.
+    """
+    text = urdf_text(load_facts("panda"), collision=kind == "shapes").replace(
+        "</robot>", ROD
+    )
     if kind == "six":
         first = text.index('<joint name="panda_joint3"')
-        middle, end = text.index("</joint>", first), text.index("</transmission>", first)
-        fixed = text[first:middle].replace('type="revolute"', 'type="fixed"') + "</joint>"
+        middle = text.index("</joint>", first)
+        end = text.index("</transmission>", first)
+        fixed = (
+            text[first:middle].replace('type="revolute"', 'type="fixed"') + "</joint>"
+        )
         text = text[:first] + fixed + text[end + len("</transmission>") :]
     path = folder / f"{kind}.urdf"
     path.write_text(text)
@@ -63,16 +76,28 @@ def arm_file(folder: Path, kind: str) -> dict[str, Any]:
     [
         ({"model": "hand", "base": {"z": 0.5}}, {}),
         pytest.param({"model": "iiwa7"}, {}, marks=pytest.mark.long),
-        pytest.param({"model": "iiwa7", "base": {"z": 0.15, "yaw_deg": -40}}, {}, marks=pytest.mark.long),
-        pytest.param({"model": "panda", "base": {"z": 0.2}}, {}, marks=pytest.mark.long),
+        pytest.param(
+            {"model": "iiwa7", "base": {"z": 0.15, "yaw_deg": -40}},
+            {},
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            {"model": "panda", "base": {"z": 0.2}}, {}, marks=pytest.mark.long
+        ),
         pytest.param(
             {"model": "panda", "base": {"x": 0.9, "y": -0.7, "yaw_deg": 90}},
-            {"start": {"x": 0.75, "y": -0.25}, "goal": {"x": 1.0, "y": -0.206, "yaw_deg": 20}},
+            {
+                "start": {"x": 0.75, "y": -0.25},
+                "goal": {"x": 1.0, "y": -0.206, "yaw_deg": 20},
+            },
             marks=pytest.mark.long,
         ),
         pytest.param(
             {"model": "panda"},
-            {"start": {"x": 0.42, "y": 0.0}, "goal": {"x": 0.67, "y": 0.044, "yaw_deg": 20}},
+            {
+                "start": {"x": 0.42, "y": 0.0},
+                "goal": {"x": 0.67, "y": 0.044, "yaw_deg": 20},
+            },
             marks=pytest.mark.long,
         ),
     ],
@@ -81,7 +106,9 @@ def test_other_arms_at_other_places_do_the_same_push(robot: dict, more: dict) ->
     close(task(robots=[robot], **more))
 
 
-@pytest.mark.parametrize("kind", ["shapes", pytest.param("six", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "kind", ["shapes", pytest.param("six", marks=pytest.mark.long)]
+)
 def test_an_arm_given_as_urdf_does_it_too(kind: str, tmp_path: Path) -> None:
     """Shapes of links do not touch anything in the simulation; six axes are enough."""
     close(task(robots=[arm_file(tmp_path, kind)]))
@@ -91,10 +118,15 @@ SHAPES: dict[str, dict[str, Any]] = {
     "cylinder": {"shape": {"cylinder": {"radius": 0.06, "height": 0.12}}},
     "tall": {"shape": {"box": [0.12, 0.12, 0.25]}},
     "triangle": {
-        "shape": {"prism": {"polygon": [[0, 0], [0.16, 0.02], [0.03, 0.15]], "height": 0.1}},
+        "shape": {
+            "prism": {"polygon": [[0, 0], [0.16, 0.02], [0.03, 0.15]], "height": 0.1}
+        },
         "center_of_mass": [0.075, 0.05],
     },
-    "off-centre": {"shape": {"box": [0.12, 0.12, 0.12]}, "center_of_mass": [0.02, 0.015]},
+    "off-centre": {
+        "shape": {"box": [0.12, 0.12, 0.12]},
+        "center_of_mass": [0.02, 0.015],
+    },
 }
 
 
@@ -121,7 +153,12 @@ def test_wrong_beliefs_other_tips_and_speeds_do_no_harm(more: dict) -> None:
     close(task(**more))
 
 
-NOISE = {"position_noise": 5e-4, "yaw_noise_deg": 0.2, "force_noise": 0.2, "delay": 0.02}
+NOISE = {
+    "position_noise": 5e-4,
+    "yaw_noise_deg": 0.2,
+    "force_noise": 0.2,
+    "delay": 0.02,
+}
 
 
 def test_measurement_noise_and_delay_are_borne_on_the_planar_engine() -> None:
@@ -130,7 +167,9 @@ def test_measurement_noise_and_delay_are_borne_on_the_planar_engine() -> None:
 
 
 def post(x: float, y: float, **more: Any) -> list[dict[str, Any]]:
-    return [{"name": "post", "box": [0.04, 0.04, 0.3], "pose": {"x": x, "y": y}, **more}]
+    return [
+        {"name": "post", "box": [0.04, 0.04, 0.3], "pose": {"x": x, "y": y}, **more}
+    ]
 
 
 @pytest.mark.long
@@ -147,17 +186,23 @@ def test_a_movable_obstacle_out_of_the_way_stays_where_it_is() -> None:
 
 @pytest.mark.parametrize("x", [0.5, 0.57])
 def test_a_post_in_the_objects_way_is_refused_with_the_gap(x: float) -> None:
-    choice = next(c for c in pps.select(task(obstacles=post(x, 0.0))) if "post" in c.reason)
+    choice = next(
+        c for c in pps.select(task(obstacles=post(x, 0.0))) if "post" in c.reason
+    )
     assert not choice.feasible
     assert "the object comes within 0 mm of obstacle 'post' at (" in choice.reason
     assert "allowed from 10 mm" in choice.reason
 
 
 def test_an_obstacle_near_the_start_is_no_reason_to_refuse() -> None:
-    """5 mm before the motion, and never less on the way: what stands there already may stay."""
+    """5 mm before the motion, and never less on the way: what stands there already may
+    stay.
+    """
     box = {"shape": {"box": [0.12, 0.12, 0.12]}, "mass": 1.0}
     wall = [{"name": "wall", "box": [0.02, 0.3, 0.1], "pose": {"x": 0.575, "y": -0.15}}]
-    straight = task(object=box, goal={"x": 0.5, "y": 0.1, "yaw_deg": 90}, obstacles=wall)
+    straight = task(
+        object=box, goal={"x": 0.5, "y": 0.1, "yaw_deg": 90}, obstacles=wall
+    )
     assert pps.select(straight)[0].feasible
 
 
@@ -165,7 +210,9 @@ def test_time_that_is_too_short_ends_the_run_with_the_reason() -> None:
     from dataclasses import replace
 
     plan = pps.plan(task())
-    short = replace(plan, task=replace(plan.task, limits=replace(plan.task.limits, time=2.0)))
+    short = replace(
+        plan, task=replace(plan.task, limits=replace(plan.task.limits, time=2.0))
+    )
     assert run_drake(short).reason == "time_limit"
 
 
@@ -173,9 +220,12 @@ def test_watching_live_changes_nothing_but_tells_where() -> None:
     from dataclasses import replace
 
     plan = pps.plan(task())
-    plan = replace(plan, task=replace(plan.task, limits=replace(plan.task.limits, time=0.5)))
+    plan = replace(
+        plan, task=replace(plan.task, limits=replace(plan.task.limits, time=0.5))
+    )
     told: list[str] = []
-    seen, unseen = run_drake(plan, live=told.append), run_drake(plan)
+    seen = run_drake(plan, live=told.append)
+    unseen = run_drake(plan)
     assert len(told) == 1
     assert told[0].startswith("http://localhost:")
     assert seen.wall_time > 0.45
@@ -191,4 +241,6 @@ def test_a_seed_decides_every_bit_of_a_noisy_run() -> None:
     for name, values in first.arrays.items():
         if not name.startswith("tick_"):
             assert np.array_equal(values, second.arrays[name], equal_nan=True), name
-    assert not np.array_equal(first.arrays["object_pose"][-1], other.arrays["object_pose"][-1])
+    assert not np.array_equal(
+        first.arrays["object_pose"][-1], other.arrays["object_pose"][-1]
+    )

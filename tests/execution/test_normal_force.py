@@ -7,7 +7,9 @@ from pushpressslide.execution.normal_force import NormalForceRegulator
 
 def settle(regulator, command, plant=lambda u: u, steps=2000, dt=0.002, start=1.0):
     """A plant that answers one sample later."""
-    state, measured, history = regulator.init(), start, []
+    state = regulator.init()
+    measured = start
+    history = []
     for _ in range(steps):
         u, state = regulator.step(state, command, measured, dt)
         measured = plant(u)
@@ -17,7 +19,9 @@ def settle(regulator, command, plant=lambda u: u, steps=2000, dt=0.002, start=1.
 
 @pytest.mark.parametrize("gain", [0.8, 1.0, 1.2])
 def test_the_wanted_force_is_reached_whatever_the_plant_gain(gain):
-    assert settle(NormalForceRegulator(), 8.0, lambda u: gain * u)[-1] == pytest.approx(8.0, abs=1e-3)
+    assert settle(NormalForceRegulator(), 8.0, lambda u: gain * u)[-1] == pytest.approx(
+        8.0, abs=1e-3
+    )
 
 
 def test_the_command_is_ramped_so_that_there_is_no_kick():
@@ -27,8 +31,11 @@ def test_the_command_is_ramped_so_that_there_is_no_kick():
 
 @pytest.mark.parametrize(("k_i_dt", "stable"), [(1.3, True), (1.5, False)])
 def test_the_stability_bound_behind_one_sample_of_delay(k_i_dt, stable):
-    dt, k_p = 0.002, 0.3
-    regulator = NormalForceRegulator(k_p=k_p, k_i=k_i_dt / dt, f_max=1e9, ramp=1e9, contact_threshold=-1e12)
+    dt = 0.002
+    k_p = 0.3
+    regulator = NormalForceRegulator(
+        k_p=k_p, k_i=k_i_dt / dt, f_max=1e9, ramp=1e9, contact_threshold=-1e12
+    )
     history = settle(regulator, 800.0, steps=600, start=799.0)
     assert (abs(history[-1] - 800.0) < 1e-3) == stable
 

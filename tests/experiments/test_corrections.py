@@ -1,23 +1,32 @@
-"""Corrections to the paper: both numbers against closed forms of docs/mechanics.md; the page is current."""
+"""Corrections to the paper: both numbers against closed forms of docs/mechanics.md; the
+page is current.
+"""
 
 import math
 from pathlib import Path
 
 import pytest
 
-from pushpressslide.experiments.corrections import ROWS, corrections, html, with_corrections
+from pushpressslide.experiments.corrections import (
+    ROWS,
+    corrections,
+    html,
+    with_corrections,
+)
 
 PAGE = Path(__file__).parents[2] / "docs" / "corrections.md"
 MECHANICS = (Path(__file__).parents[2] / "docs" / "mechanics.md").read_text("utf-8")
 CORRECTIONS = dict(zip((row.__name__ for row in ROWS), corrections(), strict=True))
 
-COP, LEVER = 0.2 * 8.0 / 10.943, 0.2 * 2.943 / 10.943  # of the bar pressed with 8 N
+COP = 0.2 * 8.0 / 10.943
+LEVER = 0.2 * 2.943 / 10.943  # of the bar pressed with 8 N
 R0 = math.hypot(0.3, 0.1)
 CUBE_POLE = (
     0.15 * (math.sqrt(2.0) + math.asinh(1.0)) / 6.0
 )  # mean distance of a square's points to its centre
 LARGEST_PUSHER = math.degrees(math.atan((1.0 + (0.075 / CUBE_POLE) ** 2) * 0.4))
-STANLEY_OVERSHOOT = 100.0 * math.exp(-math.pi / math.sqrt(8.0 - 1.0))  # zeta = 1 / sqrt(8)
+# zeta = 1 / sqrt(8)
+STANLEY_OVERSHOOT = 100.0 * math.exp(-math.pi / math.sqrt(8.0 - 1.0))
 
 EXPECTED = {
     "distance_from_com": [(0.036 / LEVER + COP, 0.036 / LEVER - COP, 1e-6)],
@@ -30,8 +39,16 @@ EXPECTED = {
     "force_invariance": [
         (1.0, 0.220 / 0.196, 0.01),
         (1.0, 0.557 / 0.277, 0.01),
-        (COP - 0.036 / LEVER, (COP + 0.03) - (0.3 - COP - 0.03) ** 2 / 2.0 / LEVER, 1e-3),
-        (COP - 0.036 / LEVER, (COP - 0.03) - (0.3 - COP + 0.03) ** 2 / 2.0 / LEVER, 1e-3),
+        (
+            COP - 0.036 / LEVER,
+            (COP + 0.03) - (0.3 - COP - 0.03) ** 2 / 2.0 / LEVER,
+            1e-3,
+        ),
+        (
+            COP - 0.036 / LEVER,
+            (COP - 0.03) - (0.3 - COP + 0.03) ** 2 / 2.0 / LEVER,
+            1e-3,
+        ),
     ],
     "mobility_of_shift": [
         (0.03, 0.03 - 0.1**2, 1e-5),
@@ -39,7 +56,11 @@ EXPECTED = {
     ],
     "mobility_of_load": [(1.0 / 9.0, 1.0 / 3.0, 1e-9)],
     "moments_about_com": [(0.0, 0.1875 / 0.2**2, 1e-9), (0.0, 36.0, 1.0)],
-    "stanley_signs": [(0.0, 43.0, 1.0), (0.0, 0.0, 0.01), (0.0, STANLEY_OVERSHOOT, 1.0)],
+    "stanley_signs": [
+        (0.0, 43.0, 1.0),
+        (0.0, 0.0, 0.01),
+        (0.0, STANLEY_OVERSHOOT, 1.0),
+    ],
     "steering_of_pusher": [
         (math.degrees(math.atan(0.4)), LARGEST_PUSHER, 0.01),
         (math.degrees(math.atan(0.4)), 53.0, 0.5),
@@ -54,26 +75,41 @@ EXPECTED = {
     ],
     "symmetric_split": [(100.0, 60.0, 1.0), (100.0, 71.0, 1.5)],
     "pivot_about_contact": [(0.0, 0.45 / 3.0, 0.01), (0.0, 0.15, 1e-9)],
-    "virtual_target": [(5.0, 17.0, 1.0), (1.0, 4.8, 0.1), (5.0, 0.05, 0.05), (1.0, 0.03, 0.03)],
+    "virtual_target": [
+        (5.0, 17.0, 1.0),
+        (1.0, 4.8, 0.1),
+        (5.0, 0.05, 0.05),
+        (1.0, 0.03, 0.03),
+    ],
     "one_friction": [(136.8, 136.8 / 3.0, 0.05)],
 }
 
 
 def test_there_is_a_row_for_every_line_of_the_mechanics() -> None:
     table = MECHANICS.split("## 12.")[1].split("\n|---|---|\n")[1]
-    assert len([line for line in table.splitlines() if line.startswith("|")]) == len(ROWS) == len(EXPECTED)
+    assert (
+        len([line for line in table.splitlines() if line.startswith("|")])
+        == len(ROWS)
+        == len(EXPECTED)
+    )
 
 
 @pytest.mark.parametrize("name", EXPECTED)
 def test_both_numbers_are_those_of_the_mechanics(name: str) -> None:
     figures = CORRECTIONS[name].figures
     for figure, (paper, holds, tolerance) in zip(figures, EXPECTED[name], strict=True):
-        assert figure.paper == pytest.approx(paper, abs=max(tolerance, 1e-9)), figure.what
-        assert figure.holds == pytest.approx(holds, abs=max(tolerance, 1e-9)), figure.what
+        assert figure.paper == pytest.approx(paper, abs=max(tolerance, 1e-9)), (
+            figure.what
+        )
+        assert figure.holds == pytest.approx(holds, abs=max(tolerance, 1e-9)), (
+            figure.what
+        )
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_every_correction_shows_a_difference_in_the_digits_that_it_prints(name: str) -> None:
+def test_every_correction_shows_a_difference_in_the_digits_that_it_prints(
+    name: str,
+) -> None:
     assert any(f.shown(f.paper) != f.shown(f.holds) for f in CORRECTIONS[name].figures)
     assert f"\n## {CORRECTIONS[name].section.split('.')[0]}." in MECHANICS
 

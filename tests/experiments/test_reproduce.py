@@ -1,4 +1,6 @@
-"""The paper's experiments are lists of tasks, and whatever comes out of them is on one page."""
+"""The paper's experiments are lists of tasks, and whatever comes out of them is on one
+page.
+"""
 
 import json
 import re
@@ -20,24 +22,36 @@ from pushpressslide.pipeline.task_file import load_task
 VARIANTS = [(e.name, v) for e in EXPERIMENTS.values() for v in e.variants]
 
 
-@pytest.mark.parametrize(("name", "variant"), VARIANTS, ids=[f"{n}-{v.name}" for n, v in VARIANTS])
-def test_every_variant_is_a_shipped_task_with_overrides_that_load(name: str, variant: Variant) -> None:
+@pytest.mark.parametrize(
+    ("name", "variant"), VARIANTS, ids=[f"{n}-{v.name}" for n, v in VARIANTS]
+)
+def test_every_variant_is_a_shipped_task_with_overrides_that_load(
+    name: str, variant: Variant
+) -> None:
     load_task(variant.task, variant.overrides)
     assert set(variant.paper) <= {key for _, key, *_ in FIGURES}
 
 
 @pytest.mark.parametrize("experiment", EXPERIMENTS.values(), ids=lambda e: e.name)
-def test_names_are_unique_and_what_is_compared_or_shown_is_a_variant(experiment: Experiment) -> None:
+def test_names_are_unique_and_what_is_compared_or_shown_is_a_variant(
+    experiment: Experiment,
+) -> None:
     names = [variant.name for variant in experiment.variants]
     assert len(set(names)) == len(names)
     for comparison in experiment.comparisons:
         assert {comparison.base, comparison.changed} <= set(names)
-    assert {*experiment.pictured, *(experiment.plotted or ()), experiment.axle} <= {*names, ""}
+    assert {*experiment.pictured, *(experiment.plotted or ()), experiment.axle} <= {
+        *names,
+        "",
+    }
     assert experiment.pictured
 
 
 def test_the_variants_of_joint_tracking_differ_in_the_controller_alone() -> None:
-    tasks = [load_task(variant.task, variant.overrides) for variant in JOINT_TRACKING.variants]
+    tasks = [
+        load_task(variant.task, variant.overrides)
+        for variant in JOINT_TRACKING.variants
+    ]
     first = tasks[0]
     for task in tasks[1:]:
         assert replace(task, motion=first.motion, limits=first.limits) == first
@@ -52,7 +66,8 @@ def test_all_are_chosen_by_default_and_each_but_once() -> None:
 
 def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -> None:
     with pytest.raises(
-        PushPressSlideError, match=r"--only: 'press' is not an experiment; allowed: rear-push, .*virtual-axle"
+        PushPressSlideError,
+        match=r"--only: 'press' is not an experiment; allowed: rear-push, .*virtual-axle",
     ):
         reproduce.reproduce(["press"], out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -60,7 +75,11 @@ def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -
 
 def made_up(time: float, success: bool = True) -> dict[str, object]:
     figures = {key: time for _, key, *_ in FIGURES}
-    return {**figures, "success": success, "reason": {"code": "time_limit", "text": "time is over"}}
+    return {
+        **figures,
+        "success": success,
+        "reason": {"code": "time_limit", "text": "time is over"},
+    }
 
 
 def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
@@ -69,7 +88,9 @@ def test_findings_say_what_a_change_did_and_where_it_ended() -> None:
         for variant in JOINT_TRACKING.variants
     }
     outcomes[JOINT_TRACKING.name, "servo"] = Outcome(Path(), made_up(10.0))
-    outcomes[JOINT_TRACKING.name, "less-joint"] = Outcome(Path(), made_up(41.0, success=False))
+    outcomes[JOINT_TRACKING.name, "less-joint"] = Outcome(
+        Path(), made_up(41.0, success=False)
+    )
     slow, _, _, fast, worse = findings(JOINT_TRACKING, Evidence(outcomes))
     assert "Time 40.0 to 41.0 s (alike)" in slow
     assert slow.endswith("It ends with: time is over.")
@@ -90,11 +111,18 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
 ) -> None:
     variants = (
         replace(EXPERIMENTS["rear-push"].variants[0], name="reached"),
-        Variant("missed", "Hard to please", "rear-push-rear", ("tolerance.position=1e-5",)),
-        Variant("refused", "Not possible", "rear-push-rear", ("contact.friction=0.01",)),
+        Variant(
+            "missed", "Hard to please", "rear-push-rear", ("tolerance.position=1e-5",)
+        ),
+        Variant(
+            "refused", "Not possible", "rear-push-rear", ("contact.friction=0.01",)
+        ),
     )
     experiment = replace(
-        EXPERIMENTS["rear-push"], name="mixed", variants=variants, pictured=("reached", "refused")
+        EXPERIMENTS["rear-push"],
+        name="mixed",
+        variants=variants,
+        pictured=("reached", "refused"),
     )
     monkeypatch.setitem(paper.EXPERIMENTS, "mixed", experiment)
     seen: list[tuple[int, int]] = []
@@ -116,7 +144,9 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
     assert "0.82 m" in text  # of the corrections
     assert text.count("data:image/png") == 2  # one picture, one plot
     for target in re.findall(r'(?:href|src)="([^"]+)"', text):
-        assert target.startswith(("#", "data:", "mixed/")), "self-contained, links relative"
+        assert target.startswith(("#", "data:", "mixed/")), (
+            "self-contained, links relative"
+        )
     result = json.loads((tmp_path / "result.json").read_text("utf-8"))
     reached, missed, refused = result["experiments"]["mixed"]["variants"]
     assert reached["measured"]["success"]
@@ -134,8 +164,8 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
 
 @pytest.mark.long
 def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> None:
-    """Three per cent below friction the force alone does not arrive in time; with the term it does, and takes
-    as long as with three per cent more.
+    """Three per cent below friction the force alone does not arrive in time; with the
+    term it does, and takes as long as with three per cent more.
     """
     reproduce.reproduce(["joint-tracking"], out=tmp_path)
     result = json.loads((tmp_path / "result.json").read_text("utf-8"))
@@ -149,7 +179,10 @@ def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> No
         for key in ("rms_position_error", "rms_end_effector_error", "rms_yaw_error"):
             assert better[key] < 0.2 * less[key]
     assert servo["rms_position_error"] < 0.5 * joined["rms_position_error"]
-    times = [measured[name]["motion_duration"] for name in ("less-joint", "force-joint", "more-joint")]
+    times = [
+        measured[name]["motion_duration"]
+        for name in ("less-joint", "force-joint", "more-joint")
+    ]
     assert max(times) - min(times) < 1.0
     claims = {claim["words"]: claim for claim in result["claims"]}
     assert claims["With the joint term a push is faster"]["reproduced"]

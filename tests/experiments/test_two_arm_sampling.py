@@ -1,4 +1,6 @@
-"""Random tasks for two arms: within the published ranges, in a direction that the mode can go."""
+"""Random tasks for two arms: within the published ranges, in a direction that the mode
+can go.
+"""
 
 import json
 import math
@@ -10,13 +12,25 @@ import pytest
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.experiments.sweep import sample_task, sweep
-from pushpressslide.experiments.two_arm_sampling import AHEAD, DISTANCE, REACH, random_two_arm_task
+from pushpressslide.experiments.two_arm_sampling import (
+    AHEAD,
+    DISTANCE,
+    REACH,
+    random_two_arm_task,
+)
 from pushpressslide.pipeline.task_file import load_task
 
 TURNS = {"parallel-push": 35.0, "orthogonal-push": 35.0, "bimanual-slide": 60.0}
-HEIGHTS = {"parallel-push": (0.1, 0.22), "orthogonal-push": (0.1, 0.22), "bimanual-slide": (0.05, 0.15)}
+HEIGHTS = {
+    "parallel-push": (0.1, 0.22),
+    "orthogonal-push": (0.1, 0.22),
+    "bimanual-slide": (0.05, 0.15),
+}
 BASES = {name: load_task(name) for name in TURNS}
-DRAWN = {name: [random_two_arm_task(base, i, 3) for i in range(60)] for name, base in BASES.items()}
+DRAWN = {
+    name: [random_two_arm_task(base, i, 3) for i in range(60)]
+    for name, base in BASES.items()
+}
 
 
 def centers(task: Task) -> list[tuple[float, float]]:
@@ -24,7 +38,9 @@ def centers(task: Task) -> list[tuple[float, float]]:
 
 
 def normals(task: Task) -> list[float]:
-    """Return the directions [rad] in the world in which the faces are pushed, at the start."""
+    """Return the directions [rad] in the world in which the faces are pushed, at the
+    start.
+    """
     corners = [task.start.apply(corner) for corner in task.object.shape.footprint]
     edges = zip(corners, (*corners[1:], corners[0]), strict=True)
     return [math.atan2(bx - ax, ay - by) for (ax, ay), (bx, by) in edges]
@@ -59,7 +75,11 @@ def test_a_push_goes_ahead_and_away_from_the_robots(name: str) -> None:
                 a + 0.5 * math.remainder(b - a, 2.0 * math.pi)
                 for a, b in zip(faces, (*faces[1:], faces[0]), strict=True)
             ]
-        pushed = [f for f in faces if abs(math.remainder(f, 2.0 * math.pi)) <= math.radians(30.0) + 1e-9]
+        pushed = [
+            f
+            for f in faces
+            if abs(math.remainder(f, 2.0 * math.pi)) <= math.radians(30.0) + 1e-9
+        ]
         off = min(abs(math.remainder(way - f, 2.0 * math.pi)) for f in pushed)
         assert math.degrees(off) <= 25.0 + 1e-6
 
@@ -80,18 +100,31 @@ def test_a_draw_depends_on_seed_and_index_alone() -> None:
 
 def test_other_modes_are_refused_before_anything_runs(tmp_path: Path) -> None:
     task = replace(BASES["orthogonal-push"], modes=("press_and_push",))
-    with pytest.raises(TaskError, match=r"modes: \['press_and_push'\] is not allowed.*parallel_push"):
+    with pytest.raises(
+        TaskError, match=r"modes: \['press_and_push'\] is not allowed.*parallel_push"
+    ):
         sweep(task, samples=2, out=tmp_path, engine="planar", vary="tasks")
     assert not (tmp_path / "result.json").exists()
 
 
 def test_a_sweep_draws_for_the_mode_and_goes_on_where_it_was(tmp_path: Path) -> None:
-    base, options = BASES["bimanual-slide"], {"out": tmp_path, "engine": "planar", "jobs": 1}
+    base = BASES["bimanual-slide"]
+    options = {"out": tmp_path, "engine": "planar", "jobs": 1}
     told = []
     first = sweep(base, samples=2, vary="tasks", seed=1, **options)
-    again = sweep(base, samples=2, vary="tasks", seed=1, progress=lambda n, of: told.append(n), **options)
+    again = sweep(
+        base,
+        samples=2,
+        vary="tasks",
+        seed=1,
+        progress=lambda n, of: told.append(n),
+        **options,
+    )
     assert first["accepted"] == first["reached"] == 2
     assert again == first
     assert told == []
-    names = {row["task"] for row in json.loads((tmp_path / "result.json").read_text())["rows"]}
+    names = {
+        row["task"]
+        for row in json.loads((tmp_path / "result.json").read_text())["rows"]
+    }
     assert names == {"bimanual-slide-random-1-000", "bimanual-slide-random-1-001"}

@@ -1,4 +1,6 @@
-"""Synthetic pushes of an object on a known support, and the logs that would be recorded."""
+"""Synthetic pushes of an object on a known support, and the logs that would be
+recorded.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -17,15 +19,19 @@ HEIGHT = 0.0125
 
 
 def rotation(angle: float) -> np.ndarray:
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    return np.array(
+        [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    )
 
 
 def entry(wrench: np.ndarray) -> np.ndarray | None:
     """Return where the line of action enters the base; None where it misses."""
-    force, torque = wrench[:2], wrench[2]
+    force = wrench[:2]
+    torque = wrench[2]
     size = math.hypot(*force)
     along = force / size
-    foot = np.array([along[1], -along[0]]) * torque / size  # cross(foot, force) = torque
+    # cross(foot, force) = torque
+    foot = np.array([along[1], -along[0]]) * torque / size
     best = None
     for a, b in zip(BASE, np.roll(BASE, -1, axis=0), strict=True):
         system = np.column_stack([along, a - b])
@@ -39,22 +45,29 @@ def entry(wrench: np.ndarray) -> np.ndarray | None:
 
 @pytest.fixture(scope="session")
 def sample_pairs() -> Callable[..., Pairs]:
-    """Return a function: point pushes on the exact surface of a pressure, without height or noise."""
+    """Return a function: point pushes on the exact surface of a pressure, without
+    height or noise.
+    """
 
-    def make(pressure: PressureSamples, friction: float, n: int, seed: int = 0) -> Pairs:
+    def make(
+        pressure: PressureSamples, friction: float, n: int, seed: int = 0
+    ) -> Pairs:
         generator = np.random.default_rng(seed)
         rows: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
         while len(rows) < n:
             nu = generator.normal(size=3)
             twist = nu / np.linalg.norm(nu) / (1.0, 1.0, 0.05)
-            (wrench,) = exact_wrenches(pressure, friction, twist[None])  # both at the CoP
+            # both at the CoP
+            (wrench,) = exact_wrenches(pressure, friction, twist[None])
             x, y = pressure.cop
             wrench[2] += x * wrench[1] - y * wrench[0]
             twist = twist + twist[2] * np.array((y, -x, 0.0))
             contact = entry(wrench)
             if contact is not None:
                 rows.append((wrench, 0.01 * twist, contact))
-        wrenches, twists, contacts = (np.array(column) for column in zip(*rows, strict=True))
+        wrenches, twists, contacts = (
+            np.array(column) for column in zip(*rows, strict=True)
+        )
         return Pairs(wrenches, twists, contacts, np.zeros(n))
 
     return make
@@ -62,35 +75,56 @@ def sample_pairs() -> Callable[..., Pairs]:
 
 @pytest.fixture(scope="session")
 def write_log() -> Callable[[Pairs, int], str]:
-    """Return a function: the log of a session in which ``pairs`` happened, from random places."""
+    """Return a function: the log of a session in which ``pairs`` happened, from random
+    places.
+    """
 
     def pose(position: Sequence[float], yaw: float) -> str:
-        numbers = (*(1e3 * c for c in position), math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw))
+        numbers = (
+            *(1e3 * c for c in position),
+            math.cos(0.5 * yaw),
+            0.0,
+            0.0,
+            math.sin(0.5 * yaw),
+        )
         return " ".join(f"{v:.9g}" for v in numbers)
 
     def write(pairs: Pairs, seed: int = 0) -> str:
         generator = np.random.default_rng(seed)
         lines = [str(len(pairs))]
         sensor = math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
-        for wrench, twist, contact in zip(pairs.wrenches, pairs.twists, pairs.contacts, strict=True):
+        for wrench, twist, contact in zip(
+            pairs.wrenches, pairs.twists, pairs.contacts, strict=True
+        ):
             yaw, probe_yaw = generator.uniform(-math.pi, math.pi, 2)
             com = generator.uniform(0.3, 0.6, 2)
             bias = generator.normal(0.0, 0.1, 2)
             shift = rotation(yaw + 0.5 * twist[2]) @ twist[:2]
 
-            def body(way: float, yaw: float = yaw, com: np.ndarray = com, shift: np.ndarray = shift,
-                     turn: float = twist[2]) -> tuple[np.ndarray, float]:  # fmt: skip
+            def body(
+                way: float,
+                yaw: float = yaw,
+                com: np.ndarray = com,
+                shift: np.ndarray = shift,
+                turn: float = twist[2],
+            ) -> tuple[np.ndarray, float]:
                 return com + way * shift, yaw + way * turn
 
             for way in (0.0, 1.0):
                 place, angle = body(way)
                 lines.append(pose((*(place - rotation(angle) @ COM), 0.009), angle))
-            free, touching = 40, 160
-            forces, probe = [], []
+            free = 40
+            touching = 160
+            forces = []
+            probe = []
             for i in range(free + touching):
                 way = max(0.0, (i - free) / (touching - 1))
                 place, angle = body(way)
-                force = rotation(angle - probe_yaw) @ wrench[:2] if i >= free else np.zeros(2)
+                force = (
+                    rotation(angle - probe_yaw) @ wrench[:2]
+                    if i >= free
+                    else np.zeros(2)
+                )
                 fx, fy = bias - sensor @ force
                 time = 1.4e9 + 0.01 * i
                 forces.append(f"{time:.9f} {fx:.9g} {fy:.9g}")
@@ -104,11 +138,15 @@ def write_log() -> Callable[[Pairs, int], str]:
 
 @pytest.fixture(scope="session")
 def model_pairs() -> Callable[..., Pairs]:
-    """Return a function: pairs whose motions a pressure model predicts, pushed at a height."""
+    """Return a function: pairs whose motions a pressure model predicts, pushed at a
+    height.
+    """
 
     def make(pressure: PressureSamples, pairs: Pairs, height: float) -> Pairs:
         heights = np.full(len(pairs), height)
         directions = static_model(pressure).directions(pairs.wrenches, heights)
-        return Pairs(pairs.wrenches, directions / (1.0, 1.0, 0.05), pairs.contacts, heights)
+        return Pairs(
+            pairs.wrenches, directions / (1.0, 1.0, 0.05), pairs.contacts, heights
+        )
 
     return make

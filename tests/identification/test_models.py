@@ -1,4 +1,6 @@
-"""The models: they recover what made synthetic pushes, and keep the laws that they promise."""
+"""The models: they recover what made synthetic pushes, and keep the laws that they
+promise.
+"""
 
 import numpy as np
 import pytest
@@ -12,7 +14,11 @@ from pushpressslide.identification.pairs import LENGTH, Pairs, unit
 from pushpressslide.identification.quartic import fit_quartic
 from pushpressslide.identification.scoring import angles
 from pushpressslide.identification.sliding import slide
-from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_level, exact_twist_direction
+from pushpressslide.mechanics.limit_surface import (
+    EllipsoidLimitSurface,
+    exact_level,
+    exact_twist_direction,
+)
 from pushpressslide.mechanics.pressure import (
     PressureSamples,
     center_of_pressure,
@@ -48,7 +54,9 @@ def test_many_wrenches_at_once_slide_as_each_alone_does() -> None:
         twist = exact_twist_direction(patch, Wrench(*wrench)).moved_to((0.0, 0.0))
         alone = unit(np.array([[twist.vx, twist.vy, LENGTH * twist.w]]))[0]
         assert direction == pytest.approx(alone, abs=1e-6)
-        assert level == pytest.approx(9.0 * exact_level(patch, 1.0, Wrench(*wrench)), rel=1e-9)
+        assert level == pytest.approx(
+            9.0 * exact_level(patch, 1.0, Wrench(*wrench)), rel=1e-9
+        )
 
 
 def test_pins_slide_as_the_exact_surface_of_points_says() -> None:
@@ -65,15 +73,25 @@ def test_pins_slide_as_the_exact_surface_of_points_says() -> None:
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-0.3, 0.3), st.floats(0.0, 0.02))
+@given(
+    st.floats(-3.0, 3.0),
+    st.floats(-3.0, 3.0),
+    st.floats(-0.3, 0.3),
+    st.floats(0.0, 0.02),
+)
 def test_the_load_moves_by_the_height_term_and_keeps_its_sum(
     fx: float, fy: float, tau: float, height: float
 ) -> None:
-    pressures = (pin_pressure(PINS, (0.0, 0.0), WEIGHT), polygon_pressure(BASE, WEIGHT, resolution=3))
+    pressures = (
+        pin_pressure(PINS, (0.0, 0.0), WEIGHT),
+        polygon_pressure(BASE, WEIGHT, resolution=3),
+    )
     for pressure in pressures:
         model = static_model(pressure)
         (shares,) = model.pushed_shares(np.array([[fx, fy, tau]]), np.array([height]))
-        expected = center_of_pressure(WEIGHT, pressure.cop, forces=[(fx, fy)], heights=[height])
+        expected = center_of_pressure(
+            WEIGHT, pressure.cop, forces=[(fx, fy)], heights=[height]
+        )
         assert shares.sum() == pytest.approx(1.0)
         assert shares @ model.points == pytest.approx(expected, abs=1e-9)
 
@@ -94,13 +112,28 @@ def test_one_parameter_recovers_rho_and_friction_of_an_ellipsoid() -> None:
 def test_the_full_ellipsoid_recovers_a_centre_that_is_not_the_centre_of_mass() -> None:
     surface = EllipsoidLimitSurface(4.2, 0.037, (0.01, -0.006))
     pairs = ellipsoid_pairs(surface, 25)
-    twists = np.array([surface.twist_direction(Wrench(*w)).moved_to((0.0, 0.0))[:3] for w in pairs.wrenches])
+    twists = np.array(
+        [
+            surface.twist_direction(Wrench(*w)).moved_to((0.0, 0.0))[:3]
+            for w in pairs.wrenches
+        ]
+    )
     moved = Pairs(pairs.wrenches, twists, pairs.contacts, pairs.heights)
     fitted = fit_full(moved)
-    assert np.degrees(angles(fitted.directions(moved.wrenches, moved.heights), moved.directions)).max() < 0.05
+    assert (
+        np.degrees(
+            angles(fitted.directions(moved.wrenches, moved.heights), moved.directions)
+        ).max()
+        < 0.05
+    )
     assert np.linalg.eigvalsh(fitted.matrix).min() > 0.0
     worse = fit_one_parameter(moved)
-    assert np.degrees(angles(worse.directions(moved.wrenches, moved.heights), moved.directions)).max() > 5.0
+    assert (
+        np.degrees(
+            angles(worse.directions(moved.wrenches, moved.heights), moved.directions)
+        ).max()
+        > 5.0
+    )
 
 
 def test_the_quartic_is_convex_and_holds_the_ellipsoid() -> None:
@@ -108,31 +141,50 @@ def test_the_quartic_is_convex_and_holds_the_ellipsoid() -> None:
     fitted = fit_quartic(pairs)
     assert fitted.coefficients.min() >= 0.0
     held_out = ellipsoid_pairs(EllipsoidLimitSurface(4.2, 0.037), 60)
-    error = np.degrees(angles(fitted.directions(held_out.wrenches, held_out.heights), held_out.directions))
+    error = np.degrees(
+        angles(
+            fitted.directions(held_out.wrenches, held_out.heights), held_out.directions
+        )
+    )
     assert error.mean() < 1.0
 
 
-def test_the_quartic_is_nearer_to_an_exact_surface_than_the_ellipsoid(sample_pairs) -> None:
+def test_the_quartic_is_nearer_to_an_exact_surface_than_the_ellipsoid(
+    sample_pairs,
+) -> None:
     pins = pin_pressure(PINS, (0.0, 0.0), WEIGHT)
-    to_fit, held_out = sample_pairs(pins, 0.3, 60), sample_pairs(pins, 0.3, 100, seed=1)
+    to_fit = sample_pairs(pins, 0.3, 60)
+    held_out = sample_pairs(pins, 0.3, 100, seed=1)
     errors = [
-        angles(fit(to_fit).directions(held_out.wrenches, held_out.heights), held_out.directions).mean()
+        angles(
+            fit(to_fit).directions(held_out.wrenches, held_out.heights),
+            held_out.directions,
+        ).mean()
         for fit in (fit_quartic, fit_full)
     ]
     assert errors[0] < 0.8 * errors[1]
 
 
-def test_fitted_loads_friction_and_rho_are_those_that_made_the_pushes(sample_pairs) -> None:
+def test_fitted_loads_friction_and_rho_are_those_that_made_the_pushes(
+    sample_pairs,
+) -> None:
     true = PressureSamples(np.array(PINS), WEIGHT * np.array([0.25, 0.45, 0.3]))
     pairs = sample_pairs(true, 0.31, 60)
     fitted = fit_pressure(pairs, pin_pressure(PINS, (0.0, 0.0), WEIGHT))
     assert fitted.shares == pytest.approx([0.25, 0.45, 0.3], abs=0.02)
     assert fitted.friction == pytest.approx(0.31, rel=0.01)
     assert rho_pole(fitted.at_rest) == pytest.approx(rho_pole(true), rel=0.03)
-    assert np.degrees(angles(fitted.directions(pairs.wrenches, pairs.heights), pairs.directions)).mean() < 1.5
+    assert (
+        np.degrees(
+            angles(fitted.directions(pairs.wrenches, pairs.heights), pairs.directions)
+        ).mean()
+        < 1.5
+    )
 
 
-def test_a_face_that_presses_at_its_rim_is_found_from_an_even_load(sample_pairs) -> None:
+def test_a_face_that_presses_at_its_rim_is_found_from_an_even_load(
+    sample_pairs,
+) -> None:
     even = polygon_pressure(BASE, WEIGHT, resolution=2)
     x, y = (even.points / 0.05).T
     loads = even.loads * np.exp(0.35 * (x * x + y * y) + 0.3 * x * y)
@@ -140,7 +192,9 @@ def test_a_face_that_presses_at_its_rim_is_found_from_an_even_load(sample_pairs)
     pairs = sample_pairs(true, 0.31, 60)
     fitted = fit_pressure(pairs, even)
     errors = [
-        np.degrees(angles(m.directions(pairs.wrenches, pairs.heights), pairs.directions)).mean()
+        np.degrees(
+            angles(m.directions(pairs.wrenches, pairs.heights), pairs.directions)
+        ).mean()
         for m in (fitted, static_model(even))
     ]
     assert errors[0] < 0.35 * errors[1]
@@ -149,7 +203,9 @@ def test_a_face_that_presses_at_its_rim_is_found_from_an_even_load(sample_pairs)
     )
 
 
-def test_the_height_of_the_push_is_taken_into_account(sample_pairs, model_pairs) -> None:
+def test_the_height_of_the_push_is_taken_into_account(
+    sample_pairs, model_pairs
+) -> None:
     pins = pin_pressure(PINS, (0.0, 0.0), WEIGHT)
     pairs = model_pairs(pins, sample_pairs(pins, 0.3, 60), 0.03)
     model = static_model(pins)

@@ -15,21 +15,35 @@ DT = 0.004
 
 
 def seen(
-    axle: float, reach: float, drag: float, angle: float, predicted: Identified, lever: float, noise=0.0
+    axle: float,
+    reach: float,
+    drag: float,
+    angle: float,
+    predicted: Identified,
+    lever: float,
+    noise=0.0,
 ):
-    """Return what is identified over 3 s of a steady turn about an axle, force and motion to match."""
+    """Return what is identified over 3 s of a steady turn about an axle, force and
+    motion to match.
+    """
     rng = random.Random(0)
-    identifier, state, pose = AxleIdentifier(0.3, predicted, lever), AxleState(), Pose2(0.1, 0.2, 0.5)
+    identifier = AxleIdentifier(0.3, predicted, lever)
+    state = AxleState()
+    pose = Pose2(0.1, 0.2, 0.5)
     v = 0.03
     w = v * math.tan(angle) / math.copysign(reach, lever)
     # the axle moves along the heading axis at v: the CoM is ``axle`` behind it
-    along, across = v, -w * axle
-    c, s = math.cos(0.3), math.sin(0.3)
+    along = v
+    across = -w * axle
+    c = math.cos(0.3)
+    s = math.sin(0.3)
     rate = (c * along - s * across, s * along + c * across, w)
     size = drag / math.sqrt(1.0 + abs(lever) / predicted.reach * math.sin(angle) ** 2)
     force = (size * math.cos(0.3 + angle), size * math.sin(0.3 + angle))
     for k in range(round(3.0 / DT)):
-        measured = Pose2(pose.x + rng.gauss(0, noise), pose.y + rng.gauss(0, noise), pose.yaw)
+        measured = Pose2(
+            pose.x + rng.gauss(0, noise), pose.y + rng.gauss(0, noise), pose.yaw
+        )
         state = identifier.step(state, k * DT, measured, force)
         pose = moved(pose, rate, DT)
     return identifier.identified(state)
@@ -65,13 +79,20 @@ def test_estimates_stay_within_bounds() -> None:
 
 
 def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
-    """At 60 degrees the axle of the paper's bar gives rho^2 / d from the moved centre of pressure."""
-    press = Press(ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), 0.3, (0.2, 0.0), 8.0)
+    """At 60 degrees the axle of the paper's bar gives rho^2 / d from the moved centre
+    of pressure.
+    """
+    press = Press(
+        ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), 0.3, (0.2, 0.0), 8.0
+    )
     angle = math.radians(60.0)
     ahead, reach = press.steered(angle, backward=False)
     axle = press.cop[0] + ahead
-    found = seen(axle, reach, 3.3, angle, Identified(-0.5, 0.6, 3.3), press.lever, noise=2e-4)
+    found = seen(
+        axle, reach, 3.3, angle, Identified(-0.5, 0.6, 3.3), press.lever, noise=2e-4
+    )
     assert found is not None
-    exact, got = math.sqrt(reach * press.lever), math.sqrt(found.reach * press.lever)
+    exact = math.sqrt(reach * press.lever)
+    got = math.sqrt(found.reach * press.lever)
     assert got == pytest.approx(exact, rel=0.1)
     assert found.axle == pytest.approx(axle, abs=0.02)

@@ -1,4 +1,6 @@
-"""Pairs of wrench and motion: the conventions of the logs, from a synthetic session with a known answer."""
+"""Pairs of wrench and motion: the conventions of the logs, from a synthetic session
+with a known answer.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +10,11 @@ import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.identification.pairs import measured_pairs
-from pushpressslide.identification.push_sets import CENTER_OF_MASS, load_sets, pins_of_name
+from pushpressslide.identification.push_sets import (
+    CENTER_OF_MASS,
+    load_sets,
+    pins_of_name,
+)
 from pushpressslide.identification.recordings import read_recording
 from pushpressslide.mechanics.pressure import pin_pressure
 from pushpressslide.mechanics.rho import rho_pole
@@ -23,7 +29,9 @@ def session(sample_pairs, write_log):
     return pairs, write_log(pairs)
 
 
-def test_wrench_motion_contact_and_height_are_what_happened(tmp_path: Path, session) -> None:
+def test_wrench_motion_contact_and_height_are_what_happened(
+    tmp_path: Path, session
+) -> None:
     pairs, text = session
     path = tmp_path / "log.txt"
     path.write_text(text)
@@ -36,16 +44,22 @@ def test_wrench_motion_contact_and_height_are_what_happened(tmp_path: Path, sess
     assert np.linalg.norm(measured.directions, axis=1) == pytest.approx(np.ones(20))
 
 
-def test_the_motion_does_not_depend_on_the_sign_of_a_quaternion(tmp_path: Path, session) -> None:
+def test_the_motion_does_not_depend_on_the_sign_of_a_quaternion(
+    tmp_path: Path, session
+) -> None:
     path = tmp_path / "log.txt"
     path.write_text(session[1])
     pushes = read_recording(path).pushes
-    turned = [replace(p, after=p.after * np.array([1, 1, 1, -1, -1, -1, -1])) for p in pushes]
+    turned = [
+        replace(p, after=p.after * np.array([1, 1, 1, -1, -1, -1, -1])) for p in pushes
+    ]
     a, b = (measured_pairs(which, CENTER_OF_MASS)[0] for which in (pushes, turned))
     assert b.twists == pytest.approx(a.twists, abs=1e-12)
 
 
-def test_a_push_without_samples_force_or_motion_gives_no_pair_and_says_so(tmp_path: Path, session) -> None:
+def test_a_push_without_samples_force_or_motion_gives_no_pair_and_says_so(
+    tmp_path: Path, session
+) -> None:
     path = tmp_path / "log.txt"
     path.write_text(session[1])
     push, *rest = read_recording(path).pushes
@@ -67,12 +81,16 @@ def test_a_push_without_samples_force_or_motion_gives_no_pair_and_says_so(tmp_pa
 
 
 def test_a_folder_names_its_pins() -> None:
-    assert pins_of_name("30_63.33_43.33_30_43.33_63.33")[1] == pytest.approx((0.06333, 0.04333))
+    assert pins_of_name("30_63.33_43.33_30_43.33_63.33")[1] == pytest.approx(
+        (0.06333, 0.04333)
+    )
     for name in ("patch", "30_90_30", "a_b_c_d_e_f", "30_90_30_30_30_90_mixed"):
         assert pins_of_name(name) == ()
 
 
-def test_each_folder_is_a_set_with_the_load_that_statics_gives(tmp_path: Path, session) -> None:
+def test_each_folder_is_a_set_with_the_load_that_statics_gives(
+    tmp_path: Path, session
+) -> None:
     for name in (
         f"first/{LAYOUT}/a.txt",
         f"first/{LAYOUT}/b.txt",
@@ -100,10 +118,14 @@ def test_a_set_that_cannot_be_used_is_refused(tmp_path: Path, session) -> None:
     (tmp_path / "10_20_30_10_10_10").mkdir()
     log = tmp_path / "10_20_30_10_10_10" / "log.txt"
     log.write_text(session[1])
-    with pytest.raises(PushPressSlideError, match="cannot carry the object: the three pins are in one line"):
+    with pytest.raises(
+        PushPressSlideError,
+        match="cannot carry the object: the three pins are in one line",
+    ):
         load_sets(tmp_path)
     log.write_text("1\n0 0 0 1 0 0 0\n0 0 0 1 0 0 0\n0\n0\n")
     with pytest.raises(
-        PushPressSlideError, match=r"0 of 1 pushes can be used \(push 1: no force.*at least 4"
+        PushPressSlideError,
+        match=r"0 of 1 pushes can be used \(push 1: no force.*at least 4",
     ):
         load_sets(log)

@@ -1,4 +1,6 @@
-"""The five published sets: the models beat the one-parameter ellipsoid on pushes that were held out."""
+"""The five published sets: the models beat the one-parameter ellipsoid on pushes that
+were held out.
+"""
 
 import math
 from pathlib import Path
@@ -10,9 +12,12 @@ from pushpressslide.identification.scoring import Identification, identified
 from pushpressslide.mechanics.rho import rho_pole
 
 DATA = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cmu_pushes"
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="no recorded pushes in ../shared/data/cmu_pushes")
+pytestmark = pytest.mark.skipif(
+    not DATA.is_dir(), reason="no recorded pushes in ../shared/data/cmu_pushes"
+)
 
-# rho [mm] of the one-parameter ellipsoid, and of the layout, as the data's own notes give them
+# rho [mm] of the one-parameter ellipsoid, and of the layout, as the data's own notes
+# give them
 PUBLISHED = {
     "30_90_30_30_30_90": (41.7, 39.2),
     "10_130_10_10_10_130": (69.5, 78.5),
@@ -57,7 +62,9 @@ def test_the_fitted_pressure_beats_the_ellipsoid_on_every_set_and_by_a_quarter_o
 
 
 @pytest.mark.long
-def test_without_a_fit_statics_beats_the_fitted_ellipsoid(found: dict[str, Identification]) -> None:
+def test_without_a_fit_statics_beats_the_fitted_ellipsoid(
+    found: dict[str, Identification],
+) -> None:
     for each in found.values():
         assert each.scores["no_fit"].mean < each.scores["ellipsoid"].mean
     even = found["patch"].scores
@@ -65,7 +72,9 @@ def test_without_a_fit_statics_beats_the_fitted_ellipsoid(found: dict[str, Ident
 
 
 @pytest.mark.long
-def test_friction_is_that_of_one_pair_of_materials(found: dict[str, Identification]) -> None:
+def test_friction_is_that_of_one_pair_of_materials(
+    found: dict[str, Identification],
+) -> None:
     for each in found.values():
         assert 0.28 < each.pressure.friction < 0.36
 

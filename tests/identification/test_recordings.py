@@ -9,8 +9,15 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.identification.recordings import find_recordings, read_recording
 
 POSE = "628.003 22.9975 8.50358 0.374422 0.000783242 -0.000246543 0.927258"
-FORCES = ["1439922972.717158610 0.022515 -0.082939", "1439922972.727 -1.5e-01 2", "1439922972.737 -3 +4.5"]
-PROBE = ["1439922972.7 598.7 84.3 23.6 0.495 0 0.001 -0.869", "1439922972.8 441 142.1 23.8 1 0 0 0"]
+FORCES = [
+    "1439922972.717158610 0.022515 -0.082939",
+    "1439922972.727 -1.5e-01 2",
+    "1439922972.737 -3 +4.5",
+]
+PROBE = [
+    "1439922972.7 598.7 84.3 23.6 0.495 0 0.001 -0.869",
+    "1439922972.8 441 142.1 23.8 1 0 0 0",
+]
 PUSH = [POSE, POSE, "3", *FORCES, "2", *PROBE]
 
 
@@ -33,9 +40,13 @@ def test_a_log_is_read_in_metres(read) -> None:
     assert (recording.announced, len(recording.pushes)) == (2, 2)
     push = recording.pushes[1]
     assert push.before[:3] == pytest.approx([0.628003, 0.0229975, 0.00850358])
-    assert push.after[3:] == pytest.approx([0.374422, 0.000783242, -0.000246543, 0.927258])
+    assert push.after[3:] == pytest.approx(
+        [0.374422, 0.000783242, -0.000246543, 0.927258]
+    )
     assert push.forces[1] == pytest.approx([1439922972.727, -0.15, 2.0])
-    assert push.probe[0, 1:] == pytest.approx([0.5987, 0.0843, 0.0236, 0.495, 0.0, 0.001, -0.869])
+    assert push.probe[0, 1:] == pytest.approx(
+        [0.5987, 0.0843, 0.0236, 0.495, 0.0, 0.001, -0.869]
+    )
     assert push.probe.shape == (2, 8)
 
 
@@ -63,7 +74,9 @@ def test_white_space_does_not_matter(read, text: str) -> None:
     assert (push.forces[-1] == [1439922972.737, -3.0, 4.5]).all()
 
 
-def test_a_session_that_was_broken_off_between_pushes_keeps_the_whole_ones(read) -> None:
+def test_a_session_that_was_broken_off_between_pushes_keeps_the_whole_ones(
+    read,
+) -> None:
     recording = read(log(["50", *PUSH, *PUSH]))
     assert (recording.announced, len(recording.pushes)) == (50, 2)
 
@@ -92,8 +105,14 @@ WRONG = {
         changed(1, "TwoPointRotation"),
         "line 2: 'TwoPointRotation' is not allowed; expected 7 numbers",
     ),
-    "short pose": (changed(2, "1 2 3"), "line 3: '1 2 3' is not allowed; expected 7 numbers: x y z [mm]"),
-    "no unit quaternion": (changed(2, "1 2 3 0 0 0 0"), "line 3: '1 2 3 0 0 0 0' is not allowed; expected 7"),
+    "short pose": (
+        changed(2, "1 2 3"),
+        "line 3: '1 2 3' is not allowed; expected 7 numbers: x y z [mm]",
+    ),
+    "no unit quaternion": (
+        changed(2, "1 2 3 0 0 0 0"),
+        "line 3: '1 2 3 0 0 0 0' is not allowed; expected 7",
+    ),
     "count that is none": (
         changed(3, "3.5"),
         "line 4: '3.5' is not allowed; expected the number of force samples",
@@ -102,33 +121,50 @@ WRONG = {
         changed(5, "1439922972.7 0.1"),
         "line 6: '1439922972.7 0.1' is not allowed; expected 3 numbers",
     ),
-    "NaN": (changed(6, "1.0 nan 2.0"), "line 7: '1.0 nan 2.0' is not allowed; expected 3 numbers"),
+    "NaN": (
+        changed(6, "1.0 nan 2.0"),
+        "line 7: '1.0 nan 2.0' is not allowed; expected 3 numbers",
+    ),
     "count too small": (
         changed(3, "2"),
         "line 7: '1439922972.737 -3 +4.5' is not allowed; expected the number of probe",
     ),
-    "count too large": (changed(3, "4"), "line 8: '2' is not allowed; expected 3 numbers"),
+    "count too large": (
+        changed(3, "4"),
+        "line 8: '2' is not allowed; expected 3 numbers",
+    ),
     "count far too large": (
         changed(3, "999999"),
         "line 10: the file ends within a push; expected 999993 more lines",
     ),
-    "absurd count": (changed(3, "9" * 40), "is not allowed; expected the number of force samples"),
+    "absurd count": (
+        changed(3, "9" * 40),
+        "is not allowed; expected the number of force samples",
+    ),
     "word in the probe": (
         changed(9, "a b c d e f g h"),
         "line 10: 'a b c d e f g h' is not allowed; expected 8 numbers",
     ),
-    "cut within a push": (log(["2", *PUSH, *PUSH[:5]]), "line 15: the file ends within a push"),
+    "cut within a push": (
+        log(["2", *PUSH, *PUSH[:5]]),
+        "line 15: the file ends within a push",
+    ),
     "cut between the poses": (
         log(["2", *PUSH, POSE]),
         "line 11: the file ends within a push; expected 1 more lines of 7",
     ),
-    "cut before the probe": (log(["1", *PUSH[:6]]), "expected the number of probe samples"),
+    "cut before the probe": (
+        log(["1", *PUSH[:6]]),
+        "expected the number of probe samples",
+    ),
     "binary": (b"\xff\xfe\x00\x01", "is not text"),
 }
 
 
 @pytest.mark.parametrize("case", WRONG, ids=lambda case: case.replace(" ", "-"))
-def test_what_is_wrong_is_said_in_one_line_with_its_place(read, tmp_path: Path, case: str) -> None:
+def test_what_is_wrong_is_said_in_one_line_with_its_place(
+    read, tmp_path: Path, case: str
+) -> None:
     text, expected = WRONG[case]
     with pytest.raises(PushPressSlideError) as raised:
         read(text)
@@ -139,7 +175,9 @@ def test_what_is_wrong_is_said_in_one_line_with_its_place(read, tmp_path: Path, 
     assert len(message) < 300 + len(str(tmp_path))
 
 
-def test_a_folder_gives_its_logs_at_any_depth_and_names_what_is_none(tmp_path: Path) -> None:
+def test_a_folder_gives_its_logs_at_any_depth_and_names_what_is_none(
+    tmp_path: Path,
+) -> None:
     for name in (
         "a/exp_sensor5.txt",
         "a/exp_pushaction5.txt",
@@ -149,11 +187,19 @@ def test_a_folder_gives_its_logs_at_any_depth_and_names_what_is_none(tmp_path: P
         "README.md",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("remarks\n" if "notes" in name else log(["1", *PUSH]))
+        (tmp_path / name).write_text(
+            "remarks\n" if "notes" in name else log(["1", *PUSH])
+        )
     logs, others = find_recordings(tmp_path)
-    assert [path.relative_to(tmp_path).as_posix() for path in logs] == ["a/exp_sensor5.txt", "b/c/exp.txt"]
+    assert [path.relative_to(tmp_path).as_posix() for path in logs] == [
+        "a/exp_sensor5.txt",
+        "b/c/exp.txt",
+    ]
     assert [path.name for path in others] == ["exp_pushaction5.txt", "notes.txt"]
-    assert find_recordings(tmp_path / "b" / "notes.txt") == ([tmp_path / "b" / "notes.txt"], [])
+    assert find_recordings(tmp_path / "b" / "notes.txt") == (
+        [tmp_path / "b" / "notes.txt"],
+        [],
+    )
 
 
 def test_a_place_without_logs_is_refused(tmp_path: Path) -> None:

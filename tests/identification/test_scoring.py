@@ -1,4 +1,6 @@
-"""Scores: they are of held-out pushes, repeatable, and the models see no more of them than the wrench."""
+"""Scores: they are of held-out pushes, repeatable, and the models see no more of them
+than the wrench.
+"""
 
 from dataclasses import replace
 
@@ -20,7 +22,9 @@ def push_set(sample_pairs) -> PushSet:
     return PushSet("set", (), PINS, replace(pairs, twists=pairs.twists + noise), ())
 
 
-@pytest.mark.parametrize(("n", "share", "cut"), [(50, 0.5, 25), (5, 0.5, 2), (10, 0.05, 1), (10, 0.95, 9)])
+@pytest.mark.parametrize(
+    ("n", "share", "cut"), [(50, 0.5, 25), (5, 0.5, 2), (10, 0.05, 1), (10, 0.95, 9)]
+)
 def test_a_split_puts_each_push_in_one_part(n: int, share: float, cut: int) -> None:
     for fitted, held_out in random_splits(n, share, 20, 0):
         assert len(fitted) == cut

@@ -10,11 +10,15 @@ from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.virtual_axle import dragged_twist
 
-MU, HEIGHT, BEHIND = 0.3, 0.06, (-0.1, 0.02)
+MU = 0.3
+HEIGHT = 0.06
+BEHIND = (-0.1, 0.02)
 BODIES = [
     ObjectModel(Box((0.2, 0.15, 0.15)), 1.0, (0.0, 0.0)),
     ObjectModel(Box((0.2, 0.15, 0.15)), 1.0, (0.02, -0.01)),
-    ObjectModel(Prism(((0.15, 0.0), (-0.1, 0.12), (-0.1, -0.12)), 0.1), 1.0, (-0.0167, 0.0)),
+    ObjectModel(
+        Prism(((0.15, 0.0), (-0.1, 0.12), (-0.1, -0.12)), 0.1), 1.0, (-0.0167, 0.0)
+    ),
     ObjectModel(Cylinder(0.1, 0.1), 1.0, (0.0, 0.0)),
 ]
 
@@ -27,7 +31,9 @@ def centers(twists) -> np.ndarray:
 
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize(("resolution", "tolerance"), [(4, 2e-3), (6, 1e-3)])
-def test_a_push_slides_the_object_as_on_the_exact_surface(body, resolution: int, tolerance: float) -> None:
+def test_a_push_slides_the_object_as_on_the_exact_surface(
+    body, resolution: int, tolerance: float
+) -> None:
     directions = [(math.cos(a), math.sin(a)) for a in (-0.5, -0.2, 0.1, 0.5)]
     n = len(directions)
     base = DraggedBase(body, HEIGHT * MU, resolution)
@@ -36,7 +42,10 @@ def test_a_push_slides_the_object_as_on_the_exact_surface(body, resolution: int,
     def pressure_at(cop):
         return support_pressure(body.shape, 1.0, body.center_of_mass, cop)
 
-    exact = [dragged_twist(pressure_at, MU, (0.0, 0.0), BEHIND, HEIGHT, d)[:3] for d in directions]
+    exact = [
+        dragged_twist(pressure_at, MU, (0.0, 0.0), BEHIND, HEIGHT, d)[:3]
+        for d in directions
+    ]
     far = np.linalg.norm(centers(exact), axis=1)
     off = np.linalg.norm(centers(slid.twists) - centers(exact), axis=1)
     assert (off < tolerance * (1.0 + far / 0.1)).all()
@@ -44,15 +53,21 @@ def test_a_push_slides_the_object_as_on_the_exact_surface(body, resolution: int,
 
 def test_each_force_slides_as_it_does_alone_whatever_else_is_asked() -> None:
     rng = np.random.default_rng(0)
-    base, angles = DraggedBase(BODIES[0], 0.02), rng.uniform(-math.pi, math.pi, 40)
-    cops, contacts = rng.uniform(-0.02, 0.02, (40, 2)), rng.uniform(-0.07, 0.07, (40, 2))
+    base = DraggedBase(BODIES[0], 0.02)
+    angles = rng.uniform(-math.pi, math.pi, 40)
+    cops = rng.uniform(-0.02, 0.02, (40, 2))
+    contacts = rng.uniform(-0.07, 0.07, (40, 2))
     directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     together = base.slide(cops, contacts, directions).twists
     for i in range(0, 40, 7):
-        alone = base.slide(cops[i : i + 1], contacts[i : i + 1], directions[i : i + 1]).twists[0]
+        alone = base.slide(
+            cops[i : i + 1], contacts[i : i + 1], directions[i : i + 1]
+        ).twists[0]
         assert alone == pytest.approx(together[i], abs=1e-9)
 
 
 def test_where_the_object_tips_nothing_is_said() -> None:
     base = DraggedBase(BODIES[0], 0.2)
-    assert np.isnan(base.slide(np.zeros((1, 2)), np.array([BEHIND]), np.array([(1.0, 0.0)])).twists).all()
+    assert np.isnan(
+        base.slide(np.zeros((1, 2)), np.array([BEHIND]), np.array([(1.0, 0.0)])).twists
+    ).all()

@@ -16,21 +16,28 @@ def turning(face: Face, height: float, left: float, slope: float) -> Turning:
 
 
 @pytest.mark.parametrize(("face", "length"), [(REAR, 0.4), (RIGHT, 0.3)])
-def test_a_normal_force_a_little_off_the_com_turns_by_its_offset_over_the_variance(face, length) -> None:
+def test_a_normal_force_a_little_off_the_com_turns_by_its_offset_over_the_variance(
+    face, length
+) -> None:
     axle, curvature = turning(face, LOW, 0.002, 0.0)
     assert curvature == pytest.approx(-0.002 / (length**2 / 12.0), rel=0.02)
     assert axle == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_sloping_force_through_the_middle_has_its_axle_ahead_by_the_variance_over_the_lever() -> None:
+def test_a_sloping_force_through_the_middle_has_its_axle_ahead_by_the_variance_over_the_lever() -> (
+    None
+):
     axle, curvature = turning(REAR, LOW, 0.0, 0.005)
     variance = 0.4**2 / 12.0
     assert axle == pytest.approx(variance / 0.2, rel=0.02)
     assert curvature == pytest.approx(-0.2 * 0.005 / variance, rel=0.02)
 
 
-def test_to_the_left_of_the_com_it_turns_to_the_right_and_the_mirror_image_to_the_left() -> None:
-    left, right = turning(REAR, 0.05, 0.06, 0.2), turning(REAR, 0.05, -0.06, -0.2)
+def test_to_the_left_of_the_com_it_turns_to_the_right_and_the_mirror_image_to_the_left() -> (
+    None
+):
+    left = turning(REAR, 0.05, 0.06, 0.2)
+    right = turning(REAR, 0.05, -0.06, -0.2)
     assert left.curvature < 0.0
     assert right.curvature == pytest.approx(-left.curvature)
     assert right.axle == pytest.approx(left.axle)

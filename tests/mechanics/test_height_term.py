@@ -14,21 +14,32 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.push_surface import push_surface
 
-number, place = st.floats(-1.0, 1.0), st.floats(-0.1, 0.1)
+number = st.floats(-1.0, 1.0)
+place = st.floats(-0.1, 0.1)
 surfaces = st.builds(
-    DraggedSurface, st.floats(0.5, 50.0), st.floats(0.03, 0.3), st.floats(0.0, 0.05), st.tuples(place, place)
+    DraggedSurface,
+    st.floats(0.5, 50.0),
+    st.floats(0.03, 0.3),
+    st.floats(0.0, 0.05),
+    st.tuples(place, place),
 )
-twists = st.builds(Twist, number, number, st.floats(-10.0, 10.0), st.tuples(place, place))
+twists = st.builds(
+    Twist, number, number, st.floats(-10.0, 10.0), st.tuples(place, place)
+)
 
 
 @given(surface=surfaces, twist=twists)
-def test_the_wrench_of_a_twist_drives_that_twist(surface: DraggedSurface, twist: Twist) -> None:
+def test_the_wrench_of_a_twist_drives_that_twist(
+    surface: DraggedSurface, twist: Twist
+) -> None:
     at = twist.moved_to(surface.center)
     size = math.hypot(at.vx, at.vy, surface.rho * at.w)
     assume(size > 1e-3)
     driven = surface.twist_direction(surface.wrench(twist))
     k = size / math.hypot(driven.vx, driven.vy, surface.rho * driven.w)
-    assert (k * driven.vx, k * driven.vy, k * driven.w) == pytest.approx(at[:3], abs=1e-9 * k)
+    assert (k * driven.vx, k * driven.vy, k * driven.w) == pytest.approx(
+        at[:3], abs=1e-9 * k
+    )
 
 
 @given(surface=surfaces, twist=twists)
@@ -37,10 +48,13 @@ def test_the_cop_is_moved_along_the_force_and_the_rest_is_the_ellipsoid_about_it
 ) -> None:
     assume(math.hypot(twist.vx, twist.vy, surface.rho * twist.w) > 1e-3)
     wrench = surface.wrench(twist)
-    (x, y), share = surface.center, surface.lift / surface.max_force
+    x, y = surface.center
+    share = surface.lift / surface.max_force
     moved = (x + share * wrench.fx, y + share * wrench.fy)
     plain = EllipsoidLimitSurface(surface.max_force, surface.rho, moved)
-    assert plain.wrench(twist).moved_to(surface.center)[:3] == pytest.approx(wrench[:3], abs=1e-9)
+    assert plain.wrench(twist).moved_to(surface.center)[:3] == pytest.approx(
+        wrench[:3], abs=1e-9
+    )
 
 
 def test_nothing_is_asked_for_at_rest() -> None:
@@ -51,7 +65,9 @@ def test_nothing_is_asked_for_at_rest() -> None:
 
 @pytest.mark.parametrize("turn", [-6.0, -0.5, 0.0, 2.0])
 def test_the_surface_of_a_push_gives_the_exact_wrench_of_its_twist(turn: float) -> None:
-    height, mu, mass = 0.09, 0.3, 2.0
+    height = 0.09
+    mu = 0.3
+    mass = 2.0
     body = ObjectModel(Box((0.42, 0.22, 0.2)), mass, (0.02, 0.0))
     task = Task("t", body, Pose2(), Pose2(), (), belief=Belief(mu, 0.6, mass))
     twist = Twist(0.8, -0.5, turn)

@@ -1,4 +1,6 @@
-"""Laws of the limit surface: the ellipsoid, and the exact surface by quadrature (docs/mechanics.md, 1)."""
+"""Laws of the limit surface: the ellipsoid, and the exact surface by quadrature
+(docs/mechanics.md, 1).
+"""
 
 import math
 
@@ -25,8 +27,12 @@ from pushpressslide.mechanics.rho import rho_fit, rho_pole
 
 component = st.floats(-1.0, 1.0)
 points = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
-surfaces = st.builds(EllipsoidLimitSurface, st.floats(0.1, 50.0), st.floats(0.02, 0.3), points)
-unit_twists = st.tuples(component, component, component).filter(lambda t: math.hypot(*t) > 0.05)
+surfaces = st.builds(
+    EllipsoidLimitSurface, st.floats(0.1, 50.0), st.floats(0.02, 0.3), points
+)
+unit_twists = st.tuples(component, component, component).filter(
+    lambda t: math.hypot(*t) > 0.05
+)
 PATCHES = {
     "square": rectangle_pressure(0.15, 0.15, 9.0),
     "long": rectangle_pressure(0.6, 0.2, 3.0),
@@ -43,14 +49,19 @@ def on_the_sphere(n: int, rho: float) -> np.ndarray:
 
 
 @given(surfaces, unit_twists, points)
-def test_the_wrench_of_a_twist_lies_on_the_surface_and_gives_that_twist_back(surface, nu, of):
+def test_the_wrench_of_a_twist_lies_on_the_surface_and_gives_that_twist_back(
+    surface, nu, of
+):
     twist = Twist(nu[0], nu[1], nu[2] / surface.rho, of)
     wrench = surface.wrench(twist)
     back = surface.twist_direction(wrench).moved_to(of)
-    scale = math.hypot(back.vx, back.vy, back.w) / math.hypot(twist.vx, twist.vy, twist.w)
+    scale = math.hypot(back.vx, back.vy, back.w) / math.hypot(
+        twist.vx, twist.vy, twist.w
+    )
     assert surface.level(wrench) == pytest.approx(1.0, abs=1e-12)
     assert (back.vx, back.vy, back.w) == pytest.approx(
-        (scale * twist.vx, scale * twist.vy, scale * twist.w), abs=1e-9 * (1.0 + scale * abs(twist.w))
+        (scale * twist.vx, scale * twist.vy, scale * twist.w),
+        abs=1e-9 * (1.0 + scale * abs(twist.w)),
     )
 
 
@@ -59,23 +70,35 @@ def test_level_and_twist_do_not_depend_on_the_point_of_the_moment(surface, nu, p
     wrench = Wrench(nu[0], nu[1], nu[2] * surface.rho, surface.center)
     moved = wrench.moved_to(point)
     assert surface.level(moved) == pytest.approx(surface.level(wrench), rel=1e-9)
-    a, b = surface.twist_direction(moved), surface.twist_direction(wrench)
-    assert (a.vx, a.vy, a.w) == pytest.approx((b.vx, b.vy, b.w), rel=1e-7, abs=1e-9 / surface.rho)
+    a = surface.twist_direction(moved)
+    b = surface.twist_direction(wrench)
+    assert (a.vx, a.vy, a.w) == pytest.approx(
+        (b.vx, b.vy, b.w), rel=1e-7, abs=1e-9 / surface.rho
+    )
 
 
 @given(surfaces, unit_twists)
 def test_the_twist_is_normal_to_the_ellipsoid(surface, nu):
     wrench = Wrench(
-        nu[0] * surface.max_force, nu[1] * surface.max_force, nu[2] * surface.max_force * surface.rho
+        nu[0] * surface.max_force,
+        nu[1] * surface.max_force,
+        nu[2] * surface.max_force * surface.rho,
     )
     wrench = Wrench(wrench.fx, wrench.fy, wrench.tau, surface.center)
-    steps = (surface.max_force * 1e-5, surface.max_force * 1e-5, surface.max_force * surface.rho * 1e-5)
+    steps = (
+        surface.max_force * 1e-5,
+        surface.max_force * 1e-5,
+        surface.max_force * surface.rho * 1e-5,
+    )
     gradient = []
     for i, h in enumerate(steps):
-        ahead, behind = [wrench.fx, wrench.fy, wrench.tau], [wrench.fx, wrench.fy, wrench.tau]
+        ahead = [wrench.fx, wrench.fy, wrench.tau]
+        behind = [wrench.fx, wrench.fy, wrench.tau]
         ahead[i] += h
         behind[i] -= h
-        rise = surface.level(Wrench(*ahead, surface.center)) - surface.level(Wrench(*behind, surface.center))
+        rise = surface.level(Wrench(*ahead, surface.center)) - surface.level(
+            Wrench(*behind, surface.center)
+        )
         gradient.append(rise / (2.0 * h))
     twist = surface.twist_direction(wrench)
     scale = math.hypot(gradient[0], gradient[1], gradient[2] * surface.rho)
@@ -86,11 +109,11 @@ def test_the_twist_is_normal_to_the_ellipsoid(surface, nu):
 
 def test_tripling_the_load_triples_the_wrench_of_the_same_twist():
     twist = Twist(0.1, 0.05, 0.7)
-    light, heavy = (
-        EllipsoidLimitSurface(3.0, 0.06).wrench(twist),
-        EllipsoidLimitSurface(9.0, 0.06).wrench(twist),
+    light = EllipsoidLimitSurface(3.0, 0.06).wrench(twist)
+    heavy = EllipsoidLimitSurface(9.0, 0.06).wrench(twist)
+    assert (heavy.fx, heavy.fy, heavy.tau) == pytest.approx(
+        (3 * light.fx, 3 * light.fy, 3 * light.tau)
     )
-    assert (heavy.fx, heavy.fy, heavy.tau) == pytest.approx((3 * light.fx, 3 * light.fy, 3 * light.tau))
 
 
 def test_a_zero_wrench_moves_nothing_and_a_zero_twist_needs_nothing():
@@ -99,7 +122,9 @@ def test_a_zero_wrench_moves_nothing_and_a_zero_twist_needs_nothing():
     assert surface.wrench(Twist(0.0, 0.0, 0.0)).fx == 0.0
 
 
-@pytest.mark.parametrize(("force", "rho"), [(0.0, 0.1), (1.0, 0.0), (math.nan, 0.1), (1.0, math.inf)])
+@pytest.mark.parametrize(
+    ("force", "rho"), [(0.0, 0.1), (1.0, 0.0), (math.nan, 0.1), (1.0, math.inf)]
+)
 def test_a_surface_without_extent_is_refused(force, rho):
     with pytest.raises(ValueError, match="must be finite and > 0"):
         EllipsoidLimitSurface(force, rho)
@@ -114,7 +139,9 @@ def test_exact_twist_and_exact_wrench_are_inverse(patch, nu, of):
     wrench = exact_wrench(patch, 0.3, twist)
     back = exact_twist_direction(patch, wrench.moved_to((0.1, 0.2)))
     length = math.hypot(*nu)
-    assert (back.vx, back.vy, back.w * rho) == pytest.approx([c / length for c in nu], abs=1e-6)
+    assert (back.vx, back.vy, back.w * rho) == pytest.approx(
+        [c / length for c in nu], abs=1e-6
+    )
     assert exact_level(patch, 0.3, wrench) == pytest.approx(1.0, abs=1e-9)
 
 
@@ -144,7 +171,9 @@ def test_the_batch_agrees_with_single_calls():
         ("pressed", -0.11, 0.045, 5.0, 14.5),
     ],
 )
-def test_the_ellipsoid_errs_as_much_as_the_notes_say_and_no_more(name, low, high, median, worst):
+def test_the_ellipsoid_errs_as_much_as_the_notes_say_and_no_more(
+    name, low, high, median, worst
+):
     patch = PATCHES[name]
     rho = rho_fit(patch)
     nu = on_the_sphere(2000, rho)
@@ -161,7 +190,11 @@ def test_the_ellipsoid_errs_as_much_as_the_notes_say_and_no_more(name, low, high
 def test_the_exact_surface_of_a_uniform_disc_lies_inside_the_ellipsoid_with_its_poles():
     patch = PATCHES["disc"]
     rho = rho_pole(patch)
-    scaled = exact_wrenches(patch, 1.0 / patch.total_load, on_the_sphere(2000, rho)) / [1.0, 1.0, rho]
+    scaled = exact_wrenches(patch, 1.0 / patch.total_load, on_the_sphere(2000, rho)) / [
+        1.0,
+        1.0,
+        rho,
+    ]
     assert np.linalg.norm(scaled, axis=1).max() <= 1.0 + 1e-9
 
 
@@ -177,8 +210,12 @@ def test_three_pins_turn_about_one_of_them_under_a_range_of_forces():
     base = exact_wrench(pins, 0.3, still)
     hold = 0.5 * 0.3 * pins.loads[0]
     for angle in np.linspace(0.0, 6.0, 7):
-        at_pin = Wrench(hold * math.cos(angle), hold * math.sin(angle), 0.0, (0.1, 0.0)).moved_to(pins.cop)
-        wrench = Wrench(base.fx + at_pin.fx, base.fy + at_pin.fy, base.tau + at_pin.tau, pins.cop)
+        at_pin = Wrench(
+            hold * math.cos(angle), hold * math.sin(angle), 0.0, (0.1, 0.0)
+        ).moved_to(pins.cop)
+        wrench = Wrench(
+            base.fx + at_pin.fx, base.fy + at_pin.fy, base.tau + at_pin.tau, pins.cop
+        )
         twist = exact_twist_direction(pins, wrench)
         pin = twist.moved_to((0.1, 0.0))
         assert math.hypot(pin.vx, pin.vy) < 1e-5
@@ -188,7 +225,9 @@ def test_three_pins_turn_about_one_of_them_under_a_range_of_forces():
 
 def test_without_extent_or_without_wrench_there_is_no_direction():
     with pytest.raises(ValueError, match="no extent"):
-        exact_twist_direction(PressureSamples([[0.0, 0.0]], [1.0]), Wrench(1.0, 0.0, 0.0))
+        exact_twist_direction(
+            PressureSamples([[0.0, 0.0]], [1.0]), Wrench(1.0, 0.0, 0.0)
+        )
     with pytest.raises(ValueError, match="zero wrench"):
         exact_twist_direction(PATCHES["disc"], Wrench(0.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="twists"):

@@ -1,4 +1,6 @@
-"""The virtual axle of one press: exact against closed forms, and the paper's formula with its sign slip."""
+"""The virtual axle of one press: exact against closed forms, and the paper's formula
+with its sign slip.
+"""
 
 import math
 
@@ -9,11 +11,14 @@ from hypothesis import strategies as st
 from pushpressslide.core.task import Box, Cylinder, ObjectModel
 from pushpressslide.mechanics.press_axle import Press
 
-LENGTH, WIDTH = 0.6, 0.2
+LENGTH = 0.6
+WIDTH = 0.2
 loads = st.floats(2.0, 20.0)
 
 
-def bar(load: float = 8.0, height: float = 0.1, contact=(0.2, 0.0), mu: float = 0.3) -> Press:
+def bar(
+    load: float = 8.0, height: float = 0.1, contact=(0.2, 0.0), mu: float = 0.3
+) -> Press:
     body = ObjectModel(Box((LENGTH, WIDTH, height)), 0.3, (0.0, 0.0))
     return Press(body, mu, contact, load)
 
@@ -26,7 +31,9 @@ def variance(cop: float) -> float:
 
 
 @given(loads, st.floats(0.02, 0.12), st.sampled_from([(0.0, 1.0), (math.pi, -1.0)]))
-def test_near_straight_motion_has_the_closed_form_with_height(load, height, way) -> None:
+def test_near_straight_motion_has_the_closed_form_with_height(
+    load, height, way
+) -> None:
     angle, sign = way
     thing = bar(load, height)
     shifted = thing.cop[0] + sign * height * thing.friction
@@ -35,9 +42,13 @@ def test_near_straight_motion_has_the_closed_form_with_height(load, height, way)
 
 
 @given(loads, st.floats(0.1, 1.5))
-def test_without_height_pulling_and_pushing_turn_about_the_same_axle(load, angle) -> None:
+def test_without_height_pulling_and_pushing_turn_about_the_same_axle(
+    load, angle
+) -> None:
     thing = bar(load)
-    assert thing.axle(angle, 0.0) == pytest.approx(thing.axle(math.pi - angle, 0.0), abs=1e-6)
+    assert thing.axle(angle, 0.0) == pytest.approx(
+        thing.axle(math.pi - angle, 0.0), abs=1e-6
+    )
 
 
 @given(st.floats(0.1, 3.0), st.floats(-3.0, 3.0))
@@ -51,7 +62,9 @@ def test_the_axle_goes_with_the_contact_round_a_cylinder(angle, bearing) -> None
 @given(loads)
 def test_the_paper_is_off_by_twice_the_centre_of_pressure(load) -> None:
     thing = bar(load)
-    assert thing.paper_printed() + thing.paper_axle() == pytest.approx(2.0 * thing.cop[0])
+    assert thing.paper_printed() + thing.paper_axle() == pytest.approx(
+        2.0 * thing.cop[0]
+    )
     assert thing.paper_axle() == pytest.approx(thing.cop[0] - 0.36 * 0.1 / thing.lever)
 
 
@@ -66,13 +79,16 @@ def test_the_axle_of_near_straight_sliding_is_the_closed_form() -> None:
 
 
 def test_the_pivot_is_off_the_axis_to_the_side_of_the_force() -> None:
-    left, right = bar().pivot(True), bar().pivot(False)
+    left = bar().pivot(True)
+    right = bar().pivot(False)
     assert left[1] > 0.02
     assert right == pytest.approx((left[0], -left[1]), abs=1e-6)
 
 
 def test_drag_at_the_top_of_a_high_object_leaves_its_base() -> None:
-    high = Press(ObjectModel(Box((0.1, 0.1, 0.2)), 1.0, (0.0, 0.0)), 0.4, (0.03, 0.0), 10.0)
+    high = Press(
+        ObjectModel(Box((0.1, 0.1, 0.2)), 1.0, (0.0, 0.0)), 0.4, (0.03, 0.0), 10.0
+    )
     assert high.room(0.0) < 0.0
     assert high.room(math.pi) > high.room(0.0)
     with pytest.raises(ValueError, match="outline"):
@@ -85,7 +101,8 @@ def test_a_drag_that_tips_the_object_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fields", "words"), [({"load": 0.0}, "load 0.0 N"), ({"contact": (0.0, 0.0)}, "at the CoM")]
+    ("fields", "words"),
+    [({"load": 0.0}, "load 0.0 N"), ({"contact": (0.0, 0.0)}, "at the CoM")],
 )
 def test_no_press_and_no_lever_are_refused(fields, words) -> None:
     with pytest.raises(ValueError, match=words):

@@ -48,7 +48,9 @@ def test_a_tip_no_rougher_than_the_support_is_told_so() -> None:
     [
         BAR,
         ObjectModel(Cylinder(0.1, 0.1), 1.0, (0.02, 0.01)),
-        ObjectModel(Prism(((0.1, 0.0), (-0.05, 0.09), (-0.05, -0.09)), 0.1), 1.0, (0.0, 0.0)),
+        ObjectModel(
+            Prism(((0.1, 0.0), (-0.05, 0.09), (-0.05, -0.09)), 0.1), 1.0, (0.0, 0.0)
+        ),
     ],
 )
 def test_places_on_top_are_inside_its_outline(body: ObjectModel) -> None:

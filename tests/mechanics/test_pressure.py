@@ -1,4 +1,6 @@
-"""Load, centre of pressure and rho of pressure distributions (docs/mechanics.md, 1.1 and 1.2)."""
+"""Load, centre of pressure and rho of pressure distributions (docs/mechanics.md, 1.1
+and 1.2).
+"""
 
 import math
 
@@ -23,7 +25,8 @@ from pushpressslide.mechanics.pressure import (
 )
 from pushpressslide.mechanics.rho import rho_fit, rho_pole, rho_straight
 
-L, W = 0.6, 0.2
+L = 0.6
+W = 0.2
 TRIANGLE = ((-0.1, -0.05), (0.2, -0.1), (0.0, 0.15))
 
 
@@ -36,7 +39,9 @@ TRIANGLE = ((-0.1, -0.05), (0.2, -0.1), (0.0, 0.15))
         (rectangle_pressure(0.6, 0.8), 0.5, 0.539, 0.346, 0.462),
     ],
 )
-def test_rho_of_uniform_patches_is_the_tabled_share_of_r0(patch, r0, pole, straight_x, straight_y):
+def test_rho_of_uniform_patches_is_the_tabled_share_of_r0(
+    patch, r0, pole, straight_x, straight_y
+):
     assert rho_pole(patch) / r0 == pytest.approx(pole, abs=6e-4)
     assert rho_straight(patch) / r0 == pytest.approx(straight_x, abs=6e-4)
     assert rho_straight(patch, (0.0, 2.0)) / r0 == pytest.approx(straight_y, abs=6e-4)
@@ -46,9 +51,14 @@ def test_rho_of_uniform_patches_is_the_tabled_share_of_r0(patch, r0, pole, strai
 @given(st.floats(0.05, 1.0), st.floats(0.05, 1.0))
 @settings(max_examples=25, deadline=None)
 def test_rho_of_a_rectangle_is_the_closed_form(length, width):
-    a, b = 0.5 * length, 0.5 * width
+    a = 0.5 * length
+    b = 0.5 * width
     d = math.hypot(a, b)
-    closed = (d + a * a / (2 * b) * math.log((b + d) / a) + b * b / (2 * a) * math.log((a + d) / b)) / 3
+    closed = (
+        d
+        + a * a / (2 * b) * math.log((b + d) / a)
+        + b * b / (2 * a) * math.log((a + d) / b)
+    ) / 3
     patch = rectangle_pressure(length, width)
     assert rho_pole(patch) == pytest.approx(closed, rel=1e-3)
     assert rho_straight(patch) == pytest.approx(length / math.sqrt(12), rel=1e-9)
@@ -76,9 +86,9 @@ def test_the_operating_point_of_the_paper_has_the_rho_of_the_notes():
     assert patch.points[:, 0].min() == pytest.approx(-0.16, abs=0.005)
     balanced = rho_straight(rectangle_pressure(L, W)) ** 2
     assert 1.0 - rho_straight(patch) ** 2 / balanced == pytest.approx(0.61, abs=5e-3)
-    assert 1.0 - rho_straight(rectangle_pressure(L, W, 1.0, (L / 6, 0.0))) ** 2 / balanced == pytest.approx(
-        1 / 3, abs=1e-6
-    )
+    assert 1.0 - rho_straight(
+        rectangle_pressure(L, W, 1.0, (L / 6, 0.0))
+    ) ** 2 / balanced == pytest.approx(1 / 3, abs=1e-6)
 
 
 @given(st.floats(0.02, 0.96), st.floats(0.02, 0.96))
@@ -87,7 +97,9 @@ def test_any_cop_inside_a_polygon_is_reached_by_pressure_that_only_pushes(s, t):
     assume(s + t < 0.98)
     a, b, c = (np.array(p) for p in TRIANGLE)
     cop = a + s * (b - a) + t * (c - a)
-    patch = polygon_pressure(TRIANGLE, 2.0, (float(cop[0]), float(cop[1])), resolution=6)
+    patch = polygon_pressure(
+        TRIANGLE, 2.0, (float(cop[0]), float(cop[1])), resolution=6
+    )
     assert patch.cop == pytest.approx(tuple(cop), abs=1e-8)
     assert patch.total_load == pytest.approx(2.0)
     assert (patch.loads >= 0.0).all()
@@ -95,7 +107,9 @@ def test_any_cop_inside_a_polygon_is_reached_by_pressure_that_only_pushes(s, t):
 
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_where_the_whole_base_is_pressed_the_closed_form_is_what_is_iterated_to(s, t):
-    base = tuple(Prism(((-0.1, -0.1), (0.2, -0.05), (0.1, 0.1), (-0.05, 0.12)), 0.1).footprint)
+    base = tuple(
+        Prism(((-0.1, -0.1), (0.2, -0.05), (0.1, 0.1), (-0.05, 0.12)), 0.1).footprint
+    )
     cop = (0.04 * s + 0.03, 0.03 * t)
     found = quadrature.whole_pressure(base, cop)
     a, b = quadrature.linear_pressure(quadrature.as_polygon(base), np.array(cop))
@@ -150,25 +164,41 @@ def test_a_shape_gives_its_pressure_about_the_centre_of_mass():
     mean = tuple(np.mean(TRIANGLE, axis=0))
     wedge = support_pressure(Prism(TRIANGLE, 0.1), 2.0, mean)
     assert wedge.cop == pytest.approx((0.0, 0.0), abs=1e-10)
-    assert wedge.loads / wedge.radii**2 == pytest.approx(np.full(len(wedge.loads), 24.0 / 0.0325), rel=1e-6)
+    assert wedge.loads / wedge.radii**2 == pytest.approx(
+        np.full(len(wedge.loads), 24.0 / 0.0325), rel=1e-6
+    )
 
 
 def test_presses_and_forces_at_a_height_move_the_centre_of_pressure():
     assert total_load(3.0, (8.0,)) == 11.0
-    n_o, n_a, lever = 2.943, 8.0, 0.2
+    n_o = 2.943
+    n_a = 8.0
+    lever = 0.2
     pressed = center_of_pressure(n_o, (0.0, 0.0), (n_a,), ((lever, 0.0),))
     assert pressed == pytest.approx((0.1462, 0.0), abs=5e-5)
-    pushed = center_of_pressure(n_o, (0.0, 0.0), (n_a,), ((lever, 0.0),), ((-3.0, 0.0),), (0.1,))
+    pushed = center_of_pressure(
+        n_o, (0.0, 0.0), (n_a,), ((lever, 0.0),), ((-3.0, 0.0),), (0.1,)
+    )
     assert pushed[0] - pressed[0] == pytest.approx(-0.3 / 10.943)
     tall = center_of_pressure(10.0, (0.0, 0.0), forces=((3.0, 0.0),), heights=(0.7,))
     assert tall == pytest.approx((0.21, 0.0))
 
 
-@given(st.floats(0.5, 10.0), st.floats(0.5, 10.0), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+@given(
+    st.floats(0.5, 10.0),
+    st.floats(0.5, 10.0),
+    st.floats(-0.3, 0.3),
+    st.floats(-0.3, 0.3),
+)
 def test_two_presses_put_the_centre_of_pressure_into_the_triangle(n_l, n_r, x, y):
-    p_l, p_r = (x, 0.2), (y, -0.2)
+    p_l = (x, 0.2)
+    p_r = (y, -0.2)
     cop = center_of_pressure(3.0, (0.0, 0.0), (n_l, n_r), (p_l, p_r))
-    shares = pin_pressure(((0.0, 0.0), p_l, p_r), cop, 3.0 + n_l + n_r) if abs(x + y) > 1e-3 else None
+    shares = (
+        pin_pressure(((0.0, 0.0), p_l, p_r), cop, 3.0 + n_l + n_r)
+        if abs(x + y) > 1e-3
+        else None
+    )
     if shares is not None:
         assert shares.loads == pytest.approx([3.0, n_l, n_r], rel=1e-6)
 

@@ -1,4 +1,6 @@
-"""The weight on a wall: along the plane, and by how much it moves the centre of pressure."""
+"""The weight on a wall: along the plane, and by how much it moves the centre of
+pressure.
+"""
 
 import math
 from dataclasses import replace
@@ -24,27 +26,41 @@ def test_the_weight_turns_backwards_in_the_body_as_it_turns() -> None:
 
 def test_on_a_table_there_is_none() -> None:
     table = load_task("bimanual-slide")
-    assert weights(table, TwistPath.between((Pose2(), Pose2(0.1, 0.0, 1.0)), 0.3)) == [(0.0, 0.0)]
+    assert weights(table, TwistPath.between((Pose2(), Pose2(0.1, 0.0, 1.0)), 0.3)) == [
+        (0.0, 0.0)
+    ]
     assert lever(table, 50.0) == 0.0 == lean_press(table)
     assert lean(table, 10.0) == (0.0, 0.0)
-    assert (table.weight_in_plane, table.weight_on_support) == ((0.0, 0.0), pytest.approx(WEIGHT))
+    assert (table.weight_in_plane, table.weight_on_support) == (
+        (0.0, 0.0),
+        pytest.approx(WEIGHT),
+    )
 
 
-def test_a_weight_that_the_tips_carry_at_the_top_moves_the_load_up_by_the_lever() -> None:
+def test_a_weight_that_the_tips_carry_at_the_top_moves_the_load_up_by_the_lever() -> (
+    None
+):
     load = 120.0
-    # tips push up with the weight at the top, the weight pulls down at the middle; nothing slides
+    # tips push up with the weight at the top, the weight pulls down at the middle;
+    # nothing slides
     x, y = center_of_pressure(
-        0.0, (0.0, 0.0), [0.5 * load] * 2, [(0.0, 0.25), (0.0, -0.25)], [(0.0, WEIGHT), (0.0, -WEIGHT)],
+        0.0,
+        (0.0, 0.0),
+        [0.5 * load] * 2,
+        [(0.0, 0.25), (0.0, -0.25)],
+        [(0.0, WEIGHT), (0.0, -WEIGHT)],
         [0.25, 0.125],
-    )  # fmt: skip
+    )
     assert (x, y) == pytest.approx((0.0, lever(TASK, load) * WEIGHT))
-    assert y == pytest.approx(0.0204, abs=1e-4)  # 20 mm at 120 N, as in docs/mechanics.md
+    # 20 mm at 120 N, as in docs/mechanics.md
+    assert y == pytest.approx(0.0204, abs=1e-4)
 
 
 def test_contacts_moved_by_the_lean_put_the_load_in_the_middle_at_the_goal() -> None:
     press = lean_press(TASK)
     x, y = lean(TASK, press)
-    assert (x, y) == pytest.approx((LEAN * 0.125, 0.0))  # body x: the side that is down in the end
+    # body x: the side that is down in the end
+    assert (x, y) == pytest.approx((LEAN * 0.125, 0.0))
     moved_by_weight = lever(TASK, 2.0 * press) * WEIGHT
     assert x == pytest.approx(moved_by_weight)
     heavier = replace(TASK, object=replace(TASK.object, mass=4.0), belief=None)

@@ -30,13 +30,17 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 @every_page
 def test_no_page_names_a_place_on_somebodys_machine(page: Path) -> None:
-    assert not re.search(r"(/home/|/work/|/Users/|/tmp/)", page.read_text(encoding="utf-8"))
+    assert not re.search(
+        r"(/home/|/work/|/Users/|/tmp/)", page.read_text(encoding="utf-8")
+    )
 
 
 def test_every_page_of_docs_is_linked_from_another() -> None:
     words = {p.name: p.read_text(encoding="utf-8") for p in PAGES}
     for page in DOCS:
-        assert any(f"{page.name})" in text for name, text in words.items() if name != page.name), page.name
+        assert any(
+            f"{page.name})" in text for name, text in words.items() if name != page.name
+        ), page.name
 
 
 def rows_of_the_paper_map():
@@ -69,14 +73,21 @@ def test_every_command_of_the_readme_exists_and_every_command_is_there() -> None
 
 @every_page
 def test_every_command_of_the_documents_exists(page: Path) -> None:
-    assert set(re.findall(r"(?:`|/|    )pps ([a-z]+)", page.read_text(encoding="utf-8"))) <= commands()
+    assert (
+        set(re.findall(r"(?:`|/|    )pps ([a-z]+)", page.read_text(encoding="utf-8")))
+        <= commands()
+    )
 
 
 def test_every_target_of_make_in_the_documents_exists() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:
-        for target in re.findall(r"(?:`|    )make ([a-z-]+)", page.read_text(encoding="utf-8")):
-            assert re.search(rf"^{target}:", makefile, re.MULTILINE), f"{page.name}: make {target}"
+        for target in re.findall(
+            r"(?:`|    )make ([a-z-]+)", page.read_text(encoding="utf-8")
+        ):
+            assert re.search(rf"^{target}:", makefile, re.MULTILINE), (
+                f"{page.name}: make {target}"
+            )
 
 
 def test_every_field_of_a_motion_is_documented() -> None:
@@ -88,7 +99,10 @@ def test_every_field_of_a_motion_is_documented() -> None:
 @every_page
 def test_every_field_of_a_motion_that_is_named_exists(page: Path) -> None:
     names = {field.name for field in fields(Motion)}
-    assert set(re.findall(r"`motion\.([a-z_]+)", page.read_text(encoding="utf-8"))) <= names
+    assert (
+        set(re.findall(r"`motion\.([a-z_]+)", page.read_text(encoding="utf-8")))
+        <= names
+    )
 
 
 def test_the_readmes_task_loads() -> None:
@@ -111,7 +125,9 @@ def test_the_mechanics_keep_their_section_numbers() -> None:
     assert re.findall(r"^## (\d+)\.", page, re.MULTILINE) == [str(i) for i in range(13)]
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "src").rglob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "src").rglob("*.py")), ids=lambda p: p.stem
+)
 def test_documents_that_the_code_cites_exist(path: Path) -> None:
     for name in re.findall(r"docs/([a-z-]+\.md)", path.read_text(encoding="utf-8")):
         assert (ROOT / "docs" / name).exists()

@@ -1,4 +1,6 @@
-"""Two arms press on top and slide the object any way: loads, centre of pressure, runs on both engines."""
+"""Two arms press on top and slide the object any way: loads, centre of pressure, runs
+on both engines.
+"""
 
 import math
 from dataclasses import replace
@@ -23,19 +25,29 @@ GRAVITY = 9.81
 SIDES = ((0.0, 0.12), (0.0, -0.12))
 
 
-def slide(goal: Pose2 | None = None, contacts=None, cap: float = 60.0, **motion) -> Task:
+def slide(
+    goal: Pose2 | None = None, contacts=None, cap: float = 60.0, **motion
+) -> Task:
     """The shipped task from a start in the middle, to another goal."""
     task = pps.load_task("bimanual-slide")
     start = Pose2(0.55, 0.0, 0.0)
     goal = goal or Pose2(0.60, 0.1, 0.5)
     motion = replace(task.motion, contacts=contacts, **motion)
-    return replace(task, start=start, goal=goal, motion=motion, limits=replace(task.limits, normal_force=cap))
+    return replace(
+        task,
+        start=start,
+        goal=goal,
+        motion=motion,
+        limits=replace(task.limits, normal_force=cap),
+    )
 
 
 def turned(point: tuple[float, float], degrees: float) -> Pose2:
     """The goal of ``slide`` that is turned about a point of B."""
-    start, yaw = Pose2(0.55, 0.0, 0.0), math.radians(degrees)
-    (cx, cy), (x, y) = start.apply(point), Pose2(0.0, 0.0, yaw).rotate(point)
+    start = Pose2(0.55, 0.0, 0.0)
+    yaw = math.radians(degrees)
+    cx, cy = start.apply(point)
+    x, y = Pose2(0.0, 0.0, yaw).rotate(point)
     return Pose2(cx - x, cy - y, yaw)
 
 
@@ -75,7 +87,9 @@ def test_any_goal_is_reached_along_the_planned_path(goal: Pose2) -> None:
 
 
 @pytest.mark.parametrize("cop", ["left", "right", 0.42, 0.6])
-def test_the_centre_of_pressure_goes_where_the_strategy_wants_it_and_the_goal_is_reached(cop) -> None:
+def test_the_centre_of_pressure_goes_where_the_strategy_wants_it_and_the_goal_is_reached(
+    cop,
+) -> None:
     task = slide(turned((0.0, 0.05), 40.0), SIDES)
     choice = best(task, cop)
     fraction = choice.parameters["cop_fraction"]
@@ -92,7 +106,9 @@ def test_the_centre_of_pressure_goes_where_the_strategy_wants_it_and_the_goal_is
     assert measured["path_max_error"] < 1e-4
 
 
-def test_a_pivot_is_tracked_at_the_centre_of_pressure_and_any_other_motion_at_the_com() -> None:
+def test_a_pivot_is_tracked_at_the_centre_of_pressure_and_any_other_motion_at_the_com() -> (
+    None
+):
     pivot = best(slide(turned((0.0, 0.05), 40.0), SIDES), "left")
     p = pivot.parameters
     assert 0.02 < p["track_y"] < 0.12
@@ -113,7 +129,10 @@ def test_balanced_loads_hold_the_object_in_every_twist() -> None:
         wrench = surface.wrench(Twist(*rng.normal(size=2), rng.normal() / 0.1))
         allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
         assert allocation.status == "ok"
-        assert allocation.margin > (1.0 - USE[-1]) * task.contact_friction * choice.contacts[0].load
+        assert (
+            allocation.margin
+            > (1.0 - USE[-1]) * task.contact_friction * choice.contacts[0].load
+        )
 
 
 def test_the_two_forces_do_not_work_against_each_other() -> None:
@@ -125,9 +144,14 @@ def test_the_two_forces_do_not_work_against_each_other() -> None:
         assert first[1] * second[1] >= -1e-12
 
 
-def test_a_tall_object_is_led_as_well_since_the_drag_at_its_top_is_reckoned_with() -> None:
+def test_a_tall_object_is_led_as_well_since_the_drag_at_its_top_is_reckoned_with() -> (
+    None
+):
     """Two presses 0.3 m above the table move the centre of pressure by 0.09 m."""
-    task = replace(slide(turned((0.0, 0.1), 35.0)), object=ObjectModel(Box((0.4, 0.4, 0.3)), 2.0, (0.0, 0.0)))
+    task = replace(
+        slide(turned((0.0, 0.1), 35.0)),
+        object=ObjectModel(Box((0.4, 0.4, 0.3)), 2.0, (0.0, 0.0)),
+    )
     measured = run(pps.plan(task, best(task)))
     assert measured["success"]
     assert measured["path_max_error"] < 2e-4
@@ -139,7 +163,9 @@ def test_the_arms_do_not_cross() -> None:
         for choice in MODE.choices(task):
             if choice.feasible:
                 ends = [X.compose(task.object.X_GB) for X in (task.start, task.goal)]
-                left, right = ([X.apply(c.point)[1] for X in ends] for c in choice.contacts)
+                left, right = (
+                    [X.apply(c.point)[1] for X in ends] for c in choice.contacts
+                )
                 assert max(left) > min(right)
                 assert [c.arm for c in choice.contacts] == [0, 1]
 
@@ -150,11 +176,15 @@ def refusal(task: Task, cop=None) -> str:
     return choices[0].reason
 
 
-def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that_is_possible() -> None:
+def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that_is_possible() -> (
+    None
+):
     task = slide(turned((0.0, 0.12), 40.0), SIDES)
     for cop in (0.0, 0.05, 0.95, 1.0):
         why = refusal(task, cop)
-        low, high = (float(word) for word in why.rsplit("allowed from ", 1)[1].split(" to "))
+        low, high = (
+            float(word) for word in why.rsplit("allowed from ", 1)[1].split(" to ")
+        )
         assert 0.0 < low < 0.5 < high < 1.0
         assert not low <= cop <= high
     assert best(task, round(low + 0.02, 2)).feasible
@@ -180,12 +210,16 @@ def test_too_little_friction_or_force_is_refused_with_the_number_that_decides() 
     smooth = replace(task, belief=replace(task.believed, contact_friction=0.25))
     assert "contact friction 0.25 must exceed the support's, 0.3" in refusal(smooth)
     assert "limits.normal_force is 6 N" in refusal(slide(contacts=SIDES, cap=6.0))
-    assert "motion.press_force of 70 N, limits.normal_force is 60 N" in refusal(replace_press(task, 70.0))
+    assert "motion.press_force of 70 N, limits.normal_force is 60 N" in refusal(
+        replace_press(task, 70.0)
+    )
     why = refusal(replace_press(task, 5.0))
     assert "pressed with 5.0 and 5.0 N the tips slip" in why
 
 
-def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_slip() -> None:
+def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_slip() -> (
+    None
+):
     task = slide(Pose2(0.55, 0.2, 0.0), SIDES)
     held = replace_press(task, 7.5)
     why = refusal(replace_press(task, 6.2))
@@ -201,13 +235,19 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
 
 def test_wrong_contacts_are_refused_with_the_distance() -> None:
     near = ((0.0, 0.04), (0.0, -0.04))
-    assert f"80 mm apart, allowed from {APART * 1e3:.0f} mm" in refusal(slide(contacts=near))
+    assert f"80 mm apart, allowed from {APART * 1e3:.0f} mm" in refusal(
+        slide(contacts=near)
+    )
     assert "12 mm inside" in refusal(slide(contacts=((0.0, 0.145), (0.0, -0.1))))
-    small = replace(slide(), object=ObjectModel(Box((0.08, 0.08, 0.1)), 1.0, (0.0, 0.0)))
+    small = replace(
+        slide(), object=ObjectModel(Box((0.08, 0.08, 0.1)), 1.0, (0.0, 0.0))
+    )
     assert "no two places 100 mm apart" in refusal(small)
 
 
-def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> None:
+def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> (
+    None
+):
     task = random_two_arm_task(pps.load_task("bimanual-slide"), 12, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
@@ -222,13 +262,16 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
 def test_an_object_that_would_tip_is_refused() -> None:
     tall = replace(slide(), object=ObjectModel(Box((0.4, 0.2, 0.5)), 2.0, (0.0, 0.0)))
     task = replace(tall, goal=Pose2(0.55, 0.2, 0.0))
-    assert "it would tip" in refusal(replace(task, belief=replace(task.believed, support_friction=0.4)))
+    assert "it would tip" in refusal(
+        replace(task, belief=replace(task.believed, support_friction=0.4))
+    )
 
 
 def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() -> None:
     task = slide(contacts=SIDES)
     made = pps.plan(task, best(task))
-    X_WB, touched = Pose2(0.56, 0.01, 0.05), ((0.003, 0.118), (-0.002, -0.123))
+    X_WB = Pose2(0.56, 0.01, 0.05)
+    touched = ((0.003, 0.118), (-0.002, -0.123))
     fresh = MODE.replan(made, X_WB, touched, 1.0)
     assert fresh is not None
     assert tuple(c.point for c in fresh.choice.contacts) == touched

@@ -1,4 +1,6 @@
-"""Two arms on two faces (docs/mechanics.md, section 6): what they can do, how, and what they refuse."""
+"""Two arms on two faces (docs/mechanics.md, section 6): what they can do, how, and what
+they refuse.
+"""
 
 import math
 import re
@@ -25,7 +27,8 @@ MODE = MODES["orthogonal_push"]
 assert isinstance(MODE, OrthogonalPush)
 SHIPPED = load_task("orthogonal-push")
 HANDS = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.5, -0.5))
-D, MU = 0.2, 0.6
+D = 0.2
+MU = 0.6
 SYMMETRIC = (
     Contact(0, "side", (0.0, D), (0.0, -1.0), 0.09),
     Contact(1, "side", (-D, 0.0), (1.0, 0.0), 0.09),
@@ -41,10 +44,16 @@ def to(x: float, y: float, yaw_deg: float, **more) -> Task:
 def on_rear_and_left(choices: list[Choice]) -> list[Choice]:
     """Return the choices that push the faces -x and +y."""
     wanted = {(1.0, 0.0), (0.0, -1.0)}
-    return [c for c in choices if {tuple(round(v) for v in k.normal) for k in c.contacts} == wanted]
+    return [
+        c
+        for c in choices
+        if {tuple(round(v) for v in k.normal) for k in c.contacts} == wanted
+    ]
 
 
-def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_face() -> None:
+def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_face() -> (
+    None
+):
     choice = select(SHIPPED)[0]
     assert choice.feasible, choice.reason
     assert choice.parameters["radius"] == pytest.approx(math.hypot(0.2, 0.2))
@@ -54,14 +63,21 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
     assert choice.contacts[1].normal == pytest.approx((1.0, 0.0))
 
 
-@pytest.mark.parametrize("goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.35, -0.1, -10.0)])
+@pytest.mark.parametrize(
+    "goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.35, -0.1, -10.0)]
+)
 def test_every_wrench_of_a_plan_is_given_with_both_contacts_pushing(goal) -> None:
     for choice in (c for c in MODE.choices(to(*goal)) if c.feasible):
-        made, p = plan(to(*goal), choice), choice.parameters
-        allocate = MODE.allocator(choice.contacts, MU, p["rho"], (p["cop_x"], p["cop_y"]))
+        made = plan(to(*goal), choice)
+        p = choice.parameters
+        allocate = MODE.allocator(
+            choice.contacts, MU, p["rho"], (p["cop_x"], p["cop_y"])
+        )
         for i in range(20):
             s = made.path.length * i / 19
-            guidance = MODE.tracker(made).step(made.path, made.path.pose(s), s, 0.05, 1.0)
+            guidance = MODE.tracker(made).step(
+                made.path, made.path.pose(s), s, 0.05, 1.0
+            )
             allocation = allocate(*guidance.wrench[:3])
             assert allocation.status == "ok"
             for contact, force in zip(choice.contacts, allocation.forces, strict=True):
@@ -74,7 +90,10 @@ def test_back_it_is_refused_with_the_wrench_and_the_angle_that_decide() -> None:
     assert refusals
     for choice in refusals:
         assert not choice.feasible
-        found = re.search(r"takes \((.*), (.*)\) N and (.*) N m, (\d+) deg outside the cone", choice.reason)
+        found = re.search(
+            r"takes \((.*), (.*)\) N and (.*) N m, (\d+) deg outside the cone",
+            choice.reason,
+        )
         assert found is not None, choice.reason
         fx, fy, tau = (float(found.group(i)) for i in (1, 2, 3))
         assert fx < -3.0 < 3.0 < fy
@@ -90,13 +109,20 @@ def test_what_is_refused_no_placement_on_those_faces_can_give() -> None:
         assert found is not None
         wrench = [float(found.group(i)) for i in (1, 2, 3)]
         for a, b in product((-0.18, -0.06, 0.0, 0.06, 0.18), repeat=2):
-            contacts = (replace(SYMMETRIC[0], point=(a, D)), replace(SYMMETRIC[1], point=(-D, b)))
+            contacts = (
+                replace(SYMMETRIC[0], point=(a, D)),
+                replace(SYMMETRIC[1], point=(-D, b)),
+            )
             assert MODE.allocator(contacts, MU)(*wrench).status != "ok"
 
 
 def test_a_goal_beside_the_cone_takes_several_twists() -> None:
     """0.3 m ahead and 0.2 m to the left, of which the two faces push away."""
-    paths = [c.path for c in on_rear_and_left(MODE.choices(to(0.3, 0.2, 0.0))) if c.path is not None]
+    paths = [
+        c.path
+        for c in on_rear_and_left(MODE.choices(to(0.3, 0.2, 0.0)))
+        if c.path is not None
+    ]
     assert paths
     assert all(isinstance(path, TwistPath) and len(path.pieces) > 1 for path in paths)
 
@@ -108,7 +134,9 @@ def test_a_friction_above_one_does_not_make_it_push_backwards() -> None:
 
 def test_what_stands_against_it_is_told_with_the_number() -> None:
     cylinder = ObjectModel(Cylinder(0.2, 0.2), 2.0, (0.0, 0.0))
-    assert "no flat faces" in MODE.choices(to(0.3, -0.3, 0.0, object=cylinder))[0].reason
+    assert (
+        "no flat faces" in MODE.choices(to(0.3, -0.3, 0.0, object=cylinder))[0].reason
+    )
     weak = replace(SHIPPED.limits, normal_force=4.0)
     refusal = MODE.choices(to(0.3, -0.3, 0.0, limits=weak))[0]
     assert "needs 5.9 N, limits.normal_force is 4 N" in refusal.reason
@@ -130,7 +158,9 @@ def test_outside_the_cone_the_three_projections_keep_what_they_say() -> None:
     assert sizes["nearest"] <= min(sizes.values()) + 1e-9
 
 
-@pytest.mark.parametrize("goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.3, -0.03, 45.0)])
+@pytest.mark.parametrize(
+    "goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.3, -0.03, 45.0)]
+)
 def test_the_planar_engine_ends_where_the_plan_does(goal) -> None:
     task = to(*goal)
     made = plan(task, next(c for c in MODE.choices(task) if c.feasible))
@@ -159,5 +189,7 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal() -> N
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = fresh.object_pose(s)
         assert math.dist(pose.position, wanted.position) < 1e-9
-        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
+            0.0, abs=1e-9
+        )
     assert MODE.replan(made, X_WB, touched, 0.5 * made.path.length) is None

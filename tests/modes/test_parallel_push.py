@@ -1,4 +1,6 @@
-"""Two arms side by side (docs/mechanics.md, section 5): what they can do, how, and what they refuse."""
+"""Two arms side by side (docs/mechanics.md, section 5): what they can do, how, and what
+they refuse.
+"""
 
 import math
 from dataclasses import replace
@@ -20,14 +22,23 @@ from pushpressslide.report.metrics import result
 MODE = MODES["parallel_push"]
 SHIPPED = load_task(
     "parallel-push",
-    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+    [
+        "object.shape.box=[0.4, 0.4, 0.2]",
+        "start.x=0.40",
+        "start.y=0.08",
+        "goal.x=0.86",
+        "goal.y=0.10",
+    ],
 )
 HANDS = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.5, -0.5))
-REAR, D = 3, 0.2
+REAR = 3
+D = 0.2
 
 
 def to(x: float, y: float, yaw_deg: float, drive: str | None = None, **more) -> Task:
-    """Return the shipped task for free tips, pushed on its rear face to a goal seen from the start."""
+    """Return the shipped task for free tips, pushed on its rear face to a goal seen
+    from the start.
+    """
     goal = SHIPPED.start.compose(Pose2(x, y, math.radians(yaw_deg)))
     motion = replace(SHIPPED.motion, face=REAR, vehicle=drive)
     return replace(SHIPPED, robots=HANDS, goal=goal, motion=motion, **more)
@@ -40,8 +51,11 @@ def best(task: Task) -> Choice:
 
 
 def allocations(made: Plan, count: int = 40):
-    """Yield what the tracker wants along the path of a plan, and the forces that give it."""
-    tracker, p = MODE.tracker(made), made.choice.parameters
+    """Yield what the tracker wants along the path of a plan, and the forces that give
+    it.
+    """
+    tracker = MODE.tracker(made)
+    p = made.choice.parameters
     cop = (p.get("cop_x", 0.0), p.get("cop_y", 0.0))
     friction = made.task.believed.contact_friction
     allocate = MODE.allocator(made.choice.contacts, friction, p["rho"], cop)
@@ -61,7 +75,9 @@ def test_the_shipped_task_is_done_with_each_arm_on_its_own_side() -> None:
 
 
 def test_the_differential_car_takes_no_friction_at_all() -> None:
-    for _, allocation in allocations(plan(to(0.46, 0.05, 10.0), best(to(0.46, 0.05, 10.0, "differential")))):
+    for _, allocation in allocations(
+        plan(to(0.46, 0.05, 10.0), best(to(0.46, 0.05, 10.0, "differential")))
+    ):
         assert allocation.status == "ok"
         for force, normal in zip(allocation.forces, allocation.normals, strict=True):
             assert force == pytest.approx((normal, 0.0), abs=1e-9)
@@ -86,7 +102,8 @@ def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> No
     assert "mixed" in choice.reason
     for _, allocation in allocations(plan(to(*aside), choice)):
         assert allocation.status == "ok"
-        assert allocation.forces[0][1] + allocation.forces[1][1] > 0.3  # friction carries it to the left
+        # friction carries it to the left
+        assert allocation.forces[0][1] + allocation.forces[1][1] > 0.3
         for contact, force in zip(choice.contacts, allocation.forces, strict=True):
             assert cone_margin(force, contact.normal, 0.6) > 0.0
 
@@ -117,7 +134,10 @@ def test_what_stands_against_it_is_told_with_the_number() -> None:
     weak = replace(SHIPPED.limits, normal_force=4.0)
     assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak))[0].reason
     beside = ObjectModel(Box((0.4, 0.4, 0.2)), 2.0, (0.0, 0.19))
-    assert "contacts 30 mm apart" in MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0].reason
+    assert (
+        "contacts 30 mm apart"
+        in MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0].reason
+    )
 
 
 @pytest.mark.parametrize("drive", ["differential", "synchronised", "mixed"])
@@ -133,7 +153,9 @@ def test_the_planar_engine_ends_where_the_plan_does(drive: str, goal) -> None:
 
 
 @pytest.mark.parametrize("drive", ["differential", "mixed"])
-def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(drive: str) -> None:
+def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
+    drive: str,
+) -> None:
     task = to(0.46, 0.05, 10.0, drive)
     made = plan(task, best(task))
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
@@ -144,5 +166,7 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(drive:
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
         pose = fresh.object_pose(s)
         assert math.dist(pose.position, wanted.position) < 1e-9
-        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+        assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
+            0.0, abs=1e-9
+        )
     assert MODE.replan(made, X_WB, touched, 0.5 * made.path.length) is None

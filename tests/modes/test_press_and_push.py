@@ -1,4 +1,6 @@
-"""One arm pins a point of the top, the other turns the object about it: loads, refusals, runs."""
+"""One arm pins a point of the top, the other turns the object about it: loads,
+refusals, runs.
+"""
 
 import math
 from dataclasses import replace
@@ -10,7 +12,15 @@ import pushpressslide as pps
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Belief, Box, Motion, ObjectModel, Robot, Task, Tolerance
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    Motion,
+    ObjectModel,
+    Robot,
+    Task,
+    Tolerance,
+)
 from pushpressslide.experiments.sampling import varied_task
 from pushpressslide.modes.press_and_push import EDGE, MODE, USE
 from pushpressslide.planar.engine import run as run_planar
@@ -31,7 +41,8 @@ def far_push(monkeypatch: pytest.MonkeyPatch) -> None:
 def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
     """The goal that is turned about a point of B."""
     yaw = math.radians(degrees)
-    (cx, cy), (x, y) = start.apply(point), Pose2(0.0, 0.0, start.yaw + yaw).rotate(point)
+    cx, cy = start.apply(point)
+    x, y = Pose2(0.0, 0.0, start.yaw + yaw).rotate(point)
     return Pose2(cx - x, cy - y, start.yaw + yaw)
 
 
@@ -39,24 +50,40 @@ def pivot(point: Point = CORNER, degrees: float = 45.0, **changes) -> Task:
     """A 2 kg box in front of two arms, to be turned about ``point``."""
     start = Pose2(0.5, 0.0, 0.0)
     task = Task(
-        "pivot", ObjectModel(Box((0.4, 0.3, 0.1)), 2.0, (0.0, 0.0)), start, turned(start, point, degrees),
+        "pivot",
+        ObjectModel(Box((0.4, 0.3, 0.1)), 2.0, (0.0, 0.0)),
+        start,
+        turned(start, point, degrees),
         tuple(Robot("iiwa7", (0.0, y, 0.2)) for y in (0.4, -0.4)),
-        contact_friction=0.8, tolerance=Tolerance(0.005, math.radians(1.0)), belief=Belief(0.3, 0.8, 2.0),
-    )  # fmt: skip
+        contact_friction=0.8,
+        tolerance=Tolerance(0.005, math.radians(1.0)),
+        belief=Belief(0.3, 0.8, 2.0),
+    )
     return replace(task, **changes)
 
 
 def big_box(mass: float, press: float | None, support: float, contact: float) -> Task:
-    """The 0.6 x 0.8 x 0.7 m box of the paper's third experiment, turned by 90 degrees by two free tips."""
-    start, press_at = Pose2(0.38, -0.26, 0.0), (-0.11, 0.205)
-    task = pivot(start=start, goal=turned(start, press_at, 90.0), contact_friction=contact)
+    """The 0.6 x 0.8 x 0.7 m box of the paper's third experiment, turned by 90 degrees
+    by two free tips.
+    """
+    start = Pose2(0.38, -0.26, 0.0)
+    press_at = (-0.11, 0.205)
+    task = pivot(
+        start=start, goal=turned(start, press_at, 90.0), contact_friction=contact
+    )
     return replace(
-        task, object=ObjectModel(Box((0.6, 0.8, 0.7)), mass, (0.0, 0.0)),
-        robots=tuple(Robot("hand", (0.0, y, 0.3), tip_radius=0.03) for y in (0.75, -0.75)),
-        support=replace(task.support, friction=support), belief=Belief(support, contact, mass),
+        task,
+        object=ObjectModel(Box((0.6, 0.8, 0.7)), mass, (0.0, 0.0)),
+        robots=tuple(
+            Robot("hand", (0.0, y, 0.3), tip_radius=0.03) for y in (0.75, -0.75)
+        ),
+        support=replace(task.support, friction=support),
+        belief=Belief(support, contact, mass),
         limits=replace(task.limits, normal_force=100.0),
-        motion=Motion(contacts=(press_at,), face=3, contact_height=0.2, press_force=press),
-    )  # fmt: skip
+        motion=Motion(
+            contacts=(press_at,), face=3, contact_height=0.2, press_force=press
+        ),
+    )
 
 
 def best(task: Task) -> Choice:
@@ -73,8 +100,12 @@ def refusal(task: Task) -> str:
 
 def strayed(made: Plan, record: Record) -> float:
     """How far the pressed point was from its place at most [m]."""
-    point, X_GB = made.choice.contacts[0].point, made.task.object.X_GB
-    poses = [Pose2(*pose).compose(X_GB).apply(point) for pose in record.arrays["object_pose"][::20]]
+    point = made.choice.contacts[0].point
+    X_GB = made.task.object.X_GB
+    poses = [
+        Pose2(*pose).compose(X_GB).apply(point)
+        for pose in record.arrays["object_pose"][::20]
+    ]
     return max(math.dist(pose, poses[0]) for pose in poses)
 
 
@@ -91,7 +122,9 @@ def test_the_object_turns_about_the_pressed_point(point: Point, degrees: float) 
 
 
 @pytest.mark.parametrize("degrees", [50.0, -50.0])
-def test_every_push_has_a_lever_to_the_right_side_the_longest_first(degrees: float) -> None:
+def test_every_push_has_a_lever_to_the_right_side_the_longest_first(
+    degrees: float,
+) -> None:
     choices = MODE.choices(pivot(degrees=degrees, robots=HANDS))
     levers = []
     for choice in choices:
@@ -102,7 +135,9 @@ def test_every_push_has_a_lever_to_the_right_side_the_longest_first(degrees: flo
         arm = (push.point[0] - press.point[0], push.point[1] - press.point[1])
         levers.append(math.copysign(1.0, degrees) * cross(arm, push.normal))
     assert min(levers) > 0.0
-    feasible = [lever for lever, choice in zip(levers, choices, strict=True) if choice.feasible]
+    feasible = [
+        lever for lever, choice in zip(levers, choices, strict=True) if choice.feasible
+    ]
     assert feasible == sorted(feasible, reverse=True)
 
 
@@ -114,7 +149,13 @@ def test_the_press_is_the_least_that_is_safe() -> None:
 
 
 @pytest.mark.parametrize(
-    "case", [(5.0, 60.0, 0.3, 0.7), (10.0, 80.0, 0.3, 0.7), (5.0, 60.0, 0.4, 0.8), (5.0, None, 0.3, 0.7)]
+    "case",
+    [
+        (5.0, 60.0, 0.3, 0.7),
+        (10.0, 80.0, 0.3, 0.7),
+        (5.0, 60.0, 0.4, 0.8),
+        (5.0, None, 0.3, 0.7),
+    ],
 )
 def test_the_forces_that_a_large_box_takes_are_foreseen(case, far_push) -> None:
     made = pps.plan(replace(big_box(*case), modes=("press_and_push",)))
@@ -127,17 +168,25 @@ def test_the_forces_that_a_large_box_takes_are_foreseen(case, far_push) -> None:
     shear = float(np.median(np.linalg.norm(tangents[moving, 0], axis=1)))
     held = made.task.contact_friction * float(np.median(normals[moving, 0]))
     assert shear / held == pytest.approx(figures["friction_use"], rel=0.05)
-    assert float(np.median(normals[moving, 1])) == pytest.approx(figures["side_force"], rel=0.03)
+    assert float(np.median(normals[moving, 1])) == pytest.approx(
+        figures["side_force"], rel=0.03
+    )
 
 
-def test_a_goal_that_is_not_turned_about_a_point_of_the_top_is_refused_with_the_distance() -> None:
+def test_a_goal_that_is_not_turned_about_a_point_of_the_top_is_refused_with_the_distance() -> (
+    None
+):
     start = Pose2(0.5, 0.0, 0.0)
-    assert "turned by 0.0 deg, allowed from 3 deg" in refusal(pivot(goal=Pose2(0.5, 0.2, 0.0)))
+    assert "turned by 0.0 deg, allowed from 3 deg" in refusal(
+        pivot(goal=Pose2(0.5, 0.2, 0.0))
+    )
     why = refusal(pivot(goal=turned(start, (-0.25, 0.0), 40.0)))
     assert "-50 mm inside the top, allowed from 12 mm" in why
     edge = 0.5 * 0.4 - EDGE
     assert best(pivot(goal=turned(start, (-edge + 0.001, 0.0), 40.0))).feasible
-    assert "11 mm inside the top" in refusal(pivot(goal=turned(start, (-edge - 0.001, 0.0), 40.0)))
+    assert "11 mm inside the top" in refusal(
+        pivot(goal=turned(start, (-edge - 0.001, 0.0), 40.0))
+    )
 
 
 def test_a_given_point_that_would_have_to_move_is_refused_with_how_far() -> None:
@@ -188,7 +237,9 @@ def test_a_push_cannot_turn_the_object_back() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("index", [None, 1])
-def test_two_arms_turn_a_box_about_a_point_near_its_corner_on_drake(index: int | None) -> None:
+def test_two_arms_turn_a_box_about_a_point_near_its_corner_on_drake(
+    index: int | None,
+) -> None:
     from pushpressslide.sim.engine import run as run_drake
 
     task = pivot() if index is None else varied_task(pivot(), index, seed=3)
@@ -203,7 +254,9 @@ def test_two_arms_turn_a_box_about_a_point_near_its_corner_on_drake(index: int |
 
 
 @pytest.mark.long
-def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(far_push) -> None:
+def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(
+    far_push,
+) -> None:
     from pushpressslide.sim.engine import run as run_drake
     from pushpressslide.sim.joint_path import joint_path
 
@@ -215,8 +268,11 @@ def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(fa
     assert measured["final_yaw_error"] < math.radians(0.5)
     assert strayed(made, record) < 2e-3
     normals, tangents = series.contact_forces(made, record)
-    moving, figures = series.in_phase(record, "move"), made.choice.parameters
+    moving = series.in_phase(record, "move")
+    figures = made.choice.parameters
     shear = np.linalg.norm(tangents[moving, 0], axis=1)
     use = float(np.median(shear / (0.7 * normals[moving, 0])))
     assert use == pytest.approx(figures["friction_use"], rel=0.1)
-    assert float(np.median(normals[moving, 1])) == pytest.approx(figures["side_force"], rel=0.1)
+    assert float(np.median(normals[moving, 1])) == pytest.approx(
+        figures["side_force"], rel=0.1
+    )

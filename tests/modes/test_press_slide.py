@@ -29,7 +29,9 @@ def bar(most: float) -> Task:
     )
 
 
-def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed() -> None:
+def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed() -> (
+    None
+):
     load = least_load(0.5 * GRAVITY, 0.3, 0.9, MOST_USE)
     choices = MODE.choices(bar(1.0001 * max(load, 2.0)))
     assert choices[0].feasible
@@ -37,9 +39,14 @@ def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed(
 
 
 def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
-    """The drag at the top of this box moves the axle beyond a pulling contact; no manoeuvre leads there."""
+    """The drag at the top of this box moves the axle beyond a pulling contact; no
+    manoeuvre leads there.
+    """
     task = random_task(BASE, 1, seed=2)
     best = MODE.choices(task)[0]
     assert best.feasible
     assert "manoeuvre" not in best.reason
-    assert steering_of(press_of(task, best.contacts[0]), best.parameters["backward"] > 0.0) == 0.0
+    assert (
+        steering_of(press_of(task, best.contacts[0]), best.parameters["backward"] > 0.0)
+        == 0.0
+    )

@@ -1,4 +1,6 @@
-"""Two arms press an object on a wall: choices, refusals, and the whole press-fit on the planar engine."""
+"""Two arms press an object on a wall: choices, refusals, and the whole press-fit on the
+planar engine.
+"""
 
 import math
 from dataclasses import replace
@@ -26,54 +28,83 @@ def turn(*overrides: str, contacts=None) -> Task:
     return replace(part, motion=replace(part.motion, contacts=contacts))
 
 
-def test_contacts_are_moved_to_the_side_that_is_down_in_the_end_and_pressed_alike() -> None:
+def test_contacts_are_moved_to_the_side_that_is_down_in_the_end_and_pressed_alike() -> (
+    None
+):
     task = turn()
     choice = next(c for c in MODE.choices(task) if c.feasible)
     first, second = choice.contacts
     assert first.load == second.load == pytest.approx(65.4, abs=0.1)
     middle = [0.5 * (a + b) for a, b in zip(first.point, second.point, strict=True)]
-    assert task.goal.rotate((middle[0], middle[1])) == pytest.approx((0.0, -0.15 * 0.125))
+    assert task.goal.rotate((middle[0], middle[1])) == pytest.approx(
+        (0.0, -0.15 * 0.125)
+    )
 
 
-def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight() -> None:
+def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight() -> (
+    None
+):
     task = turn()
     choice = next(c for c in MODE.choices(task) if c.feasible)
     tracker = MODE.tracker(pps.plan(task, choice))
     allocate = MODE.allocator(
-        choice.contacts, 0.8, None, (choice.parameters["cop_x"], choice.parameters["cop_y"])
+        choice.contacts,
+        0.8,
+        None,
+        (choice.parameters["cop_x"], choice.parameters["cop_y"]),
     )
     wrench = tracker.step(choice.path, task.goal, choice.path.length, 1e-9, 1.0).wrench
     forces = allocate(wrench.fx, wrench.fy, wrench.tau).forces
-    loads, points = [c.load for c in choice.contacts], [c.point for c in choice.contacts]
+    loads = [c.load for c in choice.contacts]
+    points = [c.point for c in choice.contacts]
     weight = task.goal.unrotate(task.weight_in_plane)
-    sliding = np.sum(forces, axis=0) + weight  # what the wall's friction takes, and where it puts the load
-    cop = np.array(center_of_pressure(0.0, (0.0, 0.0), loads, points, [*forces, weight], [0.25, 0.25, 0.125]))
+    # what the wall's friction takes, and where it puts the load
+    sliding = np.sum(forces, axis=0) + weight
+    cop = np.array(
+        center_of_pressure(
+            0.0, (0.0, 0.0), loads, points, [*forces, weight], [0.25, 0.25, 0.125]
+        )
+    )
     assert cop - 0.25 * sliding / sum(loads) == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
 @pytest.mark.parametrize(
     ("overrides", "says"),
     [
-        (["contact.friction=0.21", "support.friction=0.2"], "must exceed the wall's, 0.20"),
+        (
+            ["contact.friction=0.21", "support.friction=0.2"],
+            "must exceed the wall's, 0.20",
+        ),
         (["limits.normal_force=5"], "to hold 19.6 N on the wall"),
         (["limits.normal_force=40"], "65.4 N of each arm; limits.normal_force is 40 N"),
         (["support.friction=0.7", "contact.friction=1.5"], "tip"),
     ],
 )
-def test_what_would_fall_or_tip_is_refused_before_anything_moves(overrides, says) -> None:
+def test_what_would_fall_or_tip_is_refused_before_anything_moves(
+    overrides, says
+) -> None:
     with pytest.raises(InfeasibleTaskError, match=says):
         pps.plan(pps.load_task("press-fit", overrides))
 
 
 def test_other_modes_say_that_they_cannot_hold_it() -> None:
-    task = replace(turn(), modes=tuple(name for name, mode in MODES.items() if mode.arms == 2))
+    task = replace(
+        turn(), modes=tuple(name for name, mode in MODES.items() if mode.arms == 2)
+    )
     refused = {c.mode: c.reason for c in select(task) if not MODES[c.mode].walls}
     assert set(refused) == {"parallel_push", "orthogonal_push", "press_and_push"}
-    assert all(reason.startswith("cannot hold an object on a wall") for reason in refused.values())
+    assert all(
+        reason.startswith("cannot hold an object on a wall")
+        for reason in refused.values()
+    )
 
 
-@pytest.mark.parametrize("overrides", [[], ["support.opening.size=[0.82, 0.27]", "goal.y=-0.01"]])
-def test_the_press_fit_is_lifted_slid_and_turned_on_the_planar_engine(overrides) -> None:
+@pytest.mark.parametrize(
+    "overrides", [[], ["support.opening.size=[0.82, 0.27]", "goal.y=-0.01"]]
+)
+def test_the_press_fit_is_lifted_slid_and_turned_on_the_planar_engine(
+    overrides,
+) -> None:
     task = pps.load_task("press-fit", overrides)
     plan = pps.plan(task)
     record = run_planar(plan)
@@ -83,8 +114,11 @@ def test_the_press_fit_is_lifted_slid_and_turned_on_the_planar_engine(overrides)
     assert found["slip_distance"] < 0.002
     use = [contact["mean_friction_use"] for contact in found["contacts"]]
     assert max(use) < 0.6
-    standing = record.arrays["object_pose"][record.arrays["phase"] < 2]  # the ledge carries it until then
-    assert standing == pytest.approx(np.tile(standing[0], (len(standing), 1)), abs=1e-12)
+    # the ledge carries it until then
+    standing = record.arrays["object_pose"][record.arrays["phase"] < 2]
+    assert standing == pytest.approx(
+        np.tile(standing[0], (len(standing), 1)), abs=1e-12
+    )
 
 
 def test_an_object_that_nothing_presses_or_carries_falls() -> None:
@@ -97,7 +131,10 @@ def test_where_nothing_else_carries_it_the_arms_hold_it_to_the_end() -> None:
     task = turn()
     ledge = Obstacle("ledge", (0.2, 0.04, 0.2), Pose2(0.0, -0.417))
     task = replace(
-        task, support=replace(task.support, opening=None), obstacles=(ledge,), goal=Pose2(0.05, 0.1)
+        task,
+        support=replace(task.support, opening=None),
+        obstacles=(ledge,),
+        goal=Pose2(0.05, 0.1),
     )
     plan = pps.plan(task)
     record = run_planar(plan)
@@ -110,10 +147,16 @@ def test_where_nothing_else_carries_it_the_arms_hold_it_to_the_end() -> None:
 def test_the_same_motion_in_a_mirror_needs_the_same_press() -> None:
     task = turn()
     mirrored = replace(
-        task, start=Pose2(-task.start.x, task.start.y, -task.start.yaw),
-        goal=Pose2(-task.goal.x, task.goal.y, -task.goal.yaw), robots=task.robots[::-1],
-    )  # fmt: skip
-    here, there = (next(c for c in MODE.choices(t) if c.feasible) for t in (task, mirrored))
+        task,
+        start=Pose2(-task.start.x, task.start.y, -task.start.yaw),
+        goal=Pose2(-task.goal.x, task.goal.y, -task.goal.yaw),
+        robots=task.robots[::-1],
+    )
+    here, there = (
+        next(c for c in MODE.choices(t) if c.feasible) for t in (task, mirrored)
+    )
     assert here.contacts[0].load == pytest.approx(there.contacts[0].load)
-    assert here.parameters["friction_use"] == pytest.approx(there.parameters["friction_use"], rel=1e-6)
+    assert here.parameters["friction_use"] == pytest.approx(
+        there.parameters["friction_use"], rel=1e-6
+    )
     assert math.isclose(here.path_length, there.path_length)

@@ -19,7 +19,9 @@ TASKS = sorted(
     if p.name.endswith(".yaml")
 )
 POST = "{name: post, box: [0.04, 0.04, 0.1], pose: {x: %g, y: %g}, movable: true, mass: 0.2}"
-NEAR = re.compile(r"the object comes within \d+ mm of obstacle 'post' at \(.*\), allowed from 10 mm")
+NEAR = re.compile(
+    r"the object comes within \d+ mm of obstacle 'post' at \(.*\), allowed from 10 mm"
+)
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -66,16 +68,21 @@ def test_the_first_of_each_mode_is_the_same_however_many_are_judged(case) -> Non
     assert bests(case.task, 1) == bests(case.task, ENOUGH)
 
 
-def test_what_is_not_judged_in_full_says_so_and_is_no_quicker_than_the_first_of_its_mode() -> None:
+def test_what_is_not_judged_in_full_says_so_and_is_no_quicker_than_the_first_of_its_mode() -> (
+    None
+):
     task = next(case.task for case in CASES if case.name == "large box ahead")
-    first, unjudged = bests(task, 1), [c for c in select(task) if UNJUDGED in c.reason]
+    first = bests(task, 1)
+    unjudged = [c for c in select(task) if UNJUDGED in c.reason]
     assert unjudged
     for choice in unjudged:
         assert not choice.feasible
         assert (choice.time or 0.0) > (first[choice.mode].time or 0.0) - 1e-3
 
 
-def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_against_each_other() -> None:
+def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_against_each_other() -> (
+    None
+):
     task = next(case.task for case in CASES if case.name == "large box ahead")
     first, second = list(bests(task, 1).values())[:2]
     assert (first.mode, second.mode) == ("parallel_push", "orthogonal_push")
@@ -83,19 +90,28 @@ def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_aga
 
 
 @pytest.mark.parametrize(("y", "possible"), [(0.22, False), (-0.02, True)])
-def test_beside_an_obstacle_it_may_start_but_not_go_through_it(y: float, possible: bool) -> None:
+def test_beside_an_obstacle_it_may_start_but_not_go_through_it(
+    y: float, possible: bool
+) -> None:
     post = f"obstacles=[{{name: post, box: [0.04, 0.04, 0.1], pose: {{x: 0.475, y: {y}}}}}]"
     straight = ["start={x: 0.38, y: 0.22}", "goal={x: 0.66, y: 0.22}", "motion.face=3"]
     found = pps.select(pps.load_task("rear-push-rear", [post, *straight]))
     assert found[0].feasible == possible
-    assert possible or re.search(r"the object runs into obstacle 'post' at", found[0].reason)
+    assert possible or re.search(
+        r"the object runs into obstacle 'post' at", found[0].reason
+    )
 
 
 def test_where_an_obstacle_is_in_the_way_of_one_manoeuvre_others_are_judged() -> None:
     tile = [
-        "object={shape: {box: [0.3, 0.2, 0.04]}, mass: 0.4}", "support.friction=0.2", "contact.friction=0.8",
-        "modes=[press_slide]", "start={x: 0.5, y: 0.2}", "goal={x: 0.5, y: -0.2, yaw_deg: 180}", "motion={}",
-    ]  # fmt: skip
+        "object={shape: {box: [0.3, 0.2, 0.04]}, mass: 0.4}",
+        "support.friction=0.2",
+        "contact.friction=0.8",
+        "modes=[press_slide]",
+        "start={x: 0.5, y: 0.2}",
+        "goal={x: 0.5, y: -0.2, yaw_deg: 180}",
+        "motion={}",
+    ]
     first, *others = pps.select(pps.load_task("rear-push-rear", tile), 8)
     assert sum(choice.feasible for choice in others) > 4
     assert len({choice.contacts for choice in (first, *others)}) == 1 + len(others)

@@ -1,4 +1,6 @@
-"""Track and allocate stay closed form: a fixed, small number of function calls, whatever the machine does."""
+"""Track and allocate stay closed form: a fixed, small number of function calls,
+whatever the machine does.
+"""
 
 import sys
 
@@ -29,14 +31,23 @@ def functions_entered(work) -> int:
 
 @pytest.mark.parametrize("name", ["rear-push-rear", "rear-push-left"])
 @pytest.mark.parametrize("off", [0.0, 0.002, 0.02])
-def test_track_and_allocate_enter_at_most_forty_functions(name: str, off: float) -> None:
+def test_track_and_allocate_enter_at_most_forty_functions(
+    name: str, off: float
+) -> None:
     task = pps.load_task(name)
     plan = pps.plan(task)
-    mode, choice = MODES[plan.choice.mode], plan.choice
+    mode = MODES[plan.choice.mode]
+    choice = plan.choice
     tracker = mode.tracker(plan)
-    allocate = mode.allocator(choice.contacts, task.believed.contact_friction, choice.parameters.get("rho"))
+    allocate = mode.allocator(
+        choice.contacts, task.believed.contact_friction, choice.parameters.get("rho")
+    )
     s = 0.3 * plan.path.length
-    X_WB = plan.path.pose(s).compose(Pose2(0.0, off, 10.0 * off)).compose(plan.X_BV.inverse())
+    X_WB = (
+        plan.path.pose(s)
+        .compose(Pose2(0.0, off, 10.0 * off))
+        .compose(plan.X_BV.inverse())
+    )
 
     def tick() -> None:
         wrench = tracker.step(plan.path, X_WB, s, 0.05, 1.0).wrench

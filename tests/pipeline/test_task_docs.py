@@ -16,12 +16,16 @@ PAGE = Path(__file__).parents[2] / "docs" / "task-file.md"
 
 def test_the_table_of_fields_is_that_of_the_schema() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    assert with_table(text) == text, "renew it: python -m pushpressslide.pipeline.task_docs docs/task-file.md"
+    assert with_table(text) == text, (
+        "renew it: python -m pushpressslide.pipeline.task_docs docs/task-file.md"
+    )
 
 
 def test_every_field_of_a_motion_is_in_the_schema() -> None:
     assert SCHEMA.fields is not None
-    assert set(SCHEMA.fields["motion"].fields or ()) == {field.name for field in fields(Motion)}
+    assert set(SCHEMA.fields["motion"].fields or ()) == {
+        field.name for field in fields(Motion)
+    }
 
 
 def test_the_example_of_the_page_loads() -> None:

@@ -10,8 +10,22 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Box, Limits, Motion, Prism, Sensing, Support, Tolerance
-from pushpressslide.pipeline.task_file import dump_task, load_task, shipped_tasks, task_from_data
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    Limits,
+    Motion,
+    Prism,
+    Sensing,
+    Support,
+    Tolerance,
+)
+from pushpressslide.pipeline.task_file import (
+    dump_task,
+    load_task,
+    shipped_tasks,
+    task_from_data,
+)
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 
@@ -31,7 +45,9 @@ def reals(low: float, high: float) -> st.SearchStrategy[float]:
 angles = st.one_of(st.integers(-180, 180), reals(-180, 180))
 sizes = reals(0.01, 0.3)
 frictions = reals(0.05, 1.95)
-texts = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=40)
+texts = st.text(
+    st.characters(codec="utf-8", exclude_categories=("Cc", "Cs")), max_size=40
+)
 
 
 @st.composite
@@ -41,11 +57,16 @@ def shapes(draw: st.DrawFn) -> dict[str, Any]:
         return {"box": [draw(sizes) for _ in range(3)]}
     if kind == "cylinder":
         return {"cylinder": {"radius": draw(sizes), "height": draw(sizes)}}
-    n, radius = draw(st.integers(3, 9)), draw(reals(0.05, 0.3))
-    sense, turn = draw(st.sampled_from([-1, 1])), draw(reals(0, 6))
+    n = draw(st.integers(3, 9))
+    radius = draw(reals(0.05, 0.3))
+    sense = draw(st.sampled_from([-1, 1]))
+    turn = draw(reals(0, 6))
     corners = [(sense * 2 * math.pi * i / n + turn) for i in range(n)]
     return {
-        "prism": {"polygon": [[radius * math.cos(a), radius * math.sin(a)] for a in corners], "height": 0.2}
+        "prism": {
+            "polygon": [[radius * math.cos(a), radius * math.sin(a)] for a in corners],
+            "height": 0.2,
+        }
     }
 
 
@@ -58,26 +79,54 @@ def task_dicts(draw: st.DrawFn) -> dict[str, Any]:
         "support": {"friction": draw(frictions)},
         "object": {"shape": draw(shapes()), "mass": draw(reals(0.01, 100))},
         "contact": {"friction": draw(frictions)},
-        "start": {"x": draw(reals(0.5, 0.6)), "y": draw(reals(-0.2, 0.2)), "yaw_deg": draw(angles)},
-        "goal": {"x": draw(reals(0.62, 0.65)), "y": draw(reals(-0.2, 0.2)), "yaw_deg": draw(angles)},
-        "tolerance": {"position": draw(reals(1e-6, 0.01)), "yaw_deg": draw(reals(1e-6, 180))},
-        "robots": [{"model": "panda", "base": {"yaw_deg": draw(angles)}, "tip_radius": draw(sizes) / 3}],
+        "start": {
+            "x": draw(reals(0.5, 0.6)),
+            "y": draw(reals(-0.2, 0.2)),
+            "yaw_deg": draw(angles),
+        },
+        "goal": {
+            "x": draw(reals(0.62, 0.65)),
+            "y": draw(reals(-0.2, 0.2)),
+            "yaw_deg": draw(angles),
+        },
+        "tolerance": {
+            "position": draw(reals(1e-6, 0.01)),
+            "yaw_deg": draw(reals(1e-6, 180)),
+        },
+        "robots": [
+            {
+                "model": "panda",
+                "base": {"yaw_deg": draw(angles)},
+                "tip_radius": draw(sizes) / 3,
+            }
+        ],
         "obstacles": [
             {
-                "name": "post", "box": [0.05, 0.05, 0.2], "movable": draw(st.booleans()),
+                "name": "post",
+                "box": [0.05, 0.05, 0.2],
+                "movable": draw(st.booleans()),
                 "pose": {"x": draw(reals(1.5, 2)), "y": 0, "yaw_deg": draw(angles)},
             }
         ],
         "modes": draw(st.sampled_from([None, ["rear_push"]])),
         "limits": {
             "time": draw(reals(1e-3, 3600)),
-            "workspace": draw(st.sampled_from([None, {"x": [0.1, 0.7], "y": [-0.5, 0.5]}])),
+            "workspace": draw(
+                st.sampled_from([None, {"x": [0.1, 0.7], "y": [-0.5, 0.5]}])
+            ),
         },
-        "belief": {"support_friction": draw(maybe), "mass": draw(maybe), "rho": draw(maybe)},
+        "belief": {
+            "support_friction": draw(maybe),
+            "mass": draw(maybe),
+            "rho": draw(maybe),
+        },
         "start_error": {"x": draw(reals(-0.02, 0.02)), "yaw_deg": draw(angles)},
         "sensing": {"yaw_noise_deg": draw(reals(0, 45)), "delay": draw(reals(0, 1))},
-        "motion": {"speed": draw(reals(1e-4, 0.2)), "joint_tracking": draw(st.booleans())},
-    }  # fmt: skip
+        "motion": {
+            "speed": draw(reals(1e-4, 0.2)),
+            "joint_tracking": draw(st.booleans()),
+        },
+    }
 
 
 @given(task_dicts())
@@ -90,7 +139,9 @@ def test_a_dumped_task_loads_again_to_an_equal_task(data: dict[str, Any]) -> Non
 
 
 @pytest.mark.parametrize("name", shipped_tasks())
-def test_every_shipped_task_loads_describes_itself_and_survives_a_dump(name: str, tmp_path: Path) -> None:
+def test_every_shipped_task_loads_describes_itself_and_survives_a_dump(
+    name: str, tmp_path: Path
+) -> None:
     task = load_task(name)
     assert task.name == name
     assert task.description
@@ -114,7 +165,9 @@ def test_what_a_file_leaves_out_has_the_defaults_of_the_task() -> None:
 
 
 def test_angles_are_degrees_in_the_file_and_radians_in_the_task() -> None:
-    task = task_from_data({**MINIMAL, "goal": {"x": 0.6, "y": 0, "yaw_deg": 90}}, "test")
+    task = task_from_data(
+        {**MINIMAL, "goal": {"x": 0.6, "y": 0, "yaw_deg": 90}}, "test"
+    )
     assert task.goal == Pose2(0.6, 0.0, math.pi / 2)
 
 
@@ -129,18 +182,24 @@ def test_a_clockwise_polygon_is_turned_and_keeps_its_first_corner() -> None:
 
 def test_belief_follows_a_changed_truth_unless_it_was_given(tmp_path: Path) -> None:
     file = tmp_path / "task.yaml"
-    file.write_text(dump_task(task_from_data({**MINIMAL, "belief": {"mass": 3}}, "test")))
+    file.write_text(
+        dump_task(task_from_data({**MINIMAL, "belief": {"mass": 3}}, "test"))
+    )
     task = load_task(file, ["support.friction=0.4", "object.mass=5"])
     assert task.believed == Belief(0.4, 0.6, 3.0)
 
 
 def test_touching_bodies_are_allowed() -> None:
     fence = {"name": "fence", "box": [0.1, 0.15, 0.1], "pose": {"x": 0.725, "y": 0}}
-    assert task_from_data({**MINIMAL, "obstacles": [fence]}, "test").obstacles[0].size == (0.1, 0.15, 0.1)
+    assert task_from_data({**MINIMAL, "obstacles": [fence]}, "test").obstacles[
+        0
+    ].size == (0.1, 0.15, 0.1)
 
 
 def test_a_free_hand_reaches_everywhere() -> None:
-    task = task_from_data({**MINIMAL, "goal": {"x": 2, "y": 2}, "robots": [{"model": "hand"}]}, "test")
+    task = task_from_data(
+        {**MINIMAL, "goal": {"x": 2, "y": 2}, "robots": [{"model": "hand"}]}, "test"
+    )
     assert task.goal.x == 2.0
 
 
@@ -164,7 +223,8 @@ def test_numbers_may_be_written_as_people_write_them(text: str) -> None:
 
 def test_overrides_make_the_sections_that_the_file_lacks() -> None:
     task = load_task(
-        "rear-push-rear", ["belief.mass=2", "limits.time=30", "object.shape={box: [0.1, 0.2, 0.3]}"]
+        "rear-push-rear",
+        ["belief.mass=2", "limits.time=30", "object.shape={box: [0.1, 0.2, 0.3]}"],
     )
     assert task.believed.mass == 2.0
     assert task.limits.time == 30.0

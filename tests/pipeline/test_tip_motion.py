@@ -7,13 +7,24 @@ import pytest
 from pushpressslide.core.plan import Contact
 from pushpressslide.pipeline.tip_motion import LEAST_SHARE, Felt, missing
 
-SIDES = tuple(Contact(i, "side", (-0.1, y), (1.0, 0.0), 0.05) for i, y in enumerate((0.1, -0.1)))
-TOPS = tuple(Contact(i, "top", (0.0, y), (0.0, 0.0), 0.1, 5.0) for i, y in enumerate((0.1, -0.1)))
-GONE, THERE = Felt(True, 0.0), Felt(False, 0.5)
+SIDES = tuple(
+    Contact(i, "side", (-0.1, y), (1.0, 0.0), 0.05) for i, y in enumerate((0.1, -0.1))
+)
+TOPS = tuple(
+    Contact(i, "top", (0.0, y), (0.0, 0.0), 0.1, 5.0) for i, y in enumerate((0.1, -0.1))
+)
+GONE = Felt(True, 0.0)
+THERE = Felt(False, 0.5)
 
 
 @pytest.mark.parametrize(
-    ("share", "lost"), [(0.0, False), (LEAST_SHARE - 0.01, False), (LEAST_SHARE + 0.01, True), (0.5, True)]
+    ("share", "lost"),
+    [
+        (0.0, False),
+        (LEAST_SHARE - 0.01, False),
+        (LEAST_SHARE + 0.01, True),
+        (0.5, True),
+    ],
 )
 def test_a_push_is_missed_by_its_share(share: float, lost: bool) -> None:
     assert missing((GONE, THERE), SIDES, (3.0 * share, 3.0 * (1.0 - share))) is lost
@@ -27,7 +38,9 @@ def test_a_push_alone_and_any_press_are_missed() -> None:
 
 @pytest.mark.long
 def test_a_push_that_is_asked_for_little_does_not_stop_the_other() -> None:
-    """One of two pushes has 8 % of the force: its contact fades, and taking it again would shake the box."""
+    """One of two pushes has 8 % of the force: its contact fades, and taking it again
+    would shake the box.
+    """
     from pushpressslide.experiments.run import simulate
     from pushpressslide.experiments.sweep import sample_task
     from pushpressslide.pipeline.task_file import load_task

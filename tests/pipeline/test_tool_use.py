@@ -49,7 +49,10 @@ def test_an_engine_without_other_bodies_says_that_the_bodys_end_is_not_known() -
     made = plan(task)
     found = result(task, made, run(made))
     assert not found["success"]
-    assert found["reason"]["text"] == "engine planar does not move 'cube': where it ends is not known"
+    assert (
+        found["reason"]["text"]
+        == "engine planar does not move 'cube': where it ends is not known"
+    )
 
 
 def test_a_mode_that_would_not_push_straight_with_the_tools_face_is_refused() -> None:
@@ -59,7 +62,11 @@ def test_a_mode_that_would_not_push_straight_with_the_tools_face_is_refused() ->
         "motion={}",
         "robots.0.base.y=-0.2",
     ]
-    assert select(load_task("tool-use", short))[0].feasible  # from behind, all the way in the face's normal
+    # from behind, all the way in the face's normal
+    assert select(load_task("tool-use", short))[0].feasible
     curved = load_task("tool-use", [*short, "start.x=0.5", "motion.run_in=0.02"])
     assert all(not choice.feasible for choice in select(curved))
-    assert any("off the straight push by tool.face" in choice.reason for choice in select(curved))
+    assert any(
+        "off the straight push by tool.face" in choice.reason
+        for choice in select(curved)
+    )

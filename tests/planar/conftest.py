@@ -28,7 +28,8 @@ class Case:
 
 def pressed_at(rng: np.random.Generator, length: float, width: float) -> Contact:
     """A tip somewhere on the top of a box whose centre is the origin."""
-    angle, size = rng.uniform(0.0, 2.0 * math.pi), 10.0 ** rng.uniform(-0.5, 1.5)
+    angle = rng.uniform(0.0, 2.0 * math.pi)
+    size = 10.0 ** rng.uniform(-0.5, 1.5)
     force = tuple((size * rng.normal(size=2)).tolist())
     law = TipLaw((math.cos(angle), math.sin(angle)), force, dampings(rng))
     point = (rng.uniform(-0.5, 0.5) * length, rng.uniform(-0.5, 0.5) * width)
@@ -59,7 +60,9 @@ def dampings(rng: np.random.Generator) -> tuple[float, float]:
 
 
 def drawn_case(seed: int, count: int | None = None, presses: float = 0.5) -> Case:
-    """A box with one to three contacts (or ``count``), each on top with probability ``presses``."""
+    """A box with one to three contacts (or ``count``), each on top with probability
+    ``presses``.
+    """
     rng = np.random.default_rng(seed)
     length, width = rng.uniform(0.08, 0.4, size=2).tolist()
     cop = (rng.uniform(-0.3, 0.3) * length, rng.uniform(-0.3, 0.3) * width)

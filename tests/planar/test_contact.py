@@ -1,4 +1,6 @@
-"""Laws of one compliant tip: the force law, Coulomb's cone and disc, unilateral contact, slopes."""
+"""Laws of one compliant tip: the force law, Coulomb's cone and disc, unilateral
+contact, slopes.
+"""
 
 import math
 
@@ -42,14 +44,19 @@ def in_frame(law, v):
 
 
 def consistent_states(contact, twist):
-    """Brute force over the contact's states: the forces (n, t) of those that keep all of its laws."""
-    (fn, ft), (bn, bt), mu = contact.law.force, contact.law.damping, contact.friction
+    """Brute force over the contact's states: the forces (n, t) of those that keep all
+    of its laws.
+    """
+    fn, ft = contact.law.force
+    bn, bt = contact.law.damping
+    mu = contact.friction
     un, ut = in_frame(contact.law, carried(contact, twist))
     free_vn = fn / bn
     found = []
     if free_vn <= un + contact.approach:
         found.append(("free", (0.0, 0.0)))
-    normal = fn - bn * (un + contact.approach)  # the tip goes as far as the face lets it
+    # the tip goes as far as the face lets it
+    normal = fn - bn * (un + contact.approach)
     holding = ft - bt * ut
     if normal > 0.0 and abs(holding) <= mu * normal:
         found.append(("stick", (normal, holding)))
@@ -68,8 +75,20 @@ def test_exactly_one_state_of_a_side_contact_keeps_all_laws_and_it_is_found(
     states = consistent_states(contact, twist)
     response = contact.response(twist)
     normal, tangential = in_frame(contact.law, response.force)
-    assume(all(abs(friction * f[0] - abs(f[1])) > 1e-9 or s.startswith("slip") for s, f in states))
-    assume(abs(force[0] / damping[0] - in_frame(contact.law, carried(contact, twist))[0] - approach) > 1e-9)
+    assume(
+        all(
+            abs(friction * f[0] - abs(f[1])) > 1e-9 or s.startswith("slip")
+            for s, f in states
+        )
+    )
+    assume(
+        abs(
+            force[0] / damping[0]
+            - in_frame(contact.law, carried(contact, twist))[0]
+            - approach
+        )
+        > 1e-9
+    )
     assert len(states) == 1
     status, expected = states[0]
     assert response.status == status
@@ -97,7 +116,8 @@ def test_a_pressed_tip_sticks_inside_the_disc_and_slips_along_its_force_on_the_r
     axis = (math.cos(bearing), math.sin(bearing))
     contact = TopContact(point, TipLaw(axis, force, damping), limit)
     response = contact.response(twist)
-    v, u = contact.law.velocity(response.force), carried(contact, twist)
+    v = contact.law.velocity(response.force)
+    u = carried(contact, twist)
     slip = (v[0] - u[0], v[1] - u[1])
     size = math.hypot(*response.force)
     if response.status == "stick":
@@ -111,12 +131,17 @@ def test_a_pressed_tip_sticks_inside_the_disc_and_slips_along_its_force_on_the_r
 
 
 def slopes(contact, twist):
-    """Loss of force per velocity of the tip's centre: by the law's own answer, and by differences."""
+    """Loss of force per velocity of the tip's centre: by the law's own answer, and by
+    differences.
+    """
     h = 1e-7
     x, y = contact.center
     columns = []
     for dx, dy in ((h, 0.0), (0.0, h)):
-        ends = [contact.response((twist[0] + s * dx, twist[1] + s * dy, twist[2])).force for s in (1.0, -1.0)]
+        ends = [
+            contact.response((twist[0] + s * dx, twist[1] + s * dy, twist[2])).force
+            for s in (1.0, -1.0)
+        ]
         columns.append([(b - a) / (2.0 * h) for a, b in zip(*ends, strict=True)])
     assert (x, y) == contact.center
     return np.reshape(contact.response(twist).slope, (2, 2)), np.array(columns).T
@@ -128,9 +153,14 @@ def test_slopes_are_the_derivatives_of_the_force(draw):
         rng = np.random.default_rng(seed)
         twist = (rng.normal(size=3) * (0.02, 0.02, 0.2)).tolist()
         for contact in draw(seed).contacts:
-            near = {contact.response([v + s * 1e-6 for v in twist]).status for s in (-1.0, 0.0, 1.0)}
+            near = {
+                contact.response([v + s * 1e-6 for v in twist]).status
+                for s in (-1.0, 0.0, 1.0)
+            }
             if len(near) == 1:  # away from a change of state
                 own, measured = slopes(contact, twist)
-                assert own == pytest.approx(measured, abs=1e-4 * max(contact.law.damping))
+                assert own == pytest.approx(
+                    measured, abs=1e-4 * max(contact.law.damping)
+                )
                 checked += 1
     assert checked > 400

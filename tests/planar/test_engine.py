@@ -1,4 +1,6 @@
-"""Whole runs on the planar engine: shipped tasks, idle arms, repeats, and the page that shows them."""
+"""Whole runs on the planar engine: shipped tasks, idle arms, repeats, and the page that
+shows them.
+"""
 
 import math
 from dataclasses import replace
@@ -57,7 +59,9 @@ def test_the_same_run_again_is_identical_to_the_last_bit(idle):
 
 def test_the_recorded_twist_is_the_motion_of_the_shapes_frame(idle):
     _, _, record = idle
-    pose, twist, time = (record.arrays[n] for n in ("object_pose", "object_twist", "time"))
+    pose, twist, time = (
+        record.arrays[n] for n in ("object_pose", "object_twist", "time")
+    )
     moved = np.diff(pose, axis=0) / np.diff(time)[:, None]
     assert twist[:-1] == pytest.approx(moved, abs=1e-4)
 
@@ -72,7 +76,9 @@ def test_a_run_can_be_stopped_and_says_so(idle):
 def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
     task, plan, record = idle
     press = Contact(1, "top", (0.0, 0.0), (0.0, 0.0), 0.15, 5.0)
-    plan = replace(plan, choice=replace(plan.choice, contacts=(*plan.choice.contacts, press)))
+    plan = replace(
+        plan, choice=replace(plan.choice, contacts=(*plan.choice.contacts, press))
+    )
     force = record.arrays["measured_force"].copy()
     force[:, 1, 2] = -5.0
     record = replace(record, arrays={**record.arrays, "measured_force": force})

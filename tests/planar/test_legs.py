@@ -1,4 +1,6 @@
-"""Tasks in several legs, on the planar engine: arms that let go, hold on, or keep their contacts."""
+"""Tasks in several legs, on the planar engine: arms that let go, hold on, or keep their
+contacts.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,11 @@ PIN = (0.42, 0.15)  # [m] in the world, pressed
 def turned(degrees: float) -> dict[str, float]:
     """Pose of a box whose point (0, 0.15) is at PIN."""
     yaw = math.radians(degrees)
-    return {"x": PIN[0] + 0.15 * math.sin(yaw), "y": PIN[1] - 0.15 * math.cos(yaw), "yaw_deg": degrees}
+    return {
+        "x": PIN[0] + 0.15 * math.sin(yaw),
+        "y": PIN[1] - 0.15 * math.cos(yaw),
+        "yaw_deg": degrees,
+    }
 
 
 BAR: dict[str, Any] = {
@@ -68,8 +74,18 @@ HELD = {
     "tolerance": {"position": 0.005, "yaw_deg": 1},
     "limits": {"normal_force": 80},
     "robots": [
-        {"model": "iiwa7", "base": {"y": 0.45, "z": 0.1}, "tip_radius": 0.03, "tip_length": 0.12},
-        {"model": "iiwa7", "base": {"y": -0.35, "z": 0.1}, "tip_radius": 0.03, "tip_length": 0.12},
+        {
+            "model": "iiwa7",
+            "base": {"y": 0.45, "z": 0.1},
+            "tip_radius": 0.03,
+            "tip_length": 0.12,
+        },
+        {
+            "model": "iiwa7",
+            "base": {"y": -0.35, "z": 0.1},
+            "tip_radius": 0.03,
+            "tip_length": 0.12,
+        },
     ],
     "motion": {"contacts": [[0.0, 0.15]]},
     "legs": [
@@ -84,7 +100,9 @@ def task(data: dict[str, Any]) -> Task:
 
 
 @pytest.mark.parametrize(("data", "grasps"), [(LET_GO, 2), (KEPT, 1), (HELD, 2)])
-def test_the_legs_take_the_object_to_its_goal(data: dict[str, Any], grasps: int) -> None:
+def test_the_legs_take_the_object_to_its_goal(
+    data: dict[str, Any], grasps: int
+) -> None:
     made, record, _ = simulate(task(data), engine="planar")
     found = result(task(data), made, record, {})
     assert found["success"], found["reason"]
@@ -97,15 +115,22 @@ def test_the_legs_take_the_object_to_its_goal(data: dict[str, Any], grasps: int)
 def test_every_grasp_has_its_own_figures() -> None:
     made, record, _ = simulate(task(LET_GO), engine="planar")
     found = result(task(LET_GO), made, record, {})
-    assert [(c["leg"], c["kind"]) for c in found["contacts"]] == [(0, "top"), (1, "side")]
+    assert [(c["leg"], c["kind"]) for c in found["contacts"]] == [
+        (0, "top"),
+        (1, "side"),
+    ]
     parts = by_grasp(made, record)
-    assert sum(len(part.arrays["time"]) for _, part in parts) == len(record.arrays["time"])
+    assert sum(len(part.arrays["time"]) for _, part in parts) == len(
+        record.arrays["time"]
+    )
     lost = sum(c["contact_loss_time"] for c in found["contacts"])
     assert found["contact_loss_time"] == pytest.approx(lost)
     assert lost < 0.1  # of the way from one contact to the other nothing is counted
 
 
-def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew() -> None:
+def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew() -> (
+    None
+):
     made, record, _ = simulate(task(HELD), engine="planar")
     assert made.kept(made.grasps[1]) == {0}
     began = int(np.argmax(record.arrays["leg"] == 1.0))
@@ -119,7 +144,13 @@ def test_where_it_turned_is_told_beside_what_was_predicted() -> None:
     made, record, _ = simulate(task(HELD), engine="planar")
     for pivot in result(task(HELD), made, record, {})["pivots"]:
         assert pivot["distance"]["pressed"] < 5e-3
-        assert min(pivot["distance"][name] for name in ("center_of_pressure", "virtual_axle")) > 0.02
+        assert (
+            min(
+                pivot["distance"][name]
+                for name in ("center_of_pressure", "virtual_axle")
+            )
+            > 0.02
+        )
 
 
 @pytest.mark.parametrize("data", [LET_GO, KEPT, HELD])
@@ -131,7 +162,13 @@ def test_a_plan_of_legs_survives_its_file(data: dict[str, Any]) -> None:
 def test_the_leg_that_cannot_be_done_is_named() -> None:
     data = {
         **LET_GO,
-        "legs": [{"mode": "press_slide", "pose": {"x": 0.72, "y": -0.05}}, {"mode": "rear_push"}],
+        "legs": [
+            {"mode": "press_slide", "pose": {"x": 0.72, "y": -0.05}},
+            {"mode": "rear_push"},
+        ],
     }
-    with pytest.raises(InfeasibleTaskError, match=r"by-hand: legs\[1\]: no mode can do this task: rear_push"):
+    with pytest.raises(
+        InfeasibleTaskError,
+        match=r"by-hand: legs\[1\]: no mode can do this task: rear_push",
+    ):
         plan(task(data))

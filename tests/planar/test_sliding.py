@@ -1,4 +1,6 @@
-"""The motion under any number of compliant tips: balance, the exact surface, the ellipsoid, dissipation."""
+"""The motion under any number of compliant tips: balance, the exact surface, the
+ellipsoid, dissipation.
+"""
 
 import math
 
@@ -57,15 +59,21 @@ def summed(contacts, twist):
     st.floats(-math.pi, math.pi),
     st.floats(1.2, 10.0),
 )
-def test_one_sticking_contact_slides_along_the_normal_of_the_exact_surface(samples, point, angle, excess):
+def test_one_sticking_contact_slides_along_the_normal_of_the_exact_surface(
+    samples, point, angle, excess
+):
     assume(math.hypot(*point) > 0.01)
     friction = SupportFriction(samples)
     direction = (math.cos(angle), math.sin(angle))
-    size = excess / exact_level(samples, MU, Wrench(*direction, cross(point, direction), samples.cop))
+    size = excess / exact_level(
+        samples, MU, Wrench(*direction, cross(point, direction), samples.cop)
+    )
     contact = glued(point, (size * direction[0], size * direction[1]))
     twist = slide(friction, LIMIT, (contact,), REST)
     force = contact.response(twist).force
-    expected = exact_twist_direction(samples, Wrench(*force, torque(contact, force), samples.cop))
+    expected = exact_twist_direction(
+        samples, Wrench(*force, torque(contact, force), samples.cop)
+    )
     scaled = np.array([twist[0], twist[1], friction.rho * twist[2]])
     wanted = np.array([expected.vx, expected.vy, friction.rho * expected.w])
     speed = np.linalg.norm(scaled)
@@ -85,10 +93,12 @@ def test_one_sticking_contact_slides_along_the_normal_of_the_exact_surface(sampl
 def test_a_very_stiff_tip_on_the_ellipsoid_pushes_like_a_prescribed_velocity(
     point, rho, mu, bearing, speed, angle
 ):
-    # one sample of torsional radius rho is the ellipsoid; a tip without radius acts where it is held
+    # one sample of torsional radius rho is the ellipsoid; a tip without radius acts
+    # where it is held
     samples = PressureSamples(np.zeros((1, 2)), np.array([10.0]), np.array([rho]))
     n = (math.cos(bearing), math.sin(bearing))
-    along, across = speed * math.cos(angle), speed * math.sin(angle)
+    along = speed * math.cos(angle)
+    across = speed * math.sin(angle)
     velocity = (along * n[0] - across * n[1], along * n[1] + across * n[0])
     expected = push_outcome(EllipsoidLimitSurface(LIMIT, rho), point, n, mu, velocity)
     # near the cone's edge the tip's small give decides
@@ -96,19 +106,26 @@ def test_a_very_stiff_tip_on_the_ellipsoid_pushes_like_a_prescribed_velocity(
     assume(expected.kind == "stick" or abs(expected.slip_velocity) > 1e-3 * speed)
     damping = 1e7
     contact = SideContact(
-        point, point, TipLaw(n, (damping * along, damping * across), (damping, damping)), mu
+        point,
+        point,
+        TipLaw(n, (damping * along, damping * across), (damping, damping)),
+        mu,
     )
     twist = slide(SupportFriction(samples), LIMIT, (contact,), REST)
     response = contact.response(twist)
     assert response.status == expected.kind
     assert response.force == pytest.approx(expected.force, rel=1e-3, abs=2e-3)
     wanted = (expected.twist.vx, expected.twist.vy, rho * expected.twist.w)
-    assert (twist[0], twist[1], rho * twist[2]) == pytest.approx(wanted, rel=1e-3, abs=1e-3 * speed)
+    assert (twist[0], twist[1], rho * twist[2]) == pytest.approx(
+        wanted, rel=1e-3, abs=1e-3 * speed
+    )
 
 
 @pytest.mark.parametrize("seed", range(0, 400, 40))
 def test_two_contacts_balance_the_support_on_the_exact_surface(draw, seed):
-    """With the friction law of mechanics, which is not softened, wherever the object moves."""
+    """With the friction law of mechanics, which is not softened, wherever the object
+    moves.
+    """
     moving = 0
     for case in (draw(s, count=2) for s in range(seed, seed + 40)):
         twist = slide(case.friction, case.limit, case.contacts, REST)
@@ -131,12 +148,19 @@ def test_nothing_moves_below_the_limit_surface_and_everything_above(samples, sha
         points = rng.uniform(-0.06, 0.06, size=(2, 2)).tolist()
         forces = rng.normal(size=(2, 2)).tolist()
         tau = sum(cross(p, f) for p, f in zip(points, forces, strict=True))
-        wrench = Wrench(forces[0][0] + forces[1][0], forces[0][1] + forces[1][1], tau, samples.cop)
+        wrench = Wrench(
+            forces[0][0] + forces[1][0], forces[0][1] + forces[1][1], tau, samples.cop
+        )
         level = exact_level(samples, MU, wrench)
         for factor, moves in ((share / level, False), ((2.0 - share) / level, True)):
-            contacts = [glued(p, (factor * f[0], factor * f[1])) for p, f in zip(points, forces, strict=True)]
+            contacts = [
+                glued(p, (factor * f[0], factor * f[1]))
+                for p, f in zip(points, forces, strict=True)
+            ]
             twist = slide(friction, LIMIT, contacts, (0.05, 0.0, 0.2))
-            speed = math.sqrt(twist[0] ** 2 + twist[1] ** 2 + (friction.rho * twist[2]) ** 2)
+            speed = math.sqrt(
+                twist[0] ** 2 + twist[1] ** 2 + (friction.rho * twist[2]) ** 2
+            )
             assert (speed > 100.0 * CREEP) == moves
             if not moves:
                 assert speed < 1e-6
@@ -154,7 +178,10 @@ def test_support_and_contacts_only_dissipate(draw, seed):
             slip = (v[0] - twist[0] + twist[2] * y, v[1] - twist[1] - twist[2] * x)
             if isinstance(contact, SideContact):
                 n = contact.law.axis
-                slip = (slip[0] - contact.approach * n[0], slip[1] - contact.approach * n[1])
+                slip = (
+                    slip[0] - contact.approach * n[0],
+                    slip[1] - contact.approach * n[1],
+                )
             assert dot(response.force, slip) >= -1e-9
 
 
@@ -175,15 +202,24 @@ def test_a_balance_is_found_for_every_one_of_many_contacts(draw, seed):
     """For 1177 and 1591 only by letting the object go."""
     for case in (draw(s) for s in range(seed, seed + 300)):
         twist = slide(case.friction, case.limit, case.contacts, REST)
-        left = np.array(case.friction.wrench(twist, case.limit)) - summed(case.contacts, twist)
+        left = np.array(case.friction.wrench(twist, case.limit)) - summed(
+            case.contacts, twist
+        )
         assert np.abs(left).max() < 1e-6
 
 
 def test_two_equal_rear_pushes_move_a_box_straight_and_unequal_ones_turn_it():
-    friction = SupportFriction(support_pressure(Box((0.15, 0.1, 0.1)), 10.0, cop=(0.01, 0.0), resolution=6))
+    friction = SupportFriction(
+        support_pressure(Box((0.15, 0.1, 0.1)), 10.0, cop=(0.01, 0.0), resolution=6)
+    )
     for left, right, turning in ((4.0, 4.0, 0), (3.0, 5.0, 1), (5.0, 3.0, -1)):
         contacts = [
-            SideContact((-0.085, y), (-0.105, y), TipLaw((1.0, 0.0), (force, 0.0), (300.0, 300.0)), 0.5)
+            SideContact(
+                (-0.085, y),
+                (-0.105, y),
+                TipLaw((1.0, 0.0), (force, 0.0), (300.0, 300.0)),
+                0.5,
+            )
             for y, force in ((0.03, left), (-0.03, right))
         ]
         vx, vy, w = slide(friction, LIMIT, contacts, REST)
@@ -201,7 +237,9 @@ def test_the_mirrored_problem_has_the_mirrored_motion(draw, seed):
     for s in range(seed, seed + 50):
         case = draw(s, count=2)
         samples = case.samples
-        mirrored = PressureSamples(samples.points * (1.0, -1.0), samples.loads, samples.radii)
+        mirrored = PressureSamples(
+            samples.points * (1.0, -1.0), samples.loads, samples.radii
+        )
         contacts = [flipped(c) for c in case.contacts]
         vx, vy, w = slide(case.friction, case.limit, case.contacts, REST)
         other = slide(SupportFriction(mirrored), case.limit, contacts, REST)
@@ -210,7 +248,9 @@ def test_the_mirrored_problem_has_the_mirrored_motion(draw, seed):
 
 def flipped(contact):
     law = contact.law
-    (x, y), (nx, ny), (fn, ft) = contact.point, law.axis, law.force
+    x, y = contact.point
+    nx, ny = law.axis
+    fn, ft = law.force
     other = TipLaw((nx, -ny), (fn, -ft), law.damping)
     if isinstance(contact, TopContact):
         return TopContact((x, -y), other, contact.limit)

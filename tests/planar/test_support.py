@@ -1,4 +1,6 @@
-"""The support's friction: the exact surface within a percent wherever the load is, its slope, its edge."""
+"""The support's friction: the exact surface within a percent wherever the load is, its
+slope, its edge.
+"""
 
 import math
 
@@ -32,7 +34,8 @@ def places(support, rng, count, furthest):
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_wrench_is_the_exact_surfaces_within_a_percent_wherever_the_load_is(name):
     shape, com = SHAPES[name]
-    support, rng = Support(shape, com), np.random.default_rng(5)
+    support = Support(shape, com)
+    rng = np.random.default_rng(5)
     for cop in places(support, rng, 12, 0.8):
         held, friction, tipping = support.under(cop)
         assert held == cop
@@ -72,7 +75,9 @@ def test_the_slope_is_the_derivative_of_the_wrench(name):
 def test_a_load_off_the_base_is_held_at_its_edge_and_tips_the_object(name):
     support = Support(*SHAPES[name])
     for angle in np.linspace(0.0, 2.0 * math.pi, 17):
-        cop, friction, tipping = support.under((0.5 * math.cos(angle), 0.5 * math.sin(angle)))
+        cop, friction, tipping = support.under(
+            (0.5 * math.cos(angle), 0.5 * math.sin(angle))
+        )
         assert tipping
         assert support.outwards(cop) == pytest.approx(TIPPING)
         assert np.isfinite(friction.wrench((0.05, 0.0, 0.3), LIMIT)).all()

@@ -11,18 +11,25 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.planning.dubins import candidates, shortest_path
 
-poses = st.builds(Pose2, st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-math.pi, math.pi))
+poses = st.builds(
+    Pose2, st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-math.pi, math.pi)
+)
 curvatures = st.floats(0.2, 5.0)
 
 
 def off_the_jump(start: Pose2, goal: Pose2) -> bool:
-    """The length jumps by a turn where a goal at the start comes off the straight line: round-off decides."""
+    """The length jumps by a turn where a goal at the start comes off the straight line:
+    round-off decides.
+    """
     return math.hypot(goal.x - start.x, goal.y - start.y) > 1e-3
 
 
 def reaches(path: ArcPath, goal: Pose2) -> bool:
     end = path.end
-    return math.hypot(end.x - goal.x, end.y - goal.y) < 1e-9 and abs(wrap_angle(end.yaw - goal.yaw)) < 1e-9
+    return (
+        math.hypot(end.x - goal.x, end.y - goal.y) < 1e-9
+        and abs(wrap_angle(end.yaw - goal.yaw)) < 1e-9
+    )
 
 
 def random_pose(generator, size: float) -> Pose2:
@@ -35,9 +42,11 @@ def test_ten_thousand_shortest_paths_are_as_long_as_ompls():
     generator = np.random.default_rng(0)
     for radius in (0.5, 1.0, 3.0):
         space = base.DubinsStateSpace(radius)
-        a, b = space.allocState(), space.allocState()
+        a = space.allocState()
+        b = space.allocState()
         for _ in range(3500):
-            start, goal = random_pose(generator, 4.0), random_pose(generator, 4.0)
+            start = random_pose(generator, 4.0)
+            goal = random_pose(generator, 4.0)
             for state, pose in ((a, start), (b, goal)):
                 state.setXY(pose.x, pose.y)
                 state.setYaw(pose.yaw)
@@ -47,17 +56,23 @@ def test_ten_thousand_shortest_paths_are_as_long_as_ompls():
 
 @settings(max_examples=300)
 @given(poses, poses, curvatures, curvatures)
-def test_every_candidate_reaches_the_goal_within_the_limits_and_is_sorted(start, goal, left, right):
+def test_every_candidate_reaches_the_goal_within_the_limits_and_is_sorted(
+    start, goal, left, right
+):
     paths = candidates(start, goal, left, right)
     lengths = [path.length for _, path in paths]
     assert lengths == pytest.approx(sorted(lengths), abs=1e-9)
-    assert shortest_path(start, goal, left, right).length == pytest.approx(lengths[0], abs=1e-9)
+    assert shortest_path(start, goal, left, right).length == pytest.approx(
+        lengths[0], abs=1e-9
+    )
     assert {"LSL", "RSR"} <= {word for word, _ in paths}
     for word, path in paths:
         assert reaches(path, goal), word
         signs = {"L": left, "S": 0.0, "R": -right}
         allowed = iter([signs[letter] for letter in word])
-        assert all(any(k == c for c in allowed) for k, _ in path.pieces), "pieces follow the word's order"
+        assert all(any(k == c for c in allowed) for k, _ in path.pieces), (
+            "pieces follow the word's order"
+        )
         assert all(length > 0.0 for _, length in path.pieces)
 
 
@@ -66,7 +81,9 @@ def test_every_candidate_reaches_the_goal_within_the_limits_and_is_sorted(start,
     poses,
     curvatures,
     curvatures,
-    st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(0.0, 3.0)), min_size=1, max_size=6),
+    st.lists(
+        st.tuples(st.floats(-1.0, 1.0), st.floats(0.0, 3.0)), min_size=1, max_size=6
+    ),
 )
 def test_no_path_within_the_limits_is_shorter(start, left, right, steps):
     pieces = tuple((c * left if c > 0.0 else c * right, length) for c, length in steps)
@@ -84,20 +101,27 @@ def test_no_path_within_the_limits_is_shorter(start, left, right, steps):
 )
 def test_no_word_driven_forward_beats_the_shortest(start, left, right, word, amounts):
     made = {"L": (left, 1.0 / left), "S": (0.0, 1.0), "R": (-right, 1.0 / right)}
-    pieces = tuple((made[w][0], made[w][1] * a) for w, a in zip(word, amounts, strict=True))
+    pieces = tuple(
+        (made[w][0], made[w][1] * a) for w, a in zip(word, amounts, strict=True)
+    )
     path = ArcPath(start, pieces)
     assert shortest_path(start, path.end, left, right).length <= path.length + 1e-8
-    same = [p.length for name, p in candidates(start, path.end, left, right) if name == word]
+    same = [
+        p.length for name, p in candidates(start, path.end, left, right) if name == word
+    ]
     assert min(same) <= path.length + 1e-8
 
 
 def searched_length(goal: Pose2, left: float, right: float) -> float:
-    """Return the least length of the six words from the origin, found by scanning the first arc.
+    """Return the least length of the six words from the origin, found by scanning the
+    first arc.
 
-    For each first arc the last turning circle is known from the goal, and one residual remains: the straight
-    piece must touch that circle, or the middle circle must. Its sign changes are refined by bisection.
+    For each first arc the last turning circle is known from the goal, and one residual
+    remains: the straight piece must touch that circle, or the middle circle must. Its
+    sign changes are refined by bisection.
     """
-    radius = {"L": 1.0 / left, "R": -1.0 / right}  # signed: the centre is this far to the left
+    # signed: the centre is this far to the left
+    radius = {"L": 1.0 / left, "R": -1.0 / right}
 
     def after(letter, t):
         r = radius[letter]
@@ -105,20 +129,29 @@ def searched_length(goal: Pose2, left: float, right: float) -> float:
         return r * np.sin(yaw), r - r * np.cos(yaw), yaw
 
     def completed(word, t):
-        """Return residual and total length (inf where the middle piece would run backward)."""
-        r0, r2 = radius[word[0]], radius[word[2]]
+        """Return residual and total length (inf where the middle piece would run
+        backward).
+        """
+        r0 = radius[word[0]]
+        r2 = radius[word[2]]
         x, y, yaw = after(word[0], t)
-        cx, cy = goal.x - r2 * math.sin(goal.yaw), goal.y + r2 * math.cos(goal.yaw)
+        cx = goal.x - r2 * math.sin(goal.yaw)
+        cy = goal.y + r2 * math.cos(goal.yaw)
         if word[1] == "S":
-            dx, dy = cx - x, cy - y
+            dx = cx - x
+            dy = cy - y
             along = dx * np.cos(yaw) + dy * np.sin(yaw)
             residual = -dx * np.sin(yaw) + dy * np.cos(yaw) - r2
             last = np.mod((goal.yaw - yaw) * np.sign(r2), 2 * math.pi)
-            return residual, np.where(along >= 0.0, t * abs(r0) + along + last * abs(r2), np.inf)
+            return residual, np.where(
+                along >= 0.0, t * abs(r0) + along + last * abs(r2), np.inf
+            )
         r1 = radius[word[1]]
-        mx, my = x - r1 * np.sin(yaw), y + r1 * np.cos(yaw)
+        mx = x - r1 * np.sin(yaw)
+        my = y + r1 * np.cos(yaw)
         residual = np.hypot(cx - mx, cy - my) - (abs(r1) + abs(r2))
-        # Heading at the touching point: across the line of centres, in the sense of the middle turn.
+        # Heading at the touching point: across the line of centres, in the sense of the
+        # middle turn.
         bearing = np.arctan2(cy - my, cx - mx)
         touch = bearing + np.sign(r1) * 0.5 * math.pi
         middle = np.mod((touch - yaw) * np.sign(r1), 2 * math.pi)
@@ -132,12 +165,14 @@ def searched_length(goal: Pose2, left: float, right: float) -> float:
         crossing = np.nonzero(np.signbit(residual[:-1]) != np.signbit(residual[1:]))[0]
         if not len(crossing):
             continue
-        low, high = grid[crossing], grid[crossing + 1]
+        low = grid[crossing]
+        high = grid[crossing + 1]
         sign = np.signbit(residual[crossing])
         for _ in range(50):
             half = 0.5 * (low + high)
             same = np.signbit(completed(word, half)[0]) == sign
-            low, high = np.where(same, half, low), np.where(same, high, half)
+            low = np.where(same, half, low)
+            high = np.where(same, high, half)
         best = min(best, float(completed(word, 0.5 * (low + high))[1].min()))
     return best
 
@@ -149,7 +184,9 @@ def test_with_unequal_limits_the_shortest_is_the_one_that_a_search_finds():
         goal = random_pose(generator, 3.0 if i % 2 else 1.2)
         left, right = generator.uniform(0.3, 3.0, 2)
         ours = shortest_path(Pose2(), goal, left, right)
-        assert ours.length == pytest.approx(searched_length(goal, left, right), abs=1e-7)
+        assert ours.length == pytest.approx(
+            searched_length(goal, left, right), abs=1e-7
+        )
         words.add(candidates(Pose2(), goal, left, right)[0][0])
     assert words == {"LSL", "LSR", "RSL", "RSR", "LRL", "RLR"}
 
@@ -168,12 +205,20 @@ def test_with_unequal_limits_least_squares_from_many_starts_finds_nothing_shorte
 
             def driven(a, word=word, made=made):
                 return ArcPath(
-                    Pose2(), tuple((made[w][0], made[w][1] * v) for w, v in zip(word, a, strict=True))
+                    Pose2(),
+                    tuple(
+                        (made[w][0], made[w][1] * v)
+                        for w, v in zip(word, a, strict=True)
+                    ),
                 )
 
             def gap(a, driven=driven, goal=goal):
                 end = driven(a).end
-                return [end.x - goal.x, end.y - goal.y, 2.0 * math.sin(0.5 * (end.yaw - goal.yaw))]
+                return [
+                    end.x - goal.x,
+                    end.y - goal.y,
+                    2.0 * math.sin(0.5 * (end.yaw - goal.yaw)),
+                ]
 
             for start in generator.uniform(0.1, 6.0, (25, 3)):
                 fit = least_squares(gap, start, bounds=(0.0, 12.0), max_nfev=60)
@@ -184,21 +229,35 @@ def test_with_unequal_limits_least_squares_from_many_starts_finds_nothing_shorte
 
 
 @given(poses, poses, curvatures, curvatures)
-def test_the_mirrored_task_with_the_limits_exchanged_is_as_long(start, goal, left, right):
+def test_the_mirrored_task_with_the_limits_exchanged_is_as_long(
+    start, goal, left, right
+):
     mirrored = shortest_path(
-        Pose2(start.x, -start.y, -start.yaw), Pose2(goal.x, -goal.y, -goal.yaw), right, left
+        Pose2(start.x, -start.y, -start.yaw),
+        Pose2(goal.x, -goal.y, -goal.yaw),
+        right,
+        left,
     )
-    assert mirrored.length == pytest.approx(shortest_path(start, goal, left, right).length, abs=1e-8)
+    assert mirrored.length == pytest.approx(
+        shortest_path(start, goal, left, right).length, abs=1e-8
+    )
 
 
 @given(poses, poses, curvatures, curvatures)
-def test_the_way_back_turned_round_is_as_long_with_the_limits_exchanged(start, goal, left, right):
+def test_the_way_back_turned_round_is_as_long_with_the_limits_exchanged(
+    start, goal, left, right
+):
     # Driving a path from its end, turned by half a turn, exchanges left and right.
     assume(off_the_jump(start, goal))
     back = shortest_path(
-        Pose2(goal.x, goal.y, goal.yaw + math.pi), Pose2(start.x, start.y, start.yaw + math.pi), right, left
+        Pose2(goal.x, goal.y, goal.yaw + math.pi),
+        Pose2(start.x, start.y, start.yaw + math.pi),
+        right,
+        left,
     )
-    assert back.length == pytest.approx(shortest_path(start, goal, left, right).length, abs=1e-8)
+    assert back.length == pytest.approx(
+        shortest_path(start, goal, left, right).length, abs=1e-8
+    )
 
 
 @given(poses, poses, curvatures, curvatures, st.floats(0.01, 100.0))
@@ -211,14 +270,18 @@ def test_scaling_lengths_scales_the_path(start, goal, left, right, scale):
         left / scale,
         right / scale,
     )
-    assert scaled.length == pytest.approx(scale * path.length, rel=1e-8, abs=1e-8 * scale)
+    assert scaled.length == pytest.approx(
+        scale * path.length, rel=1e-8, abs=1e-8 * scale
+    )
 
 
 @given(poses, poses, curvatures, curvatures, poses)
 def test_the_path_moves_with_its_poses(start, goal, left, right, frame):
     assume(off_the_jump(start, goal))
     there = shortest_path(frame.compose(start), frame.compose(goal), left, right)
-    assert there.length == pytest.approx(shortest_path(start, goal, left, right).length, abs=1e-8)
+    assert there.length == pytest.approx(
+        shortest_path(start, goal, left, right).length, abs=1e-8
+    )
     assert there.length >= math.hypot(goal.x - start.x, goal.y - start.y) - 1e-9
 
 
@@ -227,7 +290,11 @@ def test_from_a_pose_to_itself_there_is_nothing_to_drive(pose, left, right):
     path = shortest_path(pose, pose, left, right)
     assert path.pieces == ()
     assert path.length == 0.0
-    for dx, dy, turn in ((0.0, 0.0, 2.0 * math.pi), (1e-11, -1e-11, 1e-11), (-1e-11, 1e-11, -1e-11)):
+    for dx, dy, turn in (
+        (0.0, 0.0, 2.0 * math.pi),
+        (1e-11, -1e-11, 1e-11),
+        (-1e-11, 1e-11, -1e-11),
+    ):
         near = Pose2(pose.x + dx, pose.y + dy, pose.yaw + turn)
         assert shortest_path(pose, near, left, right).length == 0.0
 
@@ -241,14 +308,20 @@ def test_straight_ahead_is_straight(pose, left, right, distance):
 
 
 @pytest.mark.parametrize("first", ["L", "R"])
-@pytest.mark.parametrize("angles", [(1.0, 2.0), (0.3, 0.3), (2.5, 0.0), (0.0, 1.2), (math.pi, 1e-7)])
+@pytest.mark.parametrize(
+    "angles", [(1.0, 2.0), (0.3, 0.3), (2.5, 0.0), (0.0, 1.2), (math.pi, 1e-7)]
+)
 def test_turning_circles_that_touch_are_found(first, angles):
-    left, right = 2.0, 0.7
+    left = 2.0
+    right = 0.7
     made = {"L": (left, 1.0 / left), "R": (-right, 1.0 / right)}
     second = "R" if first == "L" else "L"
     path = ArcPath(
         Pose2(0.4, -0.1, 0.8),
-        tuple((made[w][0], made[w][1] * a) for w, a in zip((first, second), angles, strict=True)),
+        tuple(
+            (made[w][0], made[w][1] * a)
+            for w, a in zip((first, second), angles, strict=True)
+        ),
     )
     found = shortest_path(path.start, path.end, left, right)
     assert found.length <= path.length + 1e-6
@@ -256,13 +329,16 @@ def test_turning_circles_that_touch_are_found(first, angles):
 
 
 def test_with_a_tie_the_answer_does_not_depend_on_round_off():
-    # Straight behind, facing away: left and right round are equally long; left is taken.
+    # Straight behind, facing away: left and right round are equally long; left is
+    # taken.
     for shift in (0.0, 1e-15, -1e-15):
         path = shortest_path(Pose2(), Pose2(-3.0, shift, math.pi), 1.0, 1.0)
         assert path.pieces[0][0] == 1.0
 
 
-@pytest.mark.parametrize(("left", "right"), [(0.0, 1.0), (1.0, -0.2), (math.inf, 1.0), (1.0, math.nan)])
+@pytest.mark.parametrize(
+    ("left", "right"), [(0.0, 1.0), (1.0, -0.2), (math.inf, 1.0), (1.0, math.nan)]
+)
 def test_limits_that_leave_no_turning_circle_are_refused(left, right):
     with pytest.raises(ValueError, match="finite and > 0"):
         shortest_path(Pose2(), Pose2(1.0, 0.0, 0.0), left, right)

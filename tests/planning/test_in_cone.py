@@ -28,7 +28,8 @@ class RoundCone:
         return np.array([self.spare(*twist) for twist in twists.tolist()])
 
     def rays(self, least: float) -> list[tuple[float, float, float]]:
-        out, size = [(1.0, 0.0, 0.0)], math.tan(self.half - least)
+        out = [(1.0, 0.0, 0.0)]
+        size = math.tan(self.half - least)
         for i in range(8):
             angle = 0.25 * math.pi * i
             out.append((1.0, size * math.cos(angle), size * math.sin(angle) / RADIUS))
@@ -39,7 +40,9 @@ CONE = RoundCone(math.radians(30.0))
 
 
 @given(x=st.floats(0.05, 0.5), y=st.floats(-0.4, 0.4), yaw=st.floats(-1.0, 1.0))
-def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowed(x, y, yaw) -> None:
+def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowed(
+    x, y, yaw
+) -> None:
     start = Pose2(0.3, -0.2, 0.7)
     goal = start.compose(Pose2(x, y, yaw))
     path = path_in_cone(start, goal, CONE, LEAST, RADIUS, 0.8)
@@ -47,7 +50,9 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
         assert CONE.spare(*screw(start, goal)) < LEAST or math.hypot(x, y) > 0.5
         return
     assert (path.end.x, path.end.y) == pytest.approx((goal.x, goal.y), abs=1e-9)
-    assert math.remainder(path.end.yaw - goal.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    assert math.remainder(path.end.yaw - goal.yaw, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=1e-9
+    )
     assert len(path.pieces) <= 3
     assert path.length <= 0.8 + 1e-9
     assert least_spare(path, CONE) >= LEAST - 1e-9
@@ -68,16 +73,26 @@ def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
     assert path.pose(0.3 * path.length).yaw > 0.02
 
 
-@pytest.mark.parametrize("goal", [Pose2(-0.2, 0.0, 0.0), Pose2(0.0, 0.0, 1.0), Pose2(0.0, 0.3, 0.0)])
+@pytest.mark.parametrize(
+    "goal", [Pose2(-0.2, 0.0, 0.0), Pose2(0.0, 0.0, 1.0), Pose2(0.0, 0.3, 0.0)]
+)
 def test_back_on_the_spot_and_sideways_there_is_no_path(goal: Pose2) -> None:
     assert path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 3.0) is None
 
 
 def test_a_path_longer_than_allowed_is_not_taken() -> None:
-    assert path_in_cone(Pose2(), Pose2(0.5, 0.0, 0.0), CONE, LEAST, RADIUS, 0.49) is None
+    assert (
+        path_in_cone(Pose2(), Pose2(0.5, 0.0, 0.0), CONE, LEAST, RADIUS, 0.49) is None
+    )
 
 
 def test_the_words_say_inside_or_outside_and_what_is_needed() -> None:
     assert told(math.radians(20.0), LEAST) == "20 deg inside the cone"
-    assert told(math.radians(-53.0), math.radians(6.0)) == "53 deg outside the cone, needed 6 deg inside"
-    assert told(math.radians(1.84), math.radians(6.0)) == "1.8 deg inside the cone, needed 6 deg inside"
+    assert (
+        told(math.radians(-53.0), math.radians(6.0))
+        == "53 deg outside the cone, needed 6 deg inside"
+    )
+    assert (
+        told(math.radians(1.84), math.radians(6.0))
+        == "1.8 deg inside the cone, needed 6 deg inside"
+    )

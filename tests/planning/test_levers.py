@@ -16,16 +16,22 @@ SHAPES = [
 
 @pytest.mark.parametrize("body", SHAPES, ids=["box", "cylinder", "prism"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(body, side: float) -> None:
+def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(
+    body, side: float
+) -> None:
     held = (-0.05, 0.04)
     found = levers(body, held, side)
     assert found
     for lever in found:
-        turn = cross((lever.point[0] - held[0], lever.point[1] - held[1]), lever.face.normal)
+        turn = cross(
+            (lever.point[0] - held[0], lever.point[1] - held[1]), lever.face.normal
+        )
         assert side * turn == pytest.approx(lever.length)
         assert lever.length >= SHORTEST * found[0].length
         assert depth_inside(body, lever.point) == pytest.approx(0.0, abs=2e-3)
-    assert [lever.length for lever in found] == sorted((lever.length for lever in found), reverse=True)
+    assert [lever.length for lever in found] == sorted(
+        (lever.length for lever in found), reverse=True
+    )
 
 
 def test_a_face_can_be_asked_for() -> None:

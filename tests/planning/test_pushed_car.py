@@ -13,29 +13,43 @@ from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_ca
 
 TASK = load_task(
     "parallel-push",
-    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+    [
+        "object.shape.box=[0.4, 0.4, 0.2]",
+        "start.x=0.40",
+        "start.y=0.08",
+        "goal.x=0.86",
+        "goal.y=0.10",
+    ],
 )
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
 TOLD = replace(TASK, belief=replace(TASK.believed, rho=0.13))
-HEIGHT, HALF = 0.05, 0.09
-D, MU = 0.2, TASK.believed.contact_friction
+HEIGHT = 0.05
+HALF = 0.09
+D = 0.2
+MU = TASK.believed.contact_friction
 
 
-def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> None:
+def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> (
+    None
+):
     (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=False)
     assert (car.left, car.right) == pytest.approx((HALF / 0.13**2, HALF / 0.13**2))
     assert car.lead == 0.0
     assert car.axle == pytest.approx(HEIGHT * 0.3)  # the CoP under way
 
 
-def test_on_the_ellipsoid_equal_forces_make_it_a_rear_steer_car_with_mu_d_over_rho_squared() -> None:
+def test_on_the_ellipsoid_equal_forces_make_it_a_rear_steer_car_with_mu_d_over_rho_squared() -> (
+    None
+):
     (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=True)
     assert car.tightest == pytest.approx(MU * D / 0.13**2)
     assert car.lead == pytest.approx(0.13**2 / D)
 
 
 @pytest.mark.parametrize("synchronised", [False, True])
-def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(synchronised: bool) -> None:
+def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(
+    synchronised: bool,
+) -> None:
     (car,) = pushed_cars(TASK, [(REAR, HALF)], HEIGHT, synchronised)
     use = TASK.motion.curvature_margin
     limit = (0.0, MU) if synchronised else (HALF, 0.0)
@@ -52,7 +66,9 @@ def test_a_choice_remembers_the_whole_car() -> None:
     assert PushedCar.remembered(car.figures) == car
 
 
-def test_the_path_ends_straight_where_there_is_room_and_is_the_shortest_where_there_is_none() -> None:
+def test_the_path_ends_straight_where_there_is_room_and_is_the_shortest_where_there_is_none() -> (
+    None
+):
     roomy = gentle_path(Pose2(), Pose2(0.6, 0.05, 0.1), 5.0, 0.7)
     assert roomy.pieces[-1] == pytest.approx((0.0, 0.16))
     assert roomy.length <= 0.7

@@ -20,20 +20,29 @@ from pushpressslide.planning.side_contacts import (
 
 TASK = load_task(
     "parallel-push",
-    ["object.shape.box=[0.4, 0.4, 0.2]", "start.x=0.40", "start.y=0.08", "goal.x=0.86", "goal.y=0.10"],
+    [
+        "object.shape.box=[0.4, 0.4, 0.2]",
+        "start.x=0.40",
+        "start.y=0.08",
+        "goal.x=0.86",
+        "goal.y=0.10",
+    ],
 )
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
 BASES = ((0.0, 0.5, 0.0), (0.0, -0.5, 0.0))
 
 
-def test_each_arm_takes_the_contact_on_its_own_side_where_they_would_cross_else() -> None:
+def test_each_arm_takes_the_contact_on_its_own_side_where_they_would_cross_else() -> (
+    None
+):
     points = ((-0.2, 0.1), (-0.2, -0.1))  # left, right
     assert assignments(BASES, points, [Pose2(0.6, 0.0, 0.0)]) == [(0, 1)]
     assert assignments(BASES, points[::-1], [Pose2(0.6, 0.0, 0.0)]) == [(1, 0)]
 
 
 def test_contacts_in_line_away_from_the_arms_go_either_way_nearest_first() -> None:
-    near, far = (-0.2, 0.05), (0.2, 0.0)
+    near = (-0.2, 0.05)
+    far = (0.2, 0.0)
     assert assignments(BASES, (near, far), [Pose2(0.6, 0.0, 0.0)]) == [(0, 1), (1, 0)]
 
 
@@ -44,7 +53,9 @@ def test_a_motion_on_which_either_way_crosses_has_no_assignment() -> None:
 
 
 def test_given_contacts_are_in_the_order_of_their_arms() -> None:
-    contacts = tuple(Contact(i, "side", (0.1 * i, 0.0), (1.0, 0.0), 0.05) for i in range(2))
+    contacts = tuple(
+        Contact(i, "side", (0.1 * i, 0.0), (1.0, 0.0), 0.05) for i in range(2)
+    )
     given = given_to(contacts, (1, 0))
     assert [c.arm for c in given] == [0, 1]
     assert given[0].point == contacts[1].point
@@ -58,7 +69,10 @@ def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
     reach = TASK.robots[0].tip_length
     assert at(0.10) == pytest.approx(0.04)
     assert at(0.20) == pytest.approx(0.20 + 0.04 - reach)
-    assert contact_height(replace(TASK, motion=replace(TASK.motion, contact_height=0.11))) == 0.11
+    assert (
+        contact_height(replace(TASK, motion=replace(TASK.motion, contact_height=0.11)))
+        == 0.11
+    )
 
 
 def test_the_span_of_a_face_is_told_from_the_com() -> None:

@@ -15,7 +15,10 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Box, ObjectModel, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 
-DT, TOUCH, MOVE, RELEASE = 0.01, 20, 400, 30  # [s], ticks
+DT = 0.01
+TOUCH = 20
+MOVE = 400
+RELEASE = 30  # [s], ticks
 PUSH = 3.0  # [N]
 # arm, place in B [m], load [N], shear in B [N]
 PRESSES = ((1, (0.05, -0.03), 10.0, (2.0, 1.0)), (0, (-0.05, 0.03), 6.0, (1.0, -1.0)))
@@ -28,7 +31,9 @@ class Made:
     record: Record
 
     def with_arrays(self, **arrays):
-        return replace(self, record=replace(self.record, arrays={**self.record.arrays, **arrays}))
+        return replace(
+            self, record=replace(self.record, arrays={**self.record.arrays, **arrays})
+        )
 
     def with_record(self, **fields):
         return replace(self, record=replace(self.record, **fields))
@@ -39,19 +44,35 @@ class Made:
 
 
 def perfect(model="hand"):
-    """A box pushed from behind along an arc, exactly on its reference, force inside the cone."""
-    start, length = Pose2(0.4, -0.1, 0.2), 0.3
-    path = ArcPath(Pose2(0.4, -0.1, 0.2).compose(Pose2(0.05, 0.0, 0.0)), ((2.0, length),))
+    """A box pushed from behind along an arc, exactly on its reference, force inside the
+    cone.
+    """
+    start = Pose2(0.4, -0.1, 0.2)
+    length = 0.3
+    path = ArcPath(
+        Pose2(0.4, -0.1, 0.2).compose(Pose2(0.05, 0.0, 0.0)), ((2.0, length),)
+    )
     X_BV = Pose2(0.05, 0.0, 0.0)
     goal = path.end.compose(X_BV.inverse())
     body = ObjectModel(Box((0.15, 0.10, 0.08)), 1.0, (0.0, 0.0))
-    task = Task("by-hand", body, start, goal, (Robot(model, (0.0, 0.0, 0.0)),), contact_friction=0.5)
+    task = Task(
+        "by-hand",
+        body,
+        start,
+        goal,
+        (Robot(model, (0.0, 0.0, 0.0)),),
+        contact_friction=0.5,
+    )
     contact = Contact(0, "side", (-0.075, 0.0), (1.0, 0.0), 0.03)
-    choice = Choice("rear_push", True, "by hand", (contact,), length, 5.0, 0.1, {"rho": 0.05}, path)
+    choice = Choice(
+        "rear_push", True, "by hand", (contact,), length, 5.0, 0.1, {"rho": 0.05}, path
+    )
     plan = Plan(task, choice, path, SpeedProfile(length, 0.1, 0.5), X_BV)
 
     n = TOUCH + MOVE + RELEASE
-    phase = np.repeat([PHASES.index(p) for p in ("touch", "move", "release")], [TOUCH, MOVE, RELEASE])
+    phase = np.repeat(
+        [PHASES.index(p) for p in ("touch", "move", "release")], [TOUCH, MOVE, RELEASE]
+    )
     s = np.clip((np.arange(n) - TOUCH) / (MOVE - 1), 0.0, 1.0) * length
     poses = [plan.object_pose(v) for v in s]
     pose = np.array([(p.x, p.y, p.yaw) for p in poses])
@@ -90,13 +111,17 @@ def perfect(model="hand"):
 
 
 def two_presses(model="hand"):
-    """The box pressed by two arms in two stretches: along the arc, then turned about its CoM.
+    """The box pressed by two arms in two stretches: along the arc, then turned about
+    its CoM.
 
     Each with the load and the shear (in B) of PRESSES.
     """
     made = perfect(model)
     robots = tuple(Robot(model, (0.0, y, 0.0)) for y in (0.3, -0.3))
-    contacts = tuple(Contact(arm, "top", point, (0.0, 0.0), 0.08, load) for arm, point, load, _ in PRESSES)
+    contacts = tuple(
+        Contact(arm, "top", point, (0.0, 0.0), 0.08, load)
+        for arm, point, load, _ in PRESSES
+    )
     first = made.plan
     X_BV = Pose2(0.0, 0.0, 0.0)
     corner = first.path.end.compose(first.X_BV.inverse())
@@ -110,30 +135,45 @@ def two_presses(model="hand"):
     plan = replace(first, task=task, choice=first_choice, following=then)
 
     arrays = dict(made.record.arrays)
-    n, half = len(arrays["time"]), TOUCH + MOVE // 2
+    n = len(arrays["time"])
+    half = TOUCH + MOVE // 2
     s = np.clip((np.arange(n) - TOUCH) / (MOVE // 2 - 1), 0.0, 1.0) * first.path.length
     turn = np.clip((np.arange(n) - half) / (MOVE // 2 - 1), 0.0, 1.0) * spin.length
     stretch = (np.arange(n) >= half).astype(float)
     poses = [
-        then.object_pose(b) if k else plan.object_pose(a) for k, a, b in zip(stretch, s, turn, strict=True)
+        then.object_pose(b) if k else plan.object_pose(a)
+        for k, a, b in zip(stretch, s, turn, strict=True)
     ]
     pose = np.array([(p.x, p.y, p.yaw) for p in poses])
-    tips, forces = np.zeros((n, 2, 3)), np.zeros((n, 2, 3))
+    tips = np.zeros((n, 2, 3))
+    forces = np.zeros((n, 2, 3))
     move = arrays["phase"] == PHASES.index("move")
     for arm, point, load, shear in PRESSES:
         tips[:, arm] = [(*p.apply(point), 0.08 + 0.02) for p in poses]
         forces[move, arm] = [(*p.rotate(shear), -load) for p in compress(poses, move)]
-    samples = [part.path.pose(v) for part in plan.stretches for v in np.linspace(0.0, part.path.length, 200)]
+    samples = [
+        part.path.pose(v)
+        for part in plan.stretches
+        for v in np.linspace(0.0, part.path.length, 200)
+    ]
     frames = np.array([(f.x, f.y, f.yaw) for f in (first.X_BV, X_BV)])
     arrays |= {
-        "object_pose": pose, "reference_pose": pose.copy(), "object_twist": np.gradient(pose, DT, axis=0),
-        "stretch": stretch, "vehicle_frame": frames[stretch.astype(int)],
-        "progress": np.where(stretch, turn, s), "tip_position": tips, "tip_reference": tips.copy(),
-        "measured_force": forces, "command_force": forces.copy(),
+        "object_pose": pose,
+        "reference_pose": pose.copy(),
+        "object_twist": np.gradient(pose, DT, axis=0),
+        "stretch": stretch,
+        "vehicle_frame": frames[stretch.astype(int)],
+        "progress": np.where(stretch, turn, s),
+        "tip_position": tips,
+        "tip_reference": tips.copy(),
+        "measured_force": forces,
+        "command_force": forces.copy(),
         "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
         "plan_stretch": np.repeat([0.0, 1.0], 200),
-    }  # fmt: skip
-    return Made(task, plan, replace(made.record, arrays=arrays, modes=("bimanual_press_slide",)))
+    }
+    return Made(
+        task, plan, replace(made.record, arrays=arrays, modes=("bimanual_press_slide",))
+    )
 
 
 @pytest.fixture
@@ -156,12 +196,16 @@ def arm_run():
     """The same with the joints of a Panda that holds still at its home posture."""
     from pushpressslide.robots.facts import load_facts
 
-    made, facts = perfect("panda"), load_facts("panda")
+    made = perfect("panda")
+    facts = load_facts("panda")
     n = len(made.record.arrays["time"])
     q = np.tile(facts.home, (n, 1))
     positions = np.zeros((n, 7))
     pose = made.record.arrays["object_pose"]
-    positions[:, 0], positions[:, 3] = np.cos(0.5 * pose[:, 2]), np.sin(0.5 * pose[:, 2])
+    positions[:, 0], positions[:, 3] = (
+        np.cos(0.5 * pose[:, 2]),
+        np.sin(0.5 * pose[:, 2]),
+    )
     positions[:, 4:6], positions[:, 6] = pose[:, :2], 0.04
     post = np.tile([math.cos(0.15), 0.0, 0.0, math.sin(0.15), 0.3, 0.3, 0.1], (n, 1))
     post[-1, 4:6] += (0.03, 0.04)

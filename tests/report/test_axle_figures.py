@@ -11,7 +11,11 @@ from pushpressslide.core.task import Box, ObjectModel
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report.axle_figures import axle_over_time, axles_over_time
 
-AXLE, ANGLE, LOAD, SPEED, TURN = -0.05, 0.6, 8.0, 0.02, 0.1
+AXLE = -0.05
+ANGLE = 0.6
+LOAD = 8.0
+SPEED = 0.02
+TURN = 0.1
 
 
 @pytest.fixture(params=[(0.0, 0.0), (0.03, -0.02)], ids=["centred", "off-centre"])
@@ -21,23 +25,38 @@ def pressed_run(run, request):
     body = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, com)
     task = replace(run.task, object=body)
     contact = Contact(0, "top", (0.12, 0.05), (0.0, 0.0), 0.1, LOAD)
-    plan = replace(run.plan, task=task, choice=replace(run.plan.choice, contacts=(contact,)))
+    plan = replace(
+        run.plan, task=task, choice=replace(run.plan.choice, contacts=(contact,))
+    )
     time = run.record.arrays["time"]
     yaw = TURN * time
-    ex, ey = 12.0 / 13.0, 5.0 / 13.0
+    ex = 12.0 / 13.0
+    ey = 5.0 / 13.0
     # the axle's velocity is along e; that of G's origin follows
-    rx, ry = -AXLE * ex - com[0], -AXLE * ey - com[1]
-    vx, vy = SPEED * ex - TURN * ry, SPEED * ey + TURN * rx
-    c, s = np.cos(yaw), np.sin(yaw)
-    twist = np.stack([c * vx - s * vy, s * vx + c * vy, np.full(len(time), TURN)], axis=1)
+    rx = -AXLE * ex - com[0]
+    ry = -AXLE * ey - com[1]
+    vx = SPEED * ex - TURN * ry
+    vy = SPEED * ey + TURN * rx
+    c = np.cos(yaw)
+    s = np.sin(yaw)
+    twist = np.stack(
+        [c * vx - s * vy, s * vx + c * vy, np.full(len(time), TURN)], axis=1
+    )
     bearing = yaw + math.atan2(ey, ex) + ANGLE
-    force = np.stack([3.0 * np.cos(bearing), 3.0 * np.sin(bearing), np.full(len(time), -LOAD)], axis=1)
+    force = np.stack(
+        [3.0 * np.cos(bearing), 3.0 * np.sin(bearing), np.full(len(time), -LOAD)],
+        axis=1,
+    )
     made = replace(run, task=task, plan=plan)
     pose = np.stack([np.zeros_like(yaw), np.zeros_like(yaw), yaw], axis=1)
-    return made.with_arrays(object_pose=pose, object_twist=twist, measured_force=force[:, None, :])
+    return made.with_arrays(
+        object_pose=pose, object_twist=twist, measured_force=force[:, None, :]
+    )
 
 
-def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(pressed_run) -> None:
+def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(
+    pressed_run,
+) -> None:
     axles = axles_over_time(pressed_run.task, pressed_run.plan, pressed_run.record)
     assert np.isnan(axles["measured"][~pressed_run.move]).all()
     np.testing.assert_allclose(axles["measured"][pressed_run.move], AXLE, atol=1e-6)
@@ -54,19 +73,25 @@ def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(pre
 def test_where_the_object_hardly_turns_nothing_is_measured(pressed_run) -> None:
     slow = pressed_run.record.arrays["object_twist"] * [1.0, 1.0, 0.1]
     made = pressed_run.with_arrays(object_twist=slow)
-    assert np.isnan(axles_over_time(made.task, made.plan, made.record)["measured"]).all()
+    assert np.isnan(
+        axles_over_time(made.task, made.plan, made.record)["measured"]
+    ).all()
 
 
 def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
     time = pressed_run.record.arrays["time"]
     ramp = np.clip(time - 2.0, 0.0, 1.0)
-    made = pressed_run.with_arrays(object_twist=pressed_run.record.arrays["object_twist"] * ramp[:, None])
+    made = pressed_run.with_arrays(
+        object_twist=pressed_run.record.arrays["object_twist"] * ramp[:, None]
+    )
     measured = axles_over_time(made.task, made.plan, made.record)["measured"]
     assert np.isnan(measured[time < 2.9]).all()
     np.testing.assert_allclose(measured[made.move & (time > 3.4)], AXLE, atol=1e-6)
 
 
-def test_the_figure_has_four_panels_and_is_for_one_top_press_only(pressed_run, run) -> None:
+def test_the_figure_has_four_panels_and_is_for_one_top_press_only(
+    pressed_run, run
+) -> None:
     figure = axle_over_time(pressed_run.task, pressed_run.plan, pressed_run.record)
     assert figure is not None
     assert len(figure.axes) == 4

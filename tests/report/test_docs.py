@@ -19,7 +19,11 @@ def keys(value):
 
 def test_every_field_of_the_result_is_documented(arm_run):
     text = (DOCS / "result.md").read_text("utf-8")
-    missing = [n for n in keys(result(arm_run.task, arm_run.plan, arm_run.record)) if f"`{n}`" not in text]
+    missing = [
+        n
+        for n in keys(result(arm_run.task, arm_run.plan, arm_run.record))
+        if f"`{n}`" not in text
+    ]
     assert not missing
 
 
@@ -30,7 +34,9 @@ def test_every_array_of_the_record_is_documented(arm_run):
     assert not [n for n in names if f"`{n}`" not in text]
 
 
-@pytest.mark.parametrize("name", ["reason", "engine", "seed", "wall_time", "modes", "meta", "reason_text"])
+@pytest.mark.parametrize(
+    "name", ["reason", "engine", "seed", "wall_time", "modes", "meta", "reason_text"]
+)
 def test_every_other_field_of_a_record_is_documented(name):
     assert name in Record.__slots__
     assert f"`{name}`" in (DOCS / "record.md").read_text("utf-8")

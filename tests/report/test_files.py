@@ -12,9 +12,19 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.report.files import load_run, record_from_bytes, record_to_bytes, save_run
+from pushpressslide.report.files import (
+    load_run,
+    record_from_bytes,
+    record_to_bytes,
+    save_run,
+)
 from pushpressslide.report.metrics import result
-from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict, write_plan
+from pushpressslide.report.plan_files import (
+    choices_from_dict,
+    plan_from_dict,
+    plan_to_dict,
+    write_plan,
+)
 
 REFUSED = Choice("press_slide", False, "needs 60 N, limits.normal_force is 40 N")
 PASSED = Choice("press_slide", False, "not judged in full", judged=False)
@@ -22,7 +32,14 @@ PASSED = Choice("press_slide", False, "not judged in full", judged=False)
 
 def save(run, folder):
     choices = (run.plan.choice, REFUSED, PASSED)
-    save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
+    save_run(
+        folder,
+        run.task,
+        run.plan,
+        run.record,
+        result(run.task, run.plan, run.record),
+        choices,
+    )
     return folder
 
 
@@ -30,7 +47,15 @@ def same_record(a, b):
     assert set(a.arrays) == set(b.arrays)
     for name, values in a.arrays.items():
         np.testing.assert_array_equal(values, b.arrays[name], err_msg=name)
-    for field in ("reason", "reason_text", "engine", "seed", "wall_time", "modes", "meta"):
+    for field in (
+        "reason",
+        "reason_text",
+        "engine",
+        "seed",
+        "wall_time",
+        "modes",
+        "meta",
+    ):
         assert getattr(a, field) == getattr(b, field), field
 
 
@@ -46,14 +71,22 @@ def test_the_same_record_gives_the_same_bytes(run):
 
 
 def test_a_plan_survives_its_file(run):
-    data = json.loads(json.dumps(plan_to_dict(run.plan, (run.plan.choice, REFUSED, PASSED)), allow_nan=False))
+    data = json.loads(
+        json.dumps(
+            plan_to_dict(run.plan, (run.plan.choice, REFUSED, PASSED)), allow_nan=False
+        )
+    )
     plan = plan_from_dict(data, run.task)
     assert plan == run.plan
     assert choices_from_dict(data) == (run.plan.choice, REFUSED, PASSED)
 
 
 def test_a_plan_of_two_stretches_survives_its_file(pressed):
-    data = json.loads(json.dumps(plan_to_dict(pressed.plan, (pressed.plan.choice, REFUSED)), allow_nan=False))
+    data = json.loads(
+        json.dumps(
+            plan_to_dict(pressed.plan, (pressed.plan.choice, REFUSED)), allow_nan=False
+        )
+    )
     plan = plan_from_dict(data, pressed.task)
     assert plan == pressed.plan
     assert [type(stretch.path) for stretch in plan.stretches] == [ArcPath, TwistPath]
@@ -68,7 +101,9 @@ def test_a_plan_of_two_stretches_survives_its_file(pressed):
         (lambda data: data.update(grasps=[]), "a plan without grasps"),
     ],
 )
-def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(pressed, change, what):
+def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(
+    pressed, change, what
+):
     data = plan_to_dict(pressed.plan)
     change(data)
     with pytest.raises(ValueError, match=what):
@@ -88,11 +123,15 @@ def test_a_saved_run_gives_the_same_figures_again(run, tmp_path):
     same_record(run.record, back.record)
     assert back.plan.path == run.plan.path
     assert back.choices[1:] == (REFUSED, PASSED)
-    assert result(back.task, back.plan, back.record, {}) == result(run.task, run.plan, run.record, {})
+    assert result(back.task, back.plan, back.record, {}) == result(
+        run.task, run.plan, run.record, {}
+    )
     assert back.result == json.loads(json.dumps(result(run.task, run.plan, run.record)))
 
 
-@pytest.mark.parametrize("name", ["task.yaml", "plan.json", "record.npz", "result.json"])
+@pytest.mark.parametrize(
+    "name", ["task.yaml", "plan.json", "record.npz", "result.json"]
+)
 def test_a_folder_that_lacks_a_file_is_refused_with_the_files_name(run, tmp_path, name):
     folder = save(run, tmp_path / "run")
     (folder / name).unlink()
@@ -114,7 +153,9 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path):
         load_run(tmp_path / "nowhere")
 
 
-def test_a_run_that_was_cut_off_while_saving_never_looks_whole(run, tmp_path, monkeypatch):
+def test_a_run_that_was_cut_off_while_saving_never_looks_whole(
+    run, tmp_path, monkeypatch
+):
     folder = save(run, tmp_path / "run")
     replaced = []
 
@@ -137,7 +178,9 @@ def test_a_run_that_was_cut_off_while_saving_never_looks_whole(run, tmp_path, mo
 
 def test_a_failed_write_leaves_the_old_file_alone(tmp_path, monkeypatch):
     path = write_whole(tmp_path / "a" / "file.txt", "old")
-    monkeypatch.setattr(whole_file.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("no")))
+    monkeypatch.setattr(
+        whole_file.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("no"))
+    )
     with pytest.raises(OSError, match="no"):
         write_whole(path, "new")
     assert path.read_text() == "old"

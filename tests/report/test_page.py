@@ -1,4 +1,6 @@
-"""The report page holds the numbers, needs nothing from elsewhere, and is made from the files alone."""
+"""The report page holds the numbers, needs nothing from elsewhere, and is made from the
+files alone.
+"""
 
 import re
 from dataclasses import replace
@@ -15,18 +17,29 @@ from pushpressslide.report.page import write_report
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
 
-REFUSED = Choice("press_slide", False, "needs 60 N & more, limits.normal_force is <40> N")
+REFUSED = Choice(
+    "press_slide", False, "needs 60 N & more, limits.normal_force is <40> N"
+)
 PASSED = Choice("press_slide", False, "not judged in full", judged=False)
 
 
 def save(run, folder):
     choices = (run.plan.choice, REFUSED, PASSED)
-    save_run(folder, run.task, run.plan, run.record, result(run.task, run.plan, run.record), choices)
+    save_run(
+        folder,
+        run.task,
+        run.plan,
+        run.record,
+        result(run.task, run.plan, run.record),
+        choices,
+    )
     return folder
 
 
 def off(run, dy):
-    return run.with_arrays(object_pose=run.record.arrays["object_pose"] + (0.0, dy, 0.0))
+    return run.with_arrays(
+        object_pose=run.record.arrays["object_pose"] + (0.0, dy, 0.0)
+    )
 
 
 def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
@@ -39,14 +52,19 @@ def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
     assert "Goal missed" in text
     assert "10.00 mm" in text
     assert "needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in text
-    assert [text.count(f">{of}</td>") for of in ("chosen", "refused", "passed over")] == [1, 1, 1]
+    assert [
+        text.count(f">{of}</td>") for of in ("chosen", "refused", "passed over")
+    ] == [1, 1, 1]
     assert 'href="replay.html"' in text
 
 
 def test_the_page_loads_nothing_from_elsewhere(run, tmp_path):
     text = write_report([save(run, tmp_path / "run")]).read_text()
     assert not re.search(r"https?://", text)
-    assert all(source.startswith("data:image/png;base64,") for source in re.findall(r'src="([^"]*)"', text))
+    assert all(
+        source.startswith("data:image/png;base64,")
+        for source in re.findall(r'src="([^"]*)"', text)
+    )
 
 
 def test_several_runs_are_compared_first(run, tmp_path):
@@ -54,7 +72,11 @@ def test_several_runs_are_compared_first(run, tmp_path):
     page = write_report(runs)
     text = page.read_text()
     assert page == tmp_path / "report.html"
-    assert text.index("Side by side") < text.index(">with</h2>") < text.index(">without</h2>")
+    assert (
+        text.index("Side by side")
+        < text.index(">with</h2>")
+        < text.index(">without</h2>")
+    )
     assert 'href="with/result.json"' in text
 
 
@@ -73,12 +95,18 @@ def test_a_report_of_nothing_is_refused(tmp_path):
 def test_every_figure_is_made_where_the_record_has_the_data(run, arm_run):
     common = ["path", "errors", "tracking", "forces"]
     assert list(figures(run.task, run.plan, run.record)) == [*common, "speeds"]
-    assert list(figures(arm_run.task, arm_run.plan, arm_run.record)) == [*common, "torques", "speeds"]
+    assert list(figures(arm_run.task, arm_run.plan, arm_run.record)) == [
+        *common,
+        "torques",
+        "speeds",
+    ]
 
 
 def test_two_arms_and_presses_have_their_own_panels(run):
     first = run.plan.choice.contacts[0]
-    press = replace(first, arm=1, kind="top", point=(0.02, 0.0), normal=(0.0, 0.0), height=0.08)
+    press = replace(
+        first, arm=1, kind="top", point=(0.02, 0.0), normal=(0.0, 0.0), height=0.08
+    )
     arrays = run.record.arrays
     doubled = {
         n: np.concatenate([arrays[n], arrays[n]], axis=1)
@@ -86,7 +114,9 @@ def test_two_arms_and_presses_have_their_own_panels(run):
     }
     made = run.with_arrays(**doubled)
     task = replace(run.task, robots=run.task.robots * 2)
-    plan = replace(run.plan, task=task, choice=replace(run.plan.choice, contacts=(first, press)))
+    plan = replace(
+        run.plan, task=task, choice=replace(run.plan.choice, contacts=(first, press))
+    )
     drawn = figures(task, plan, made.record)
     assert len(drawn["forces"].axes) == 4
     assert result(task, plan, made.record)["success"]
@@ -97,7 +127,8 @@ def test_a_press_alone_shows_its_axle_and_stretches_are_listed(pressed, tmp_path
     assert "Tracking point, from the CoM" in text
     assert text.count("press on top") == 2
     assert "Arm 1: hand" in text
-    assert "axle" not in figures(pressed.task, pressed.plan, pressed.record)  # two presses have no one axle
+    # two presses have no one axle
+    assert "axle" not in figures(pressed.task, pressed.plan, pressed.record)
     choice = replace(pressed.plan.choice, contacts=pressed.plan.choice.contacts[:1])
     plan = replace(pressed.plan, choice=choice, following=None)
     one = pressed.with_arrays(stretch=np.zeros_like(pressed.record.arrays["stretch"]))
@@ -106,33 +137,51 @@ def test_a_press_alone_shows_its_axle_and_stretches_are_listed(pressed, tmp_path
 
 def test_shear_of_a_press_is_drawn_with_its_load(pressed, presses):
     panels = figures(pressed.task, pressed.plan, pressed.record)["forces"].axes
-    for (press, shear), (_, _, load, (x, y)) in zip((panels[:2], panels[2:]), presses, strict=True):
+    for (press, shear), (_, _, load, (x, y)) in zip(
+        (panels[:2], panels[2:]), presses, strict=True
+    ):
         lines = {line.get_label(): line.get_ydata() for line in press.get_lines()}
         assert np.nanmax(lines["measured"]) == pytest.approx(load)
         assert np.nanmax(lines["planned load"]) == pytest.approx(load)
-        (drawn,) = (line for line in shear.get_lines() if line.get_label() == "measured")
+        (drawn,) = (
+            line for line in shear.get_lines() if line.get_label() == "measured"
+        )
         assert np.nanmax(drawn.get_ydata()) == pytest.approx(np.hypot(x, y))
 
 
 def test_a_second_attempt_goes_beyond_the_plan(pressed):
-    plan = replace(pressed.plan, choice=replace(pressed.plan.choice, following=None), following=None)
+    plan = replace(
+        pressed.plan,
+        choice=replace(pressed.plan.choice, following=None),
+        following=None,
+    )
     assert result(pressed.task, plan, pressed.record)["path_rms_error"] < 1e-6
     panel = figures(pressed.task, plan, pressed.record)["forces"].axes[0]
-    (load,) = (line.get_ydata() for line in panel.get_lines() if line.get_label() == "planned load")
+    (load,) = (
+        line.get_ydata()
+        for line in panel.get_lines()
+        if line.get_label() == "planned load"
+    )
     assert np.isfinite(load[pressed.move]).mean() == pytest.approx(0.5)
 
 
 def test_the_same_figure_gives_the_same_bytes(run):
-    made = [png(comparison_plot([("a", run.record, run.task, run.plan)])) for _ in range(2)]
+    made = [
+        png(comparison_plot([("a", run.record, run.task, run.plan)])) for _ in range(2)
+    ]
     assert made[0] == made[1]
 
 
 def test_a_run_cut_short_still_has_a_page(run, tmp_path):
     arrays = {
-        name: values if name.startswith("plan_") else values[:1] for name, values in run.record.arrays.items()
+        name: values if name.startswith("plan_") else values[:1]
+        for name, values in run.record.arrays.items()
     }
     short = replace(
-        run, record=replace(run.record, arrays=arrays, reason="interrupted", reason_text="stopped")
+        run,
+        record=replace(
+            run.record, arrays=arrays, reason="interrupted", reason_text="stopped"
+        ),
     )
     assert "interrupted" in write_report([save(short, tmp_path / "run")]).read_text()
 
@@ -147,4 +196,7 @@ def test_the_planar_replay_is_one_page_with_all_frames(run, tmp_path):
 
 
 def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
-    assert write_replay(run.task, run.plan, run.record, tmp_path) == tmp_path / "replay.html"
+    assert (
+        write_replay(run.task, run.plan, run.record, tmp_path)
+        == tmp_path / "replay.html"
+    )

@@ -8,7 +8,14 @@ import pytest
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.core.task import Box, Cylinder, ObjectModel, Obstacle, Prism, Support
+from pushpressslide.core.task import (
+    Box,
+    Cylinder,
+    ObjectModel,
+    Obstacle,
+    Prism,
+    Support,
+)
 from pushpressslide.sim import frames, replay
 from pushpressslide.sim.frames import look_at, render_frames, write_video
 from pushpressslide.sim.playback import Playback, camera_view, fit_view, ribbon
@@ -19,21 +26,33 @@ PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
 
 def two_arms(made, arm_run):
     """Two Pandas at rest beside the box that they press, for what is drawn."""
-    robots = tuple(replace(arm_run.task.robots[0], base=(-0.2, y, 0.0)) for y in (0.4, -0.4))
+    robots = tuple(
+        replace(arm_run.task.robots[0], base=(-0.2, y, 0.0)) for y in (0.4, -0.4)
+    )
     task = replace(made.task, robots=robots)
     then = replace(made.plan.following, task=task)
-    joints = {f"joint_position_{i}": arm_run.record.arrays["joint_position_0"] for i in (0, 1)}
-    return replace(made.with_arrays(**joints), task=task, plan=replace(made.plan, task=task, following=then))
+    joints = {
+        f"joint_position_{i}": arm_run.record.arrays["joint_position_0"] for i in (0, 1)
+    }
+    return replace(
+        made.with_arrays(**joints),
+        task=task,
+        plan=replace(made.plan, task=task, following=then),
+    )
 
 
 def with_shape(run, shape):
     post = Obstacle("post", (0.1, 0.1, 0.2), Pose2(0.3, 0.3, 0.3), movable=True)
-    task = replace(run.task, object=ObjectModel(shape, 1.0, (0.0, 0.0)), obstacles=(post,))
+    task = replace(
+        run.task, object=ObjectModel(shape, 1.0, (0.0, 0.0)), obstacles=(post,)
+    )
     return replace(run, task=task, plan=replace(run.plan, task=task))
 
 
 def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp_path):
-    page = write_replay(arm_run.task, arm_run.plan, arm_run.record, tmp_path / "replay.html")
+    page = write_replay(
+        arm_run.task, arm_run.plan, arm_run.record, tmp_path / "replay.html"
+    )
     text = page.read_text()
     assert 1e6 < len(text) < 6e6
     assert "by-hand: rear_push, goal reached" in text
@@ -42,10 +61,14 @@ def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp
     assert [p.name for p in tmp_path.iterdir()] == ["replay.html"]
 
 
-@pytest.mark.parametrize("shape", [PRISM, Cylinder(0.06, 0.07)], ids=["prism", "cylinder"])
+@pytest.mark.parametrize(
+    "shape", [PRISM, Cylinder(0.06, 0.07)], ids=["prism", "cylinder"]
+)
 def test_every_shape_can_be_replayed(arm_run, tmp_path, shape):
     made = with_shape(arm_run, shape)
-    assert write_replay(made.task, made.plan, made.record, tmp_path / "replay.html").is_file()
+    assert write_replay(
+        made.task, made.plan, made.record, tmp_path / "replay.html"
+    ).is_file()
 
 
 def test_playback_puts_everything_where_it_was(arm_run):
@@ -58,7 +81,9 @@ def test_playback_puts_everything_where_it_was(arm_run):
     plant = playback.scene.plant
     inner = plant.GetMyContextFromRoot(context)
     X = plant.EvalBodyPoseInWorld(inner, playback.scene.object)
-    assert X.translation()[:2] == pytest.approx(made.record.arrays["object_pose"][tick, :2])
+    assert X.translation()[:2] == pytest.approx(
+        made.record.arrays["object_pose"][tick, :2]
+    )
     q = plant.GetPositions(inner, playback.scene.robots[0].model_instance)
     assert q == pytest.approx(made.record.arrays["joint_position_0"][tick])
     post = plant.EvalBodyPoseInWorld(inner, playback.scene.bodies["post"])
@@ -66,7 +91,9 @@ def test_playback_puts_everything_where_it_was(arm_run):
 
 
 def test_a_planar_record_with_an_arm_is_refused_in_one_line(arm_run, tmp_path):
-    arrays = {k: v for k, v in arm_run.record.arrays.items() if not k.startswith("joint_")}
+    arrays = {
+        k: v for k, v in arm_run.record.arrays.items() if not k.startswith("joint_")
+    }
     record = replace(arm_run.record, arrays=arrays, engine="planar")
     with pytest.raises(SimulationError, match="no joint_position_0") as caught:
         write_replay(arm_run.task, arm_run.plan, record, tmp_path / "replay.html")
@@ -87,9 +114,14 @@ def test_the_camera_holds_every_point_in_its_picture():
 
 def test_a_ribbon_has_the_width_that_was_asked_for():
     text = (
-        ribbon(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 0.01).source().in_memory().mesh_file.contents()
+        ribbon(np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]), 0.01)
+        .source()
+        .in_memory()
+        .mesh_file.contents()
     )
-    rows = [line.split()[1:] for line in text.decode().splitlines() if line.startswith("v ")]
+    rows = [
+        line.split()[1:] for line in text.decode().splitlines() if line.startswith("v ")
+    ]
     y = np.array(rows, dtype=float)[:, 1]
     assert sorted(set(y)) == pytest.approx([-0.005, 0.005])
 
@@ -97,7 +129,13 @@ def test_a_ribbon_has_the_width_that_was_asked_for():
 def test_frames_show_the_object_move(arm_run, tmp_path):
     try:
         paths = render_frames(
-            arm_run.task, arm_run.plan, arm_run.record, (0.0, 4.0), tmp_path, width=160, height=120
+            arm_run.task,
+            arm_run.plan,
+            arm_run.record,
+            (0.0, 4.0),
+            tmp_path,
+            width=160,
+            height=120,
         )
     except SimulationError as error:
         pytest.skip(str(error))
@@ -108,7 +146,9 @@ def test_frames_show_the_object_move(arm_run, tmp_path):
     assert np.abs(first - last).max() > 50.0
 
 
-def test_a_machine_that_cannot_render_says_so_in_one_line(arm_run, tmp_path, monkeypatch):
+def test_a_machine_that_cannot_render_says_so_in_one_line(
+    arm_run, tmp_path, monkeypatch
+):
     monkeypatch.setattr(frames, "egl_problem", lambda: "libEGL.so.1 is missing")
     with pytest.raises(
         SimulationError, match=r"cannot render pictures \(libEGL\.so\.1 is missing\)"
@@ -126,7 +166,13 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
     out = tmp_path / "run.webp"
     try:
         write_video(
-            arm_run.task, arm_run.plan, arm_run.record, out, frames_per_second=2.0, width=80, height=60
+            arm_run.task,
+            arm_run.plan,
+            arm_run.record,
+            out,
+            frames_per_second=2.0,
+            width=80,
+            height=60,
         )
     except SimulationError as error:
         pytest.skip(str(error))
@@ -139,15 +185,19 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
 def test_the_axle_is_that_of_the_stretch_that_is_followed(pressed, arm_run):
     made = two_arms(pressed, arm_run)
     playback = Playback(made.task, made.plan, made.record)
-    first, last = playback.vehicle_pose(100), playback.vehicle_pose(400)
-    assert first.position == pytest.approx(made.plan.path.pose(made.record.arrays["progress"][100]).position)
+    first = playback.vehicle_pose(100)
+    last = playback.vehicle_pose(400)
+    assert first.position == pytest.approx(
+        made.plan.path.pose(made.record.arrays["progress"][100]).position
+    )
     assert last.position == pytest.approx(made.plan.following.path.end.position)
 
 
 def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
     pressed, arm_run, tmp_path, monkeypatch
 ):
-    made, drawn = two_arms(pressed, arm_run), {}
+    made = two_arms(pressed, arm_run)
+    drawn = {}
 
     def show(self, name, tail, force, scale, *_):
         drawn.setdefault(name, []).append((tail, force, scale))
@@ -155,7 +205,12 @@ def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
     monkeypatch.setattr(replay._Marks, "_show_arrow", show)
     text = write_replay(made.task, made.plan, made.record, tmp_path).read_text()
     assert "press, beside its tip, 10 mm a newton" in text
-    assert sorted(drawn) == ["marks/force_0", "marks/force_1", "marks/press_0", "marks/press_1"]
+    assert sorted(drawn) == [
+        "marks/force_0",
+        "marks/force_1",
+        "marks/press_0",
+        "marks/press_1",
+    ]
     tail, force, scale = drawn["marks/press_1"][60]
     assert force == pytest.approx([0.0, 0.0, -10.0])
     assert (tail + scale * force)[2] == pytest.approx(0.08)  # ends on the object's top
@@ -181,6 +236,7 @@ def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
 def test_light_falls_on_the_face_of_the_support_from_above(kind):
     wall = SupportFrame.of_wall((0.86, 0.0, 0.81), np.pi)
     support = Support() if kind == "table" else Support(kind="wall", frame=wall)
-    light, out = np.array(frames._light(support)), support.frame.direction((0.0, 0.0, 1.0))
+    light = np.array(frames._light(support))
+    out = support.frame.direction((0.0, 0.0, 1.0))
     assert -light @ out > 0.5 * np.linalg.norm(light)
     assert light[2] < -0.5 * np.linalg.norm(light)

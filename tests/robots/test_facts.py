@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.robots.facts import MODELS, exact_angle, load_facts, rotation_from_rpy
+from pushpressslide.robots.facts import (
+    MODELS,
+    exact_angle,
+    load_facts,
+    rotation_from_rpy,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 
 
@@ -33,7 +38,10 @@ def test_the_joints_form_one_chain_from_base_to_flange(name):
     assert facts.joints[-1].child == facts.flange
     for before, after in zip(facts.joints, facts.joints[1:], strict=False):
         assert before.child == after.parent
-    assert {link.name for link in facts.links} == {facts.base, *(j.child for j in facts.joints)}
+    assert {link.name for link in facts.links} == {
+        facts.base,
+        *(j.child for j in facts.joints),
+    }
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -48,7 +56,9 @@ def test_only_the_panda_limits_the_rate_of_its_torques():
 
 
 def test_the_rotors_of_the_first_panda_joints_weigh_as_published():
-    np.testing.assert_allclose(load_facts("panda").armature[:2], 0.605721456, rtol=1e-12)
+    np.testing.assert_allclose(
+        load_facts("panda").armature[:2], 0.605721456, rtol=1e-12
+    )
 
 
 def test_rounded_quarter_turns_are_made_exact_and_other_angles_left_alone():

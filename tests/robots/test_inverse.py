@@ -14,18 +14,24 @@ from pushpressslide.robots.reach import reach_problem, reachable
 from pushpressslide.robots.tool import ToolAttitude
 
 CONTACT = 0.04  # [m] height of the tip's centre above the table
-PLACES = np.array([[0.45, -0.25, 0.3], [0.5, 0.0, 0.2], [0.6, 0.2, 0.2], [0.55, 0.3, 0.35]])
+PLACES = np.array(
+    [[0.45, -0.25, 0.3], [0.5, 0.0, 0.2], [0.6, 0.2, 0.2], [0.55, 0.3, 0.35]]
+)
 
 
 def straight(n: int = 101) -> np.ndarray:
-    return np.stack([np.full(n, 0.55), np.linspace(-0.25, 0.25, n), np.full(n, CONTACT)], axis=1)
+    return np.stack(
+        [np.full(n, 0.55), np.linspace(-0.25, 0.25, n), np.full(n, CONTACT)], axis=1
+    )
 
 
 @pytest.mark.parametrize(
-    ("name", "tilt"), [("panda", 0.0), ("panda", 0.3), ("iiwa7", 0.0), ("iiwa7", 0.3), ("hand", 0.0)]
+    ("name", "tilt"),
+    [("panda", 0.0), ("panda", 0.3), ("iiwa7", 0.0), ("iiwa7", 0.3), ("hand", 0.0)],
 )
 def test_forward_of_inverse_gives_the_target_back(name, tilt):
-    kin, attitude = ArmKinematics(load_facts(name)), ToolAttitude(tilt, 0.8)
+    kin = ArmKinematics(load_facts(name))
+    attitude = ToolAttitude(tilt, 0.8)
     yaws = np.array([-1.0, 0.2, 0.9, 1.4])
     found = solve_ik(kin, PLACES, attitude, yaws)
     assert found.converged.all()
@@ -53,7 +59,10 @@ def test_the_hand_cannot_tilt_its_tool():
 def test_rotation_errors_are_rotation_vectors():
     angles = np.array([0.0, 1e-9, 0.3, 2.0, math.pi - 1e-4])
     turn = np.stack(
-        [[[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]] for a in angles]
+        [
+            [[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]]
+            for a in angles
+        ]
     )
     error = orientation_error(np.broadcast_to(np.eye(3), turn.shape), turn)
     np.testing.assert_allclose(error, np.outer(angles, [0, 0, 1]), atol=1e-12)
@@ -63,15 +72,20 @@ def test_rotation_errors_are_rotation_vectors():
 
 
 def test_the_panda_reaches_with_an_upright_tool_where_it_should():
-    # Scanned with another solver: nothing up to 0.25 m from the base's axis, 0.30 m with 0.06 rad
-    # to spare, 0.35 m with 0.19 rad; it did not turn the wrist over, which reaches nearer still.
+    # Scanned with another solver: nothing up to 0.25 m from the base's axis, 0.30 m
+    # with 0.06 rad to spare, 0.35 m with 0.19 rad; it did not turn the wrist over,
+    # which reaches nearer still.
     kin = ArmKinematics(load_facts("panda"))
     radii = np.array([0.20, 0.25, 0.30, 0.35, 0.40, 0.45, 0.55, 0.65, 0.75])
-    points = np.stack([radii, np.zeros_like(radii), np.full_like(radii, CONTACT)], axis=1)
+    points = np.stack(
+        [radii, np.zeros_like(radii), np.full_like(radii, CONTACT)], axis=1
+    )
     found = reachable(kin, points)
     assert found.ok.all()
     assert (np.abs(found.q[:, 4]) > 2.0).tolist() == [True, True, *[False] * 7]
-    np.testing.assert_allclose(found.joint_margin[2:6], [0.06, 0.19, 0.34, 0.50], atol=0.05)
+    np.testing.assert_allclose(
+        found.joint_margin[2:6], [0.06, 0.19, 0.34, 0.50], atol=0.05
+    )
     assert found.joint_margin[7] > 1.0
     assert not reachable(kin, [[0.9, 0.0, CONTACT]]).ok.any()
 
@@ -94,7 +108,9 @@ def test_a_line_is_refused_where_its_far_end_is_out_of_reach(far):
 
 
 def test_the_reach_problem_names_robot_and_point():
-    text = reach_problem(Robot("iiwa7", (0.0, 0.0, 0.0)), [(0.6, 0.0, 0.1), (1.4, 0.2, 0.1)])
+    text = reach_problem(
+        Robot("iiwa7", (0.0, 0.0, 0.0)), [(0.6, 0.0, 0.1), (1.4, 0.2, 0.1)]
+    )
     assert text is not None
     assert "iiwa7" in text
     assert "(1.400, 0.200, 0.100)" in text
@@ -104,7 +120,8 @@ def test_the_reach_problem_names_robot_and_point():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_straight_line_of_half_a_metre_is_followed_smoothly(name):
-    kin, positions = ArmKinematics(load_facts(name)), straight()
+    kin = ArmKinematics(load_facts(name))
+    positions = straight()
     yaws = np.linspace(0.0, 0.8, len(positions))
     start = solve_ik(kin, positions[:1], tool_yaw=yaws[0])
     path = continuation(kin, positions, yaws, start.q[0])
@@ -121,21 +138,26 @@ def test_a_straight_line_of_half_a_metre_is_followed_smoothly(name):
 def test_the_joint_path_does_not_depend_on_how_finely_it_is_sampled():
     kin = ArmKinematics(load_facts("panda"))
     start = solve_ik(kin, straight()[:1], tool_yaw=0.0).q[0]
-    ends = [continuation(kin, straight(n), np.zeros(n), start).q[-1] for n in (51, 101, 201)]
+    ends = [
+        continuation(kin, straight(n), np.zeros(n), start).q[-1] for n in (51, 101, 201)
+    ]
     assert np.abs(ends[1] - ends[2]).max() < 0.02
     assert np.abs(ends[0] - ends[2]).max() < 0.05
 
 
 def test_the_elbow_moves_away_from_a_limit():
     kin = ArmKinematics(load_facts("panda"))
-    low = solve_ik(kin, straight()[:1], tool_yaw=0.0, joint_margin=0.0, best_margin=False)
+    low = solve_ik(
+        kin, straight()[:1], tool_yaw=0.0, joint_margin=0.0, best_margin=False
+    )
     path = continuation(kin, straight(), np.zeros(101), low.q[0])
     assert path.ok
     assert path.joint_margins[-1] > 0.3
 
 
 def test_several_offsets_at_once_equal_one_at_a_time():
-    kin, positions = ArmKinematics(load_facts("iiwa7")), straight(41)
+    kin = ArmKinematics(load_facts("iiwa7"))
+    positions = straight(41)
     yaws = np.linspace(-1.0, 1.0, 5)[:, None] + np.linspace(0.0, 0.5, 41)
     starts = solve_ik(kin, np.repeat(positions[:1], 5, axis=0), tool_yaw=yaws[:, 0])
     together = continuations(kin, positions, yaws, starts.q)
@@ -147,7 +169,9 @@ def test_several_offsets_at_once_equal_one_at_a_time():
 
 def test_a_path_out_of_reach_says_where_it_fails():
     kin = ArmKinematics(load_facts("panda"))
-    positions = np.stack([np.linspace(0.6, 1.2, 61), np.zeros(61), np.full(61, CONTACT)], axis=1)
+    positions = np.stack(
+        [np.linspace(0.6, 1.2, 61), np.zeros(61), np.full(61, CONTACT)], axis=1
+    )
     start = solve_ik(kin, positions[:1], tool_yaw=0.0)
     path = continuation(kin, positions, np.zeros(61), start.q[0])
     assert path.status in ("unreachable", "joint_limit", "jump")

@@ -1,4 +1,6 @@
-"""Reduced models against the limit surface that they stand for (docs/mechanics.md, 2 to 5)."""
+"""Reduced models against the limit surface that they stand for (docs/mechanics.md, 2 to
+5).
+"""
 
 import math
 
@@ -28,20 +30,24 @@ def dot(a, b):
 
 @st.composite
 def rear_cars(draw):
-    bearing, d = draw(bearings), draw(st.floats(0.03, 0.2))
+    bearing = draw(bearings)
+    d = draw(st.floats(0.03, 0.2))
     normal = (math.cos(bearing), math.sin(bearing))
-    side, cop = turned_left(normal), (draw(small), draw(small))
+    side = turned_left(normal)
+    cop = (draw(small), draw(small))
     offset = d * draw(st.floats(-0.9, 0.9))
     contact = tuple(cop[i] - d * normal[i] + offset * side[i] for i in range(2))
-    return RearSteerCar(contact, normal, cop, draw(st.floats(0.02, 0.2)), draw(st.floats(0.05, 1.5)))
+    return RearSteerCar(
+        contact, normal, cop, draw(st.floats(0.02, 0.2)), draw(st.floats(0.05, 1.5))
+    )
 
 
 def moved(car, force):
     """Return the twist at the vehicle frame's origin under a contact force, in B."""
     surface = EllipsoidLimitSurface(2.0, car.rho, car.cop)
-    return surface.twist_direction(wrench_of_forces([car.contact], [force], car.cop)).moved_to(
-        car.X_BV.position
-    )
+    return surface.twist_direction(
+        wrench_of_forces([car.contact], [force], car.cop)
+    ).moved_to(car.X_BV.position)
 
 
 @given(rear_cars(), shares)
@@ -67,12 +73,16 @@ def test_no_force_in_the_cone_makes_the_front_axle_slip_sideways(car, share):
 
 
 @given(rear_cars(), shares)
-def test_steering_within_its_limits_is_a_force_on_the_surface_and_in_the_cone(car, share):
+def test_steering_within_its_limits_is_a_force_on_the_surface_and_in_the_cone(
+    car, share
+):
     low, high = car.steering_limits
     steering = low + share * (high - low)
     force = car.force(steering, 2.0)
     surface = EllipsoidLimitSurface(2.0, car.rho, car.cop)
-    assert surface.level(wrench_of_forces([car.contact], [force])) == pytest.approx(1.0, abs=1e-9)
+    assert surface.level(wrench_of_forces([car.contact], [force])) == pytest.approx(
+        1.0, abs=1e-9
+    )
     assert cone_margin(force, car.normal, car.mu) > -1e-9
     assert car.steering(car.curvature(steering)) == pytest.approx(steering, abs=1e-9)
 
@@ -90,7 +100,9 @@ def test_the_contact_moves_as_its_mobility_says(car, share):
     twist = moved(car, car.force(steering, 1.0))
     scale = 0.07 / dot((twist.vx, twist.vy), car.axis)
     at_contact = twist.moved_to(car.contact)
-    assert velocity == pytest.approx((scale * at_contact.vx, scale * at_contact.vy), rel=1e-6, abs=1e-9)
+    assert velocity == pytest.approx(
+        (scale * at_contact.vx, scale * at_contact.vy), rel=1e-6, abs=1e-9
+    )
 
 
 @given(rear_cars(), shares)
@@ -104,7 +116,9 @@ def test_a_mirrored_push_has_the_mirrored_car(car, share):
     )
     low, high = car.steering_limits
     assert mirror.steering_limits == pytest.approx((-high, -low))
-    assert mirror.curvature_limits == pytest.approx(tuple(-k for k in reversed(car.curvature_limits)))
+    assert mirror.curvature_limits == pytest.approx(
+        tuple(-k for k in reversed(car.curvature_limits))
+    )
     assert mirror.X_BV.y == pytest.approx(-car.X_BV.y)
     assert mirror.minimum_turning_radius == pytest.approx(car.minimum_turning_radius)
 
@@ -125,15 +139,25 @@ def test_the_centred_push_of_the_cube_is_the_car_of_the_notes():
 
 @given(st.floats(-0.12, 0.12), st.floats(0.05, 1.0))
 def test_an_offset_push_has_the_shifted_curvature_interval_of_the_notes(y_c, mu):
-    d, rho = 0.075, 0.0574
+    d = 0.075
+    rho = 0.0574
     car = RearSteerCar((-d, y_c), (1.0, 0.0), (0.0, 0.0), rho, mu)
     assert car.eta == pytest.approx(math.atan2(-y_c, d))
-    # With v_x at the centre of mass: kappa in [-(mu d + y_c)/rho^2, (mu d - y_c)/rho^2].
+    # With v_x at the centre of mass: kappa in [-(mu d + y_c)/rho^2, (mu d -
+    # y_c)/rho^2].
     surface = EllipsoidLimitSurface(1.0, rho)
-    for tangential, kappa in ((mu, -(mu * d + y_c) / rho**2), (-mu, (mu * d - y_c) / rho**2)):
-        twist = surface.twist_direction(wrench_of_forces([(-d, y_c)], [(1.0, tangential)]))
+    for tangential, kappa in (
+        (mu, -(mu * d + y_c) / rho**2),
+        (-mu, (mu * d - y_c) / rho**2),
+    ):
+        twist = surface.twist_direction(
+            wrench_of_forces([(-d, y_c)], [(1.0, tangential)])
+        )
         assert twist.w / twist.vx == pytest.approx(kappa, abs=1e-9)
-    if abs(car.steering_limits[0]) < STEERING_LIMIT and abs(car.steering_limits[1]) < STEERING_LIMIT:
+    if (
+        abs(car.steering_limits[0]) < STEERING_LIMIT
+        and abs(car.steering_limits[1]) < STEERING_LIMIT
+    ):
         low, high = car.curvature_limits
         assume(abs(abs(y_c) - mu * d) > 1e-6)
         assert (low < 0.0 < high) == (abs(y_c) < mu * d)
@@ -158,19 +182,26 @@ def test_a_frictionless_centred_push_only_goes_straight():
 @given(bearings, st.floats(-0.5, 0.5), st.floats(0.1, 1.0))
 def test_the_car_drives_arcs(yaw, steering, length):
     car = RearSteerCar((-0.075, 0.0), (1.0, 0.0), (0.0, 0.0), 0.0574, 0.8)
-    x, n = (0.3, -0.2, yaw), 200
+    x = (0.3, -0.2, yaw)
+    n = 200
     h = length / n
     for _ in range(n):
         a = car.xdot(x, (1.0, steering))
-        b = car.xdot(tuple(p + 0.5 * h * q for p, q in zip(x, a, strict=True)), (1.0, steering))
+        b = car.xdot(
+            tuple(p + 0.5 * h * q for p, q in zip(x, a, strict=True)), (1.0, steering)
+        )
         x = tuple(p + h * q for p, q in zip(x, b, strict=True))
     end = advance(Pose2(0.3, -0.2, yaw), car.curvature(steering), length)
-    assert x == pytest.approx((end.x, end.y, end.yaw), abs=2e-3 * (h * car.curvature(steering)) + 1e-3)
+    assert x == pytest.approx(
+        (end.x, end.y, end.yaw), abs=2e-3 * (h * car.curvature(steering)) + 1e-3
+    )
 
 
 @st.composite
 def unicycles(draw):
-    cop, bearing, d = (draw(small), draw(small)), draw(bearings), draw(st.floats(0.02, 0.3))
+    cop = (draw(small), draw(small))
+    bearing = draw(bearings)
+    d = draw(st.floats(0.02, 0.3))
     contact = (cop[0] + d * math.cos(bearing), cop[1] + d * math.sin(bearing))
     return Unicycle(contact, cop, draw(st.floats(0.02, 0.2)), draw(st.booleans()))
 
@@ -186,7 +217,9 @@ def test_the_force_of_the_unicycle_moves_its_axle_as_wanted(car, speed, rate):
     wanted = (speed * car.axis[0], speed * car.axis[1], rate * car.rho)
     got = (twist.vx, twist.vy, twist.w * car.rho)
     k = math.hypot(*got) / math.hypot(*wanted)
-    assert got == pytest.approx(tuple(k * c for c in wanted), abs=1e-7 * (1 + car.rho / abs(car.lever)))
+    assert got == pytest.approx(
+        tuple(k * c for c in wanted), abs=1e-7 * (1 + car.rho / abs(car.lever))
+    )
     at_contact = twist.moved_to(car.contact)
     velocity = car.contact_velocity(speed, rate)
     assert (at_contact.vx, at_contact.vy) == pytest.approx(
@@ -204,7 +237,9 @@ def test_the_unicycle_turned_backward_keeps_its_axle_and_turns_its_heading():
     assert backward.lever == -forward.lever
     assert forward.minimum_turning_radius == 0.0
     assert forward.input_bounds[0] == (-math.inf, math.inf)
-    assert forward.xdot((0.0, 0.0, math.pi / 2), (1.0, 2.0)) == pytest.approx((0.0, 1.0, 2.0))
+    assert forward.xdot((0.0, 0.0, math.pi / 2), (1.0, 2.0)) == pytest.approx(
+        (0.0, 1.0, 2.0)
+    )
     assert forward.force(0.0, 0.0, 1.0) == (0.0, 0.0)
     with pytest.raises(ValueError, match="only translates"):
         Unicycle((0.1, 0.0), (0.1, 0.0), 0.1)
@@ -212,7 +247,13 @@ def test_the_unicycle_turned_backward_keeps_its_axle_and_turns_its_heading():
         Unicycle((0.1, 0.0), (0.0, 0.0), 0.0)
 
 
-@given(st.floats(0.02, 0.2), st.floats(0.02, 0.2), st.floats(0.03, 0.2), st.floats(-40.0, 40.0), bearings)
+@given(
+    st.floats(0.02, 0.2),
+    st.floats(0.02, 0.2),
+    st.floats(0.03, 0.2),
+    st.floats(-40.0, 40.0),
+    bearings,
+)
 def test_the_normals_of_the_differential_car_give_the_curvature_and_push_within_its_limits(
     left, right, rho, curvature, heading
 ):
@@ -240,7 +281,9 @@ def test_the_differential_car_only_goes_forward_and_needs_a_width():
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0), bearings)
-def test_the_holonomic_base_keeps_the_direction_of_a_twist_within_its_bounds(vx, vy, w, yaw):
+def test_the_holonomic_base_keeps_the_direction_of_a_twist_within_its_bounds(
+    vx, vy, w, yaw
+):
     base = Holonomic((0.01, 0.02), 0.2, 0.5)
     u = base.saturated((vx, vy, w))
     assert math.hypot(u[0], u[1]) <= 0.2 * (1 + 1e-12)

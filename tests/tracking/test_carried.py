@@ -25,9 +25,12 @@ def test_without_a_weight_in_the_plane_it_is_the_holonomic_law() -> None:
     assert carried == plain
 
 
-def test_the_arms_give_what_slides_the_object_less_its_weight_at_the_centre_of_mass() -> None:
+def test_the_arms_give_what_slides_the_object_less_its_weight_at_the_centre_of_mass() -> (
+    None
+):
     carried, plain = steps((0.0, -19.62), 0.0)
-    lifted, slid = carried.wrench.moved_to((0.0, 0.0)), plain.wrench.moved_to((0.0, 0.0))
+    lifted = carried.wrench.moved_to((0.0, 0.0))
+    slid = plain.wrench.moved_to((0.0, 0.0))
     up = HERE.unrotate((0.0, 19.62))
     assert (lifted.fx - slid.fx, lifted.fy - slid.fy) == pytest.approx(up)
     assert lifted.tau == pytest.approx(slid.tau)
@@ -39,6 +42,8 @@ def test_the_weight_moves_the_centre_of_pressure_up() -> None:
     lever = 0.001
     upright = Pose2(-0.05, 0.0, 0.0)
     carried, _ = steps((0.0, -19.62), lever, upright)
-    moved = HolonomicTracker(X_BV, DraggedSurface(26.0, 0.2, 0.0, (0.02, 0.05 + lever * 19.62)), decay=0.015)
+    moved = HolonomicTracker(
+        X_BV, DraggedSurface(26.0, 0.2, 0.0, (0.02, 0.05 + lever * 19.62)), decay=0.015
+    )
     slid = moved.step(PATH, upright, 0.0, 0.05, 1.0).wrench.moved_to((0.0, 0.0))
     assert carried.wrench.moved_to((0.0, 0.0)).tau == pytest.approx(slid.tau)

@@ -16,15 +16,17 @@ LAW = HolonomicTracker(Pose2(), DraggedSurface(6.0, 0.1), decay=0.015)
 
 
 def asked(steepest: float) -> tuple[float, bool]:
-    """The angle of the force that is asked for where contacts hold up to ``steepest`` [rad]; and whether the
-    law was left alone.
+    """The angle of the force that is asked for where contacts hold up to ``steepest``
+    [rad]; and whether the law was left alone.
     """
 
     def holds(wrench) -> bool:
         return abs(math.atan2(wrench.fy, wrench.fx)) <= steepest
 
     eased = EasedTracker(LAW, holds).step(PATH, OFF, 0.1, 0.05, 1.0)
-    return math.atan2(eased.wrench.fy, eased.wrench.fx), eased == LAW.step(PATH, OFF, 0.1, 0.05, 1.0)
+    return math.atan2(eased.wrench.fy, eased.wrench.fx), eased == LAW.step(
+        PATH, OFF, 0.1, 0.05, 1.0
+    )
 
 
 def test_what_the_contacts_hold_is_asked_for_as_the_law_has_it() -> None:

@@ -1,4 +1,6 @@
-"""Laws of the holonomic tracker, on the motion that it asks for (docs/mechanics.md, section 9)."""
+"""Laws of the holonomic tracker, on the motion that it asks for (docs/mechanics.md,
+section 9).
+"""
 
 import math
 from itertools import pairwise
@@ -20,45 +22,67 @@ small = st.floats(-0.01, 0.01)
 
 
 def drive(tracker, path, X_WV, speed=0.05, dt=0.004, grip=1.0):
-    """Move as the tracker asks for; return way and distance from the path, in its metric, per tick."""
-    X_WB, s, off = X_WV.compose(X_BV.inverse()), 0.0, []
+    """Move as the tracker asks for; return way and distance from the path, in its
+    metric, per tick.
+    """
+    X_WB = X_WV.compose(X_BV.inverse())
+    s = 0.0
+    off = []
     while s < path.length:
         guidance = tracker.step(path, X_WB, s, speed, grip)
-        s, (along, left, turned) = guidance.progress, guidance.error
+        s = guidance.progress
+        along, left, turned = guidance.error
         off.append((s, math.sqrt(along**2 + left**2 + (path.radius * turned) ** 2)))
         X_WB = moved(X_WB, guidance.twist[:3], dt)
     return off
 
 
 def test_on_the_path_it_asks_for_the_twist_of_the_path() -> None:
-    tracker, s = HolonomicTracker(X_BV, SURFACE), 0.1
+    tracker = HolonomicTracker(X_BV, SURFACE)
+    s = 0.1
     guidance = tracker.step(PATH, PATH.pose(s).compose(X_BV.inverse()), s, 0.05, 1.0)
     at_V = guidance.twist.moved_to(X_BV.position)
     wanted = PATH.rate(s)
-    assert X_BV.unrotate((at_V.vx, at_V.vy)) == pytest.approx((0.05 * wanted[0], 0.05 * wanted[1]), abs=1e-12)
+    assert X_BV.unrotate((at_V.vx, at_V.vy)) == pytest.approx(
+        (0.05 * wanted[0], 0.05 * wanted[1]), abs=1e-12
+    )
     assert at_V.w == pytest.approx(0.05 * wanted[2])
     assert guidance.error == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     assert not guidance.saturated
 
 
 @given(x=small, y=small, yaw=st.floats(-0.08, 0.08))
-def test_errors_are_gone_at_the_end_whatever_they_were(x: float, y: float, yaw: float) -> None:
+def test_errors_are_gone_at_the_end_whatever_they_were(
+    x: float, y: float, yaw: float
+) -> None:
     off = drive(HolonomicTracker(X_BV, SURFACE), PATH, Pose2(x, y, yaw))
     assert off[-1][1] < 2e-5
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.1])
-def test_an_error_falls_to_1_over_e_over_the_same_way_at_any_speed(speed: float) -> None:
+def test_an_error_falls_to_1_over_e_over_the_same_way_at_any_speed(
+    speed: float,
+) -> None:
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.0)), 0.15)
-    off = drive(HolonomicTracker(X_BV, SURFACE), path, Pose2(0.0, 0.002, 0.0), speed, 0.0002 / speed)
+    off = drive(
+        HolonomicTracker(X_BV, SURFACE),
+        path,
+        Pose2(0.0, 0.002, 0.0),
+        speed,
+        0.0002 / speed,
+    )
     way = next(s for s, e in off if e < 0.002 / math.e)
     assert way == pytest.approx(DECAY, rel=0.02)
 
 
-def test_a_large_error_is_taken_down_by_half_the_speed_and_by_less_with_less_grip() -> None:
+def test_a_large_error_is_taken_down_by_half_the_speed_and_by_less_with_less_grip() -> (
+    None
+):
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.0)), 0.15)
     for grip in (1.0, 0.4):
-        guidance = HolonomicTracker(Pose2(), SURFACE).step(path, Pose2(0.1, 0.2, 0.0), 0.1, 0.05, grip)
+        guidance = HolonomicTracker(Pose2(), SURFACE).step(
+            path, Pose2(0.1, 0.2, 0.0), 0.1, 0.05, grip
+        )
         assert guidance.saturated
         assert guidance.twist.vx == pytest.approx(0.05)
         assert guidance.twist.vy == pytest.approx(-0.5 * grip * 0.05)
@@ -92,11 +116,14 @@ def test_what_the_contacts_cannot_give_is_left_out_and_the_rest_kept() -> None:
     free = HolonomicTracker(Pose2(), surface)
     held = HolonomicTracker(Pose2(), surface, HalfSpace().nearest)
     X_WB = path.pose(0.1).compose(Pose2(0.0, -0.02, 0.0))  # the path is to the left
-    wanted, given = (tracker.step(path, X_WB, 0.1, 0.05, 1.0) for tracker in (free, held))
+    wanted, given = (
+        tracker.step(path, X_WB, 0.1, 0.05, 1.0) for tracker in (free, held)
+    )
     assert wanted.wrench.fy > 0.5
     assert given.wrench.fy == 0.0
     assert given.twist.vy == pytest.approx(0.0, abs=1e-12)
-    # without lift the projection of the wrench is that of the twist: the rest of it is as it was
+    # without lift the projection of the wrench is that of the twist: the rest of it is
+    # as it was
     assert given.twist.vx == pytest.approx(wanted.twist.vx)
     assert given.twist.w == pytest.approx(wanted.twist.w)
     assert given.saturated

@@ -8,21 +8,30 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 
-def driven(law: LookAheadAlignment, y: float, yaw: float, way: float) -> tuple[float, float]:
-    """Return lateral error [m] and heading [rad] at the goal after driving along the x axis to it."""
-    x, step = -way, 1e-4
+def driven(
+    law: LookAheadAlignment, y: float, yaw: float, way: float
+) -> tuple[float, float]:
+    """Return lateral error [m] and heading [rad] at the goal after driving along the x
+    axis to it.
+    """
+    x = -way
+    step = 1e-4
     while x < 0.0:
         turn, _ = law.curvature((x, y, yaw), -y, -yaw, 0.0)
         yaw += step * turn
-        x, y = x + step * math.cos(yaw), y + step * math.sin(yaw)
+        x = x + step * math.cos(yaw)
+        y = y + step * math.sin(yaw)
     return y, yaw
 
 
 @pytest.mark.parametrize("looks", [3.0, 4.0, 5.0])
 def test_a_small_error_decays_critically(looks: float) -> None:
-    ell, error = 0.1, 1e-4
+    ell = 0.1
+    error = 1e-4
     left, _ = driven(LookAheadAlignment(ell, 50.0), error, 0.0, looks * ell)
-    assert left / error == pytest.approx((1.0 + 2.0 * looks) * math.exp(-2.0 * looks), rel=0.02)
+    assert left / error == pytest.approx(
+        (1.0 + 2.0 * looks) * math.exp(-2.0 * looks), rel=0.02
+    )
 
 
 def test_five_look_aheads_take_away_a_large_error() -> None:
@@ -32,7 +41,9 @@ def test_five_look_aheads_take_away_a_large_error() -> None:
 
 
 def test_a_target_fixed_beyond_the_goal_leaves_an_error() -> None:
-    ell, way, error = 0.2, 1.0, 0.1
+    ell = 0.2
+    way = 1.0
+    error = 0.1
     fixed = LookAheadAlignment(ell, 50.0, Pose2())
     left, heading = driven(fixed, error, 0.0, way)
     assert 0.01 < abs(left) < 0.13

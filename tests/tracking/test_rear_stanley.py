@@ -12,8 +12,12 @@ WHEELBASE = 0.045
 
 
 def drive(steer, path, start, length, signs=(1.0, 1.0), step=2e-4):
-    """Follow ``path`` from ``start``; the axle moves along its heading with w/v = -tan(delta)/wheelbase."""
-    pose, s, errors = start, 0.0, []
+    """Follow ``path`` from ``start``; the axle moves along its heading with w/v =
+    -tan(delta)/wheelbase.
+    """
+    pose = start
+    s = 0.0
+    errors = []
     for _ in range(int(length / step)):
         s, left, direction, curvature = path.nearest(pose.x, pose.y, s)
         heading = math.remainder(direction - pose.yaw, 2.0 * math.pi)
@@ -55,7 +59,9 @@ def test_no_overshoot_up_to_the_critical_gain(gain):
 
 
 @pytest.mark.parametrize(("gain", "expected"), [(2.0, 0.04), (4.0, 0.16), (8.0, 0.30)])
-def test_overshoot_beyond_the_critical_gain_is_that_of_a_second_order_system(gain, expected):
+def test_overshoot_beyond_the_critical_gain_is_that_of_a_second_order_system(
+    gain, expected
+):
     assert overshoot(gain) == pytest.approx(expected, abs=0.02)
 
 
@@ -64,10 +70,12 @@ def test_feed_forward_removes_the_offset_on_a_curve():
     with_it = drive(law(), circle, Pose2(), 1.2)
     without = drive(law(feed_forward=False), circle, Pose2(), 1.2)
     assert abs(with_it[-1][0]) < 1e-5
-    # without it the axle runs outside, on a wider circle: |e| / (4 L) = L kappa', kappa' = kappa / (1 + kappa
-    # |e|)
+    # without it the axle runs outside, on a wider circle: |e| / (4 L) = L kappa',
+    # kappa' = kappa / (1 + kappa |e|)
     offset = without[-1][0]
-    assert offset == pytest.approx(4.0 * WHEELBASE**2 * 4.0 / (1.0 + 4.0 * offset), rel=0.01)
+    assert offset == pytest.approx(
+        4.0 * WHEELBASE**2 * 4.0 / (1.0 + 4.0 * offset), rel=0.01
+    )
 
 
 def test_steering_is_clipped_and_says_so():

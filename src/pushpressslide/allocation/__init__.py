@@ -1,3 +1,3 @@
-"""Allocation: from a wanted object wrench to contact forces inside their cones, closed form, in plain
-floats.
+"""Allocation: from a wanted object wrench to contact forces inside their cones, closed
+form, in plain floats.
 """

@@ -1,4 +1,5 @@
-"""The allocators on arrays: the same forces as one call at a time, for sampling and learning. No projection.
+"""The allocators on arrays: the same forces as one call at a time, for sampling and
+learning. No projection.
 
 Arrays in, arrays out, without branches; ``feasible`` says which rows hold.
 """
@@ -25,40 +26,53 @@ def push_forces(
     *,
     split: Split = "least_friction",
 ) -> tuple[Array, Flags]:
-    """Return (forces (n, 2, 2) [N], feasible (n,)) of two side contacts for ``wrenches`` (n, 3) about B's
-    origin.
+    """Return (forces (n, 2, 2) [N], feasible (n,)) of two side contacts for
+    ``wrenches`` (n, 3) about B's origin.
 
-    As ``two_contact_allocator`` without caps; forces of rows that are not feasible are not meant to be used.
+    As ``two_contact_allocator`` without caps; forces of rows that are not feasible are
+    not meant to be used.
     """
     pair = ContactPair(points, normals, friction, split)
-    first = wrenches @ np.array([pair.first_force(*unit) for unit in np.eye(3).tolist()])
+    first = wrenches @ np.array(
+        [pair.first_force(*unit) for unit in np.eye(3).tolist()]
+    )
     forces = np.stack([first, wrenches[:, :2] - first], axis=1)
     inward = np.array(normals)
     push = np.einsum("nij,ij->ni", forces, inward)
     left = inward[:, 0] * forces[:, :, 1] - inward[:, 1] * forces[:, :, 0]
-    slacks = np.stack([friction * push - left, friction * push + left], axis=2).reshape(-1, 4)
+    slacks = np.stack([friction * push - left, friction * push + left], axis=2).reshape(
+        -1, 4
+    )
     slopes = np.array(pair.slopes)
     bounds = -slacks / slopes
     low = np.where(slopes > 0.0, bounds, -np.inf).max(axis=1)
     high = np.where(slopes < 0.0, bounds, np.inf).min(axis=1)
-    shift = np.where(low <= high, np.clip(0.0, low, high), 0.0)[:, None] * np.array(pair.line.e)
+    shift = np.where(low <= high, np.clip(0.0, low, high), 0.0)[:, None] * np.array(
+        pair.line.e
+    )
     forces[:, 0] += shift
     forces[:, 1] -= shift
     return forces, low <= high
 
 
 def press_forces(
-    points: Sequence[Point], friction: float, wrenches: Array, normals: Array, cops: Array
+    points: Sequence[Point],
+    friction: float,
+    wrenches: Array,
+    normals: Array,
+    cops: Array,
 ) -> tuple[Array, Flags]:
-    """Return (forces (n, 2, 2) [N], feasible (n,)) of two top contacts for ``wrenches`` (n, 3) about ``cops``
-    (n, 2) [m], pressed with ``normals`` (n, 2) [N].
+    """Return (forces (n, 2, 2) [N], feasible (n,)) of two top contacts for ``wrenches``
+    (n, 3) about ``cops`` (n, 2) [m], pressed with ``normals`` (n, 2) [N].
 
-    As ``two_press_allocator``; forces of rows that are not feasible are not meant to be used.
+    As ``two_press_allocator``; forces of rows that are not feasible are not meant to be
+    used.
     """
     line = ContactLine(*points)
     ex, ey = line.e
     fx, fy, tau = wrenches.T
-    along, half = ex * fx + ey * fy, 0.5 * (ex * fy - ey * fx)
+    along = ex * fx + ey * fy
+    half = 0.5 * (ex * fy - ey * fx)
     arm = np.array(line.middle) - cops
     turning = (tau - arm[:, 0] * fy + arm[:, 1] * fx) / line.length
     across = np.stack([half - turning, half + turning], axis=1)
@@ -69,4 +83,6 @@ def press_forces(
     share = np.divide(room[:, 0], total, out=np.zeros_like(total), where=total > 0.0)
     s = along * share
     first = np.stack([s * ex - across[:, 0] * ey, s * ey + across[:, 0] * ex], axis=1)
-    return np.stack([first, wrenches[:, :2] - first], axis=1), inside & (np.abs(along) <= total)
+    return np.stack([first, wrenches[:, :2] - first], axis=1), inside & (
+        np.abs(along) <= total
+    )

@@ -1,8 +1,9 @@
-"""The line through two contacts: what a wrench leaves open of their forces, and how friction bounds that
-(docs/mechanics.md, sections 6 and 7).
+"""The line through two contacts: what a wrench leaves open of their forces, and how
+friction bounds that (docs/mechanics.md, sections 6 and 7).
 
-In the axes e, from contact 1 to 2, and m = J e the forces are f_1 = (s, g_1) and f_2 = (F.e - s, g_2): the
-parts across the line follow from the wrench, how the part along it is split is free.
+In the axes e, from contact 1 to 2, and m = J e the forces are f_1 = (s, g_1) and f_2 =
+(F.e - s, g_2): the parts across the line follow from the wrench, how the part along it
+is split is free.
 """
 
 from __future__ import annotations
@@ -15,11 +16,14 @@ from pushpressslide.core.pose import Point
 
 Split = Literal["least_friction", "least_force"]
 ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
-FACING = 0.03  # sine of the angle to the line of contacts within which friction leaves the split open
+# sine of the angle to the line of contacts within which friction leaves the split open
+FACING = 0.03
 
 
 class ContactLine:
-    """The line from contact ``first`` to ``second`` [m], both in B; raises ValueError if they coincide."""
+    """The line from contact ``first`` to ``second`` [m], both in B; raises ValueError
+    if they coincide.
+    """
 
     __slots__ = ("e", "length", "middle")
 
@@ -27,8 +31,13 @@ class ContactLine:
         self.length = math.dist(first, second)
         """[m]"""
         if not self.length > 0.0:
-            raise ValueError(f"contacts at {first} and {second} m; need two distinct points")
-        self.e = ((second[0] - first[0]) / self.length, (second[1] - first[1]) / self.length)
+            raise ValueError(
+                f"contacts at {first} and {second} m; need two distinct points"
+            )
+        self.e = (
+            (second[0] - first[0]) / self.length,
+            (second[1] - first[1]) / self.length,
+        )
         """Unit vector from contact 1 to 2, in B."""
         self.middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
 
@@ -47,42 +56,60 @@ class ContactLine:
     ) -> tuple[float, float, float]:
         """Return (F.e, g_1, g_2) [N] of a wrench with its moment about ``about`` [m].
 
-        g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about the middle.
+        g_1 = F.m/2 - tau_mid/l and g_2 = F.m/2 + tau_mid/l, tau_mid the moment about
+        the middle.
         """
         along, across = self.in_axes((fx, fy))
-        moment = tau - (self.middle[0] - about[0]) * fy + (self.middle[1] - about[1]) * fx
+        moment = (
+            tau - (self.middle[0] - about[0]) * fy + (self.middle[1] - about[1]) * fx
+        )
         turning = moment / self.length
         return along, 0.5 * across - turning, 0.5 * across + turning
 
 
 class ContactPair:
-    """Two side contacts: how a wrench is split over them, and how their friction cones bound the split.
+    """Two side contacts: how a wrench is split over them, and how their friction cones
+    bound the split.
 
-    A force d [N] more of contact 1 along e, and of contact 2 against it, leaves the wrench as it is. It
-    changes the slack q of each side of the cones to q + a d. Raises ValueError as ``two_contact_allocator``.
+    A force d [N] more of contact 1 along e, and of contact 2 against it, leaves the
+    wrench as it is. It changes the slack q of each side of the cones to q + a d. Raises
+    ValueError as ``two_contact_allocator``.
     """
 
     __slots__ = ("_weights", "line", "n1e", "n2e", "slopes")
 
     def __init__(
-        self, points: Sequence[Point], normals: Sequence[Point], friction: float, split: Split
+        self,
+        points: Sequence[Point],
+        normals: Sequence[Point],
+        friction: float,
+        split: Split,
     ) -> None:
         if not friction > 0.0:
             raise ValueError(f"friction {friction}; must be > 0")
         self.line = ContactLine(*points)
         (n1e, n1m), (n2e, n2m) = (self.line.in_axes(n) for n in normals)
-        self.n1e, self.n2e = n1e, n2e
+        self.n1e = n1e
+        self.n2e = n2e
         self.slopes = (
             *_apart(friction * n1e + n1m, friction * n1e - n1m),
             *_apart(-friction * n2e - n2m, -friction * n2e + n2m),
         )
-        """a of the slacks mu f_n - f_t, mu f_n + f_t of contact 1, then of contact 2; none of them zero."""
+        """a of the slacks mu f_n - f_t, mu f_n + f_t of contact 1, then of contact 2;
+        none of them zero.
+        """
         self._weights = (0.5, 0.0, 0.0)
         if split == "least_friction":
             squares = n1m * n1m + n2m * n2m
             if squares < FACING * FACING:
-                raise ValueError("contacts that face each other; allowed there: split 'least_force'")
-            self._weights = (n2m * n2m / squares, n1m * n1e / squares, -n2m * n2e / squares)
+                raise ValueError(
+                    "contacts that face each other; allowed there: split 'least_force'"
+                )
+            self._weights = (
+                n2m * n2m / squares,
+                n1m * n1e / squares,
+                -n2m * n2e / squares,
+            )
 
     def first_force(self, fx: float, fy: float, tau: float) -> Point:
         """Return the force [N] of contact 1, in B, that the split asks for."""
@@ -94,8 +121,8 @@ class ContactPair:
 def _apart(a: float, b: float) -> tuple[float, float]:
     """Return the slopes of a cone's sides, none of them zero.
 
-    A side along the line of contacts bounds nothing if its slack is >= 0, and else leaves nothing: as a bound
-    far off, opposite to that of the other side.
+    A side along the line of contacts bounds nothing if its slack is >= 0, and else
+    leaves nothing: as a bound far off, opposite to that of the other side.
     """
     if abs(a) < ALONG:
         return math.copysign(ALONG, -b), b

@@ -1,4 +1,6 @@
-"""Loads of two presses that put the centre of pressure where it is wanted (docs/mechanics.md, section 7)."""
+"""Loads of two presses that put the centre of pressure where it is wanted
+(docs/mechanics.md, section 7).
+"""
 
 from __future__ import annotations
 
@@ -16,16 +18,22 @@ OPPOSITE = 1e-6  # [m] within which two contacts are opposite each other about t
 
 
 def safe_loads(
-    presses: Callable[[float], TwoPresses], cop: Cop, twist: Twist, uses: Sequence[float], lightest: float
+    presses: Callable[[float], TwoPresses],
+    cop: Cop,
+    twist: Twist,
+    uses: Sequence[float],
+    lightest: float,
 ) -> Point | None:
-    """Return the loads [N] of the left and right contact, none below ``lightest`` [N], at the first of the
-    shares ``uses`` of the contact friction that the cap allows; None if it allows none.
+    """Return the loads [N] of the left and right contact, none below ``lightest`` [N],
+    at the first of the shares ``uses`` of the contact friction that the cap allows;
+    None if it allows none.
 
-    For every twist where the contacts are opposite each other and balanced, else the least for ``twist``.
-    Loads that have to be raised keep their ratio, or the fraction. ``presses(use)`` are those with that share
-    of the friction.
+    For every twist where the contacts are opposite each other and balanced, else the
+    least for ``twist``. Loads that have to be raised keep their ratio, or the fraction.
+    ``presses(use)`` are those with that share of the friction.
     """
-    left, right = presses(1.0).left, presses(1.0).right
+    left = presses(1.0).left
+    right = presses(1.0).right
     if cop == "balanced" and math.dist(left, (-right[0], -right[1])) < OPPOSITE:
         for use in uses:
             each = max(0.5 * presses(use).press_for_every_twist(), lightest)
@@ -36,7 +44,13 @@ def safe_loads(
         if loads is None or not min(loads) > 0.0:
             continue
         shares = loads if isinstance(cop, str) else (1.0 - cop, cop)
-        more = max(0.0, *((lightest - load) / share for load, share in zip(loads, shares, strict=True)))
+        more = max(
+            0.0,
+            *(
+                (lightest - load) / share
+                for load, share in zip(loads, shares, strict=True)
+            ),
+        )
         raised = (loads[0] + more * shares[0], loads[1] + more * shares[1])
         if max(raised) <= presses(use).cap:
             return raised
@@ -44,16 +58,20 @@ def safe_loads(
 
 
 def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
-    """Return the least loads [N] of the left and right contact for ``twist``; None if the cap, or any press,
-    is not enough with that centre of pressure.
+    """Return the least loads [N] of the left and right contact for ``twist``; None if
+    the cap, or any press, is not enough with that centre of pressure.
     """
-    loads = presses.in_ratio(cop, twist) if isinstance(cop, str) else presses.for_cop(cop, twist)
+    loads = (
+        presses.in_ratio(cop, twist)
+        if isinstance(cop, str)
+        else presses.for_cop(cop, twist)
+    )
     return loads.normals if loads.status == "ok" else None
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
-    """Return the loads [N] of which the larger is ``heavier``; the other is < 0 where that centre of pressure
-    takes a pull.
+    """Return the loads [N] of which the larger is ``heavier``; the other is < 0 where
+    that centre of pressure takes a pull.
     """
     weight = presses.weight
     if isinstance(cop, str):
@@ -70,10 +88,17 @@ def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
 
 
 def possible_fractions(
-    presses: Callable[[float], TwoPresses], twist: Twist, uses: Sequence[float], lightest: float
+    presses: Callable[[float], TwoPresses],
+    twist: Twist,
+    uses: Sequence[float],
+    lightest: float,
 ) -> Point | None:
-    """Return the least and the greatest fraction, to 0.01, for which there are ``safe_loads``; None if there
-    is none.
+    """Return the least and the greatest fraction, to 0.01, for which there are
+    ``safe_loads``; None if there is none.
     """
-    good = [f for f in FRACTIONS if safe_loads(presses, f, twist, uses, lightest) is not None]
+    good = [
+        f
+        for f in FRACTIONS
+        if safe_loads(presses, f, twist, uses, lightest) is not None
+    ]
     return (good[0], good[-1]) if good else None

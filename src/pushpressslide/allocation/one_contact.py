@@ -1,5 +1,5 @@
-"""Allocation to one side contact: two force components for three wrench components (docs/mechanics.md,
-sections 2, 3 and 8).
+"""Allocation to one side contact: two force components for three wrench components
+(docs/mechanics.md, sections 2, 3 and 8).
 """
 
 from __future__ import annotations
@@ -15,54 +15,85 @@ new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 Allocator = Callable[[float, float, float], Allocation]
 
 
-def one_contact_allocator(point: Point, normal: Point, friction: float, rho: float) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] with unit inward ``normal``, both
-    in B.
+def one_contact_allocator(
+    point: Point, normal: Point, friction: float, rho: float
+) -> Allocator:
+    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] with unit
+    inward ``normal``, both in B.
 
-    The wrench is about B's origin, the CoM, in B. One contact gives only wrenches with tau = point x f and f
-    in the cone of ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2), in
-    which the error of the object's twist is least for an ellipsoid of ``rho`` [m]. Status "ok" if nothing had
-    to be changed (to 1e-9 of the wrench), "projected" else, "infeasible" if even the best force is zero.
+    The wrench is about B's origin, the CoM, in B. One contact gives only wrenches with
+    tau = point x f and f in the cone of ``friction``; any other is projected to the
+    nearest in the norm diag(1, 1, 1/rho^2), in which the error of the object's twist is
+    least for an ellipsoid of ``rho`` [m]. Status "ok" if nothing had to be changed (to
+    1e-9 of the wrench), "projected" else, "infeasible" if even the best force is zero.
     """
     px, py = point
     nx, ny = normal
     tx, ty = turned_left(normal)
     inv_rho2 = 1.0 / (rho * rho)
-    # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f = F + a tau / rho^2,
-    # a = (-py, px)
-    ax, ay = -py, px
+    # Normal equations of min |f - F|^2 + (p x f - tau)^2 / rho^2: (I + a a^T / rho^2) f
+    # = F + a tau / rho^2, a = (-py, px)
+    ax = -py
+    ay = px
     denominator = 1.0 / (1.0 + (ax * ax + ay * ay) * inv_rho2)
-    edges = ((nx + friction * tx, ny + friction * ty), (nx - friction * tx, ny - friction * ty))
+    edges = (
+        (nx + friction * tx, ny + friction * ty),
+        (nx - friction * tx, ny - friction * ty),
+    )
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
-        fn, ft = fx * nx + fy * ny, fx * tx + fy * ty
+        fn = fx * nx + fy * ny
+        ft = fx * tx + fy * ty
         margin = friction * fn - (ft if ft > 0.0 else -ft)
         if margin >= 0.0 and -1e-12 * fn <= tau - px * fy + py * fx <= 1e-12 * fn:
             return new(Allocation, (((fx, fy),), (fn,), margin, "ok", EXACT))
-        bx, by = fx + ax * tau * inv_rho2, fy + ay * tau * inv_rho2
+        bx = fx + ax * tau * inv_rho2
+        by = fy + ay * tau * inv_rho2
         shared = (ax * bx + ay * by) * inv_rho2 * denominator
-        gx, gy = bx - ax * shared, by - ay * shared
-        fn, ft = gx * nx + gy * ny, gx * tx + gy * ty
+        gx = bx - ax * shared
+        gy = by - ay * shared
+        fn = gx * nx + gy * ny
+        ft = gx * tx + gy * ty
         if abs(ft) > friction * fn:
-            # outside: the best point of each edge (one unknown each), and of those the better
-            best_cost, gx, gy = fx * fx + fy * fy + tau * tau * inv_rho2, 0.0, 0.0
+            # outside: the best point of each edge (one unknown each), and of those the
+            # better
+            best_cost = fx * fx + fy * fy + tau * tau * inv_rho2
+            gx = 0.0
+            gy = 0.0
             for ex, ey in edges:
                 lever = ax * ex + ay * ey
                 norm = ex * ex + ey * ey + lever * lever * inv_rho2
                 size = (ex * fx + ey * fy + lever * tau * inv_rho2) / norm
                 if size > 0.0:
-                    rx, ry, rt = fx - size * ex, fy - size * ey, tau - size * lever
+                    rx = fx - size * ex
+                    ry = fy - size * ey
+                    rt = tau - size * lever
                     cost = rx * rx + ry * ry + rt * rt * inv_rho2
                     if cost < best_cost:
-                        best_cost, gx, gy = cost, size * ex, size * ey
-            fn, ft = gx * nx + gy * ny, gx * tx + gy * ty
+                        best_cost = cost
+                        gx = size * ex
+                        gy = size * ey
+            fn = gx * nx + gy * ny
+            ft = gx * tx + gy * ty
         residual = (fx - gx, fy - gy, tau - cross(point, (gx, gy)))
         scale = abs(fx) + abs(fy) + abs(tau) / rho
         error = abs(residual[0]) + abs(residual[1]) + abs(residual[2]) / rho
         margin = friction * fn - abs(ft)
         if fn <= 0.0:
-            return Allocation(((0.0, 0.0),), (0.0,), 0.0, "ok" if scale == 0.0 else "infeasible", residual)
+            return Allocation(
+                ((0.0, 0.0),),
+                (0.0,),
+                0.0,
+                "ok" if scale == 0.0 else "infeasible",
+                residual,
+            )
         status = "ok" if error <= 1e-9 * scale else "projected"
-        return Allocation(((gx, gy),), (fn,), margin, "ok" if status == "ok" else "projected", residual)
+        return Allocation(
+            ((gx, gy),),
+            (fn,),
+            margin,
+            "ok" if status == "ok" else "projected",
+            residual,
+        )
 
     return allocate

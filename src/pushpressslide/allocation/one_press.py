@@ -1,5 +1,5 @@
-"""Allocation to one top contact: a tangential force within the friction disc of its press (docs/mechanics.md,
-sections 4 and 8).
+"""Allocation to one top contact: a tangential force within the friction disc of its
+press (docs/mechanics.md, sections 4 and 8).
 """
 
 from __future__ import annotations
@@ -14,16 +14,19 @@ from pushpressslide.core.pose import Point
 def one_press_allocator(
     point: Point, load: float, friction: float, rho: float, cop: Point = (0.0, 0.0)
 ) -> Callable[[float, float, float], Allocation]:
-    """Return ``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed with ``load`` [N].
+    """Return ``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed
+    with ``load`` [N].
 
-    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with tau = (point - cop) x f and
+    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with tau =
+    (point - cop) x f and
     |f| <= friction load; any other is projected: to the nearest direction in the norm diag(1, 1, 1/rho^2), in
-    which the error of the object's twist is least, then onto the disc. Raises ValueError unless ``rho`` [m]
-    and ``load`` are > 0.
+    which the error of the object's twist is least, then onto the disc. Raises
+    ValueError unless ``rho`` [m] and ``load`` are > 0.
     """
     if not (rho > 0.0 and load > 0.0):
         raise ValueError(f"rho {rho} m, load {load} N; both must be > 0")
-    rx, ry = point[0] - cop[0], point[1] - cop[1]
+    rx = point[0] - cop[0]
+    ry = point[1] - cop[1]
     most = friction * load
     inv = 1.0 / (rho * rho)
     shrink = 1.0 / (1.0 + (rx * rx + ry * ry) * inv)
@@ -35,10 +38,13 @@ def one_press_allocator(
             return Allocation(((fx, fy),), (load,), most - size, "ok", (0.0, 0.0, off))
         # least squares of (f - F, (r x f - tau) / rho) over f
         k = off * inv * shrink
-        gx, gy = fx - k * ry, fy + k * rx
+        gx = fx - k * ry
+        gy = fy + k * rx
         size = sqrt(gx * gx + gy * gy)
         if size > most:
-            gx, gy, size = gx * most / size, gy * most / size, most
+            gx = gx * most / size
+            gy = gy * most / size
+            size = most
         residual = (fx - gx, fy - gy, tau - rx * gy + ry * gx)
         return Allocation(((gx, gy),), (load,), most - size, "projected", residual)
 

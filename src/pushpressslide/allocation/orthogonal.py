@@ -1,8 +1,10 @@
-"""Two pushes at right angles: what they can give, in closed form (docs/mechanics.md, section 6).
+"""Two pushes at right angles: what they can give, in closed form (docs/mechanics.md,
+section 6).
 
-Contact B at (-d, 0) pushes along +x, contact L at (0, d) along -y; both normals pass through the centre of
-mass, so that only friction turns the object. P = fx, Q = -fy, T = tau/d, and u is the friction force of B:
-f_B = (P + T + u, u), f_L = (-T - u, -Q - u). For contacts placed otherwise ``WrenchCone`` says the same.
+Contact B at (-d, 0) pushes along +x, contact L at (0, d) along -y; both normals pass
+through the centre of mass, so that only friction turns the object. P = fx, Q = -fy, T =
+tau/d, and u is the friction force of B: f_B = (P + T + u, u), f_L = (-T - u, -Q - u).
+For contacts placed otherwise ``WrenchCone`` says the same.
 """
 
 from __future__ import annotations
@@ -25,38 +27,65 @@ class Feasibility(NamedTuple):
         return self.spare >= 0.0
 
 
-def feasibility(fx: float, fy: float, tau: float, d: float, friction: float) -> Feasibility:
-    """Return the condition of section 6 that holds least for a wrench (fx, fy [N], tau [N m]) about the CoM.
+def feasibility(
+    fx: float, fy: float, tau: float, d: float, friction: float
+) -> Feasibility:
+    """Return the condition of section 6 that holds least for a wrench (fx, fy [N], tau
+    [N m]) about the CoM.
 
-    ``d`` [m] is the distance of both contacts to the CoM. With ``friction`` above 1 every wrench is possible.
+    ``d`` [m] is the distance of both contacts to the CoM. With ``friction`` above 1
+    every wrench is possible.
     """
     if friction > 1.0:
         return Feasibility(math.inf, "friction above 1")
-    p, q, t, mu = fx, -fy, tau / d, friction
-    less, more, whole = mu * (1.0 - mu), mu * (1.0 + mu), 1.0 + mu * mu
+    p = fx
+    q = -fy
+    t = tau / d
+    mu = friction
+    less = mu * (1.0 - mu)
+    more = mu * (1.0 + mu)
+    whole = 1.0 + mu * mu
     return min(
         Feasibility(p + t, "contact B would have to pull"),
         Feasibility(q - t, "contact L would have to pull"),
-        Feasibility((less * p + more * q) / whole - t, "the moment to the left exceeds friction"),
-        Feasibility((more * p + less * q) / whole + t, "the moment to the right exceeds friction"),
+        Feasibility(
+            (less * p + more * q) / whole - t, "the moment to the left exceeds friction"
+        ),
+        Feasibility(
+            (more * p + less * q) / whole + t,
+            "the moment to the right exceeds friction",
+        ),
     )
 
 
-def friction_interval(fx: float, fy: float, tau: float, d: float, friction: float) -> tuple[float, float]:
-    """Return the interval [N] of B's friction force u in which both cones are kept; reversed if empty."""
-    p, q, t, mu = fx, -fy, tau / d, friction
+def friction_interval(
+    fx: float, fy: float, tau: float, d: float, friction: float
+) -> tuple[float, float]:
+    """Return the interval [N] of B's friction force u in which both cones are kept;
+    reversed if empty.
+    """
+    p = fx
+    q = -fy
+    t = tau / d
+    mu = friction
     low = max(-mu * (p + t), -(mu * q + t)) / (1.0 + mu)
     if mu < 1.0:
         return low, min(mu * (p + t), mu * q - t) / (1.0 - mu)
     if mu == 1.0:
-        return (low, math.inf) if p + t >= 0.0 and q - t >= 0.0 else (math.inf, -math.inf)
+        return (
+            (low, math.inf) if p + t >= 0.0 and q - t >= 0.0 else (math.inf, -math.inf)
+        )
     return max(low, -mu * (p + t) / (mu - 1.0), (t - mu * q) / (mu - 1.0)), math.inf
 
 
-def forces(fx: float, fy: float, tau: float, d: float, friction: float) -> tuple[Point, Point]:
-    """Return the forces [N] of B and L with u = -T/2, moved into its interval; for a wrench that is possible.
+def forces(
+    fx: float, fy: float, tau: float, d: float, friction: float
+) -> tuple[Point, Point]:
+    """Return the forces [N] of B and L with u = -T/2, moved into its interval; for a
+    wrench that is possible.
 
-    u = -T/2 is the paper's symmetric split; it has the least sum of squared friction forces.
+    u = -T/2 is the paper's symmetric split; it has the least sum of squared friction
+    forces.
     """
     low, high = friction_interval(fx, fy, tau, d, friction)
     t = tau / d
@@ -65,11 +94,18 @@ def forces(fx: float, fy: float, tau: float, d: float, friction: float) -> tuple
 
 
 def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Return the least b >= 0 [N] for which (fx + b, fy - b, tau) is possible: priority of the moment."""
+    """Return the least b >= 0 [N] for which (fx + b, fy - b, tau) is possible: priority
+    of the moment.
+    """
     if friction > 1.0:
         return 0.0
-    p, q, t, mu = fx, -fy, tau / d, friction
-    less, more, whole = mu * (1.0 - mu), mu * (1.0 + mu), 1.0 + mu * mu
+    p = fx
+    q = -fy
+    t = tau / d
+    mu = friction
+    less = mu * (1.0 - mu)
+    more = mu * (1.0 + mu)
+    whole = 1.0 + mu * mu
     return max(
         0.0,
         -t - p,
@@ -79,39 +115,58 @@ def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> 
     )
 
 
-def moment_limits(fx: float, fy: float, d: float, friction: float) -> tuple[float, float]:
-    """Return the least and the largest moment [N m] beside a force with fx >= 0, fy <= 0, friction <= 1."""
-    p, q, mu = fx, -fy, friction
-    less, more, whole = mu * (1.0 - mu), mu * (1.0 + mu), 1.0 + mu * mu
-    right, left = min(p, (more * p + less * q) / whole), min(q, (less * p + more * q) / whole)
+def moment_limits(
+    fx: float, fy: float, d: float, friction: float
+) -> tuple[float, float]:
+    """Return the least and the largest moment [N m] beside a force with fx >= 0, fy <=
+    0, friction <= 1.
+    """
+    p = fx
+    q = -fy
+    mu = friction
+    less = mu * (1.0 - mu)
+    more = mu * (1.0 + mu)
+    whole = 1.0 + mu * mu
+    right = min(p, (more * p + less * q) / whole)
+    left = min(q, (less * p + more * q) / whole)
     return -d * right, d * left
 
 
 def turning_center(fx: float, fy: float, tau: float, rho: float) -> Point:
-    """Return the centre [m] about which a wrench turns an object on the ellipsoid of ``rho`` [m].
+    """Return the centre [m] about which a wrench turns an object on the ellipsoid of
+    ``rho`` [m].
 
-    (-fy, fx) rho^2 / tau, relative to the CoP, about which ``tau`` is taken; ``tau`` must not be zero.
+    (-fy, fx) rho^2 / tau, relative to the CoP, about which ``tau`` is taken; ``tau``
+    must not be zero.
     """
     k = rho * rho / tau
     return (-fy * k, fx * k)
 
 
-def turning_corners(d: float, friction: float, rho: float, left: bool) -> tuple[Point, Point]:
-    """Return the centres [m] about which contact B or L alone turns the object, at its friction limit.
+def turning_corners(
+    d: float, friction: float, rho: float, left: bool
+) -> tuple[Point, Point]:
+    """Return the centres [m] about which contact B or L alone turns the object, at its
+    friction limit.
 
-    To the left: K (1, 1/mu) and K (1/mu, -1), K = rho^2/d; to the right: K (1, -1/mu) and K (-1/mu, -1).
+    To the left: K (1, 1/mu) and K (1/mu, -1), K = rho^2/d; to the right: K (1, -1/mu)
+    and K (-1/mu, -1).
     """
     k = rho * rho / d
     far = k / friction
     return ((k, far), (far, -k)) if left else ((k, -far), (-far, -k))
 
 
-def can_turn_about(center: Point, left: bool, d: float, friction: float, rho: float) -> bool:
-    """Return whether two pushes can turn an object to the left (or right) about ``center`` [m], from the CoM.
+def can_turn_about(
+    center: Point, left: bool, d: float, friction: float, rho: float
+) -> bool:
+    """Return whether two pushes can turn an object to the left (or right) about
+    ``center`` [m], from the CoM.
 
-    To the left: the segment between the two corners, moved anywhere into the quadrant x, y >= 0; to the
-    right: its mirror image about y = -x. Both unbounded, disjoint, and joined only through infinity. With
-    ``friction`` above 1 an object can be turned about every point.
+    To the left: the segment between the two corners, moved anywhere into the quadrant
+    x, y >= 0; to the right: its mirror image about y = -x. Both unbounded, disjoint,
+    and joined only through infinity. With ``friction`` above 1 an object can be turned
+    about every point.
     """
     if friction > 1.0:
         return True
@@ -121,15 +176,20 @@ def can_turn_about(center: Point, left: bool, d: float, friction: float, rho: fl
 
 
 def least_turning_radius(d: float, friction: float, rho: float) -> float:
-    """Return the least distance [m] of a centre of turning to the CoM: K sqrt((1 + 1/mu^2) / 2), mu <= 1."""
+    """Return the least distance [m] of a centre of turning to the CoM: K sqrt((1 +
+    1/mu^2) / 2), mu <= 1.
+    """
     return rho * rho / d * math.sqrt(0.5 * (1.0 + 1.0 / friction**2))
 
 
 def translation_radii(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """Return the distances [m] of the centres of turning beside a force along one normal, for friction < 1.
+    """Return the distances [m] of the centres of turning beside a force along one
+    normal, for friction < 1.
 
-    With all friction at its limit: K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu) / mu. Beside a force along +x
-    both turn to the right, along -y to the left. The paper's d_min and d_max stand for these.
+    With all friction at its limit: K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu) / mu.
+    Beside a force along +x both turn to the right, along -y to the left. The paper's
+    d_min and d_max stand for these.
     """
-    k, mu = rho * rho / d, friction
+    k = rho * rho / d
+    mu = friction
     return k * (1.0 + mu * mu) / (mu * (1.0 + mu)), k * (1.0 + mu) / mu

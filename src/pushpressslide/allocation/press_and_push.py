@@ -1,9 +1,9 @@
-"""Allocation to a press from above and a push from the side: the push turns the object about the pressed
-point, the press gives the rest (docs/mechanics.md, section 7).
+"""Allocation to a press from above and a push from the side: the push turns the object
+about the pressed point, the press gives the rest (docs/mechanics.md, section 7).
 
-The moment about the pressed point fixes the push across the line of contacts; along it the force can be
-shared in any way that keeps the push inside its cone and the press inside its disc. Closed form, in plain
-floats.
+The moment about the pressed point fixes the push across the line of contacts; along it
+the force can be shared in any way that keeps the push inside its cone and the press
+inside its disc. Closed form, in plain floats.
 """
 
 from __future__ import annotations
@@ -19,30 +19,44 @@ LEAST_LEVER = 1e-6  # [m]
 
 
 def press_and_push_allocator(
-    press: Point, load: float, push: Point, normal: Point, friction: float, cop: Point = (0.0, 0.0)
+    press: Point,
+    load: float,
+    push: Point,
+    normal: Point,
+    friction: float,
+    cop: Point = (0.0, 0.0),
 ) -> Callable[[float, float, float], Allocation]:
-    """Return ``allocate(fx, fy, tau)`` for a top contact at ``press`` [m], pressed with ``load`` [N], and a
-    side contact at ``push`` [m] with the unit inward ``normal``; all in B, the wrench about ``cop`` [m].
+    """Return ``allocate(fx, fy, tau)`` for a top contact at ``press`` [m], pressed with
+    ``load`` [N], and a side contact at ``push`` [m] with the unit inward ``normal``;
+    all in B, the wrench about ``cop`` [m].
 
-    Of all forces inside cone and disc that realise it, the push is along its normal, or as near to that as
-    can be. A wrench that the press cannot hold is scaled; where the push would have to pull, its moment is
-    left out: status "projected" in both cases, "infeasible" if nothing is left. Raises ValueError unless
-    ``load`` is > 0 and the push has a lever about the pressed point.
+    Of all forces inside cone and disc that realise it, the push is along its normal, or
+    as near to that as can be. A wrench that the press cannot hold is scaled; where the
+    push would have to pull, its moment is left out: status "projected" in both cases,
+    "infeasible" if nothing is left. Raises ValueError unless ``load`` is > 0 and the
+    push has a lever about the pressed point.
     """
     line = ContactLine(press, push)
-    (ex, ey), (nx, ny) = line.e, normal
+    ex, ey = line.e
+    nx, ny = normal
     lever = line.length * cross(line.e, normal)
     if not (load > 0.0 and abs(lever) > LEAST_LEVER):
-        raise ValueError(f"load {load} N must be > 0, and lever {lever} m of the push not 0")
+        raise ValueError(
+            f"load {load} N must be > 0, and lever {lever} m of the push not 0"
+        )
     most = friction * load
-    px, py = press[0] - cop[0], press[1] - cop[1]
+    px = press[0] - cop[0]
+    py = press[1] - cop[1]
     # a push a n + s e has the slacks friction a + slope s at the sides of its cone
-    along, left = ex * nx + ey * ny, nx * ey - ny * ex
+    along = ex * nx + ey * ny
+    left = nx * ey - ny * ex
     slopes = (friction * along - left, friction * along + left)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         a = (tau - px * fy + py * fx) / lever
-        low, high, slack = -inf, inf, friction * a
+        low = -inf
+        high = inf
+        slack = friction * a
         for slope in slopes:
             if slope > 0.0:
                 low = max(low, -slack / slope)
@@ -50,27 +64,40 @@ def press_and_push_allocator(
                 high = min(high, -slack / slope)
             elif slack < 0.0:
                 low = inf
-        gx, gy = fx - a * nx, fy - a * ny  # what the press gives to a push along its normal
+        gx = fx - a * nx
+        gy = fy - a * ny  # what the press gives to a push along its normal
         status: AllocationStatus = "ok"
-        scale, s = 1.0, 0.0
+        scale = 1.0
+        s = 0.0
         if low > high:
-            a, gx, gy, status = 0.0, fx, fy, "projected"
+            a = 0.0
+            gx = fx
+            gy = fy
+            status = "projected"
         else:
             middle = gx * ex + gy * ey
             square = middle * middle - gx * gx - gy * gy + most * most
             room = sqrt(square) if square > 0.0 else 0.0
-            least, greatest = max(low, middle - room), min(high, middle + room)
-            s = min(max(0.0, least), greatest) if least <= greatest else min(max(middle, low), high)
+            least = max(low, middle - room)
+            greatest = min(high, middle + room)
+            s = (
+                min(max(0.0, least), greatest)
+                if least <= greatest
+                else min(max(middle, low), high)
+            )
         size = hypot(gx - s * ex, gy - s * ey)
         if size > most * (1.0 + 1e-12):
-            scale, status = most / size, "projected"
+            scale = most / size
+            status = "projected"
         pushed = (scale * (a * nx + s * ex), scale * (a * ny + s * ey))
         pressed = (scale * (gx - s * ex), scale * (gy - s * ey))
-        f_n, f_t = pushed[0] * nx + pushed[1] * ny, nx * pushed[1] - ny * pushed[0]
+        f_n = pushed[0] * nx + pushed[1] * ny
+        f_t = nx * pushed[1] - ny * pushed[0]
         margin = min(most - scale * size, friction * f_n - abs(f_t))
         residual = (0.0, 0.0, 0.0)
         if status == "projected":
-            x, y = pressed[0] + pushed[0], pressed[1] + pushed[1]
+            x = pressed[0] + pushed[0]
+            y = pressed[1] + pushed[1]
             moment = px * y - py * x + scale * a * lever
             residual = (fx - x, fy - y, tau - moment)
             if x == y == moment == 0.0:

@@ -1,10 +1,11 @@
-"""Normal loads of two top contacts: in a given ratio, for a given centre of pressure, the least, and against
-a wall (docs/mechanics.md, section 7).
+"""Normal loads of two top contacts: in a given ratio, for a given centre of pressure,
+the least, and against a wall (docs/mechanics.md, section 7).
 
-The wrench that slides the object grows with the load, and the centre of pressure moves with the ratio, so
-that the loads for one twist are found in a few passes (tens of microseconds; milliseconds for the ratio
-that needs least), for planning; the loads for all twists are one formula. The height of the contacts,
-which moves the centre of pressure along the force, is left out.
+The wrench that slides the object grows with the load, and the centre of pressure moves
+with the ratio, so that the loads for one twist are found in a few passes (tens of
+microseconds; milliseconds for the ratio that needs least), for planning; the loads for
+all twists are one formula. The height of the contacts, which moves the centre of
+pressure along the force, is left out.
 """
 
 from __future__ import annotations
@@ -22,30 +23,38 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 Side = Literal["balanced", "left", "right"]
-SPARE = 0.02  # part of the load that the lighter contact carries beyond the least for a turn on the spot
-PASSES = 8  # until the load for a centre of pressure beside the line of contacts stands still
+# part of the load that the lighter contact carries beyond the least for a turn on the
+# spot
+SPARE = 0.02
+# until the load for a centre of pressure beside the line of contacts stands still
+PASSES = 8
 EXACT = 1e-9  # part of the largest load to which the least is found
 TOPS = (1.0, 0.7, 0.5, 0.35, 0.25)  # parts of the largest load that are tried as enough
-RATIOS, SECTIONS = 16, 10  # looked at, then between them, for the ratio that needs least press
+RATIOS = 16
+SECTIONS = 10  # looked at, then between them, for the ratio that needs least press
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 class PressLoads(NamedTuple):
     """Normal loads for a twist, and what goes with them."""
 
-    forces: tuple[Point, Point]  # [N] tangential, of the left and right contact ON the object, in B
+    # [N] tangential, of the left and right contact ON the object, in B
+    forces: tuple[Point, Point]
     normals: Point  # [N] of the left and right contact
     cop: Point  # [m] centre of pressure, in B
     margin: float  # [N] least distance of a force to the edge of its friction disc
-    needed: float  # [N] least sum of normals in this ratio for the wrench at this load; decides
-    status: AllocationStatus  # "projected": feasible, but not in the ratio that was asked for
+    # [N] least sum of normals in this ratio for the wrench at this load; decides
+    needed: float
+    # "projected": feasible, but not in the ratio that was asked for
+    status: AllocationStatus
 
 
 @dataclass(frozen=True, slots=True)
 class TwoPresses:
     """Two top contacts on an object whose CoM is the origin of B.
 
-    Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where ``weight`` is 0.
+    Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where
+    ``weight`` is 0.
     """
 
     left: Point  # [m] in B
@@ -58,57 +67,88 @@ class TwoPresses:
 
     @property
     def least_fraction(self) -> float:
-        """Least N_i / N of each contact for a turn about the centre of pressure: (mu_s / mu_a) rho / l."""
-        return self.support_friction / self.contact_friction * self.rho / math.dist(self.left, self.right)
+        """Least N_i / N of each contact for a turn about the centre of pressure: (mu_s
+        / mu_a) rho / l.
+        """
+        return (
+            self.support_friction
+            / self.contact_friction
+            * self.rho
+            / math.dist(self.left, self.right)
+        )
 
     def press_for_every_twist(self) -> float:
-        """Return the sum [N] of two equal normals that drives every twist, inf if no press does.
+        """Return the sum [N] of two equal normals that drives every twist, inf if no
+        press does.
 
-        For contacts opposite each other about the CoM; needs mu_a > mu_s sqrt(1 + 4 rho^2 / l^2).
+        For contacts opposite each other about the CoM; needs mu_a > mu_s sqrt(1 + 4
+        rho^2 / l^2).
         """
-        asked = self.support_friction * math.hypot(1.0, 2.0 * self.rho / math.dist(self.left, self.right))
+        asked = self.support_friction * math.hypot(
+            1.0, 2.0 * self.rho / math.dist(self.left, self.right)
+        )
         spare = self.contact_friction - asked
         return asked * self.weight / spare if spare > 0.0 else math.inf
 
-    def at(self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return what ``normals`` [N], not both zero, do for ``twist`` (of any body point, in B)."""
+    def at(
+        self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
+    ) -> PressLoads:
+        """Return what ``normals`` [N], not both zero, do for ``twist`` (of any body
+        point, in B).
+        """
         cop, wrench = self._wrench(normals, twist, gravity)
         share = normals[1] / (normals[0] + normals[1])
-        points, mu = (self.left, self.right), self.contact_friction
+        points = (self.left, self.right)
+        mu = self.contact_friction
         needed = least_press(ContactLine(*points).parts(*wrench, cop), mu, share)
         allocation = two_press_allocator(points, mu)(*wrench, normals, cop)
         forces = (allocation.forces[0], allocation.forces[1])
         status: AllocationStatus = "ok" if allocation.status == "ok" else "infeasible"
         return PressLoads(forces, normals, cop, allocation.margin, needed, status)
 
-    def in_ratio(self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the least loads in a ratio; at the cap and "infeasible" if that is not enough."""
+    def in_ratio(
+        self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
+    ) -> PressLoads:
+        """Return the least loads in a ratio; at the cap and "infeasible" if that is not
+        enough.
+        """
         total = min(self._least_total(share, twist, gravity), self._most(share))
         return self.at(self._shared(share, total), twist, gravity)
 
-    def for_share(self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the least loads for ``twist`` with ``share`` of the two presses on the right contact.
+    def for_share(
+        self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
+    ) -> PressLoads:
+        """Return the least loads for ``twist`` with ``share`` of the two presses on the
+        right contact.
 
-        "balanced" is one half; "left" and "right" put the centre of pressure as far to that side as a turn on
-        the spot allows. Where that needs more than the cap: the ratio that needs least, "projected"; where
-        this does too: this ratio at the cap, "infeasible".
+        "balanced" is one half; "left" and "right" put the centre of pressure as far to
+        that side as a turn on the spot allows. Where that needs more than the cap: the
+        ratio that needs least, "projected"; where this does too: this ratio at the cap,
+        "infeasible".
         """
         found = self.in_ratio(share, twist, gravity)
         return found if found.status == "ok" else self._instead(twist, gravity)
 
-    def for_cop(self, fraction: float, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the least loads for ``twist`` with the centre of pressure at ``fraction`` in (0, 1) of the
-        way from the left to the right contact, along their line.
+    def for_cop(
+        self, fraction: float, twist: Twist, gravity: Point = (0.0, 0.0)
+    ) -> PressLoads:
+        """Return the least loads for ``twist`` with the centre of pressure at
+        ``fraction`` in (0, 1) of the way from the left to the right contact, along
+        their line.
 
-        Where that needs more than the cap, or no press is enough, as in ``for_share``; without a weight that
-        presses, the same as ``for_share``.
+        Where that needs more than the cap, or no press is enough, as in ``for_share``;
+        without a weight that presses, the same as ``for_share``.
         """
         if self.weight == 0.0:
             return self.for_share(fraction, twist, gravity)
         line = ContactLine(self.left, self.right)
-        lam, mu_a, mu_s = fraction, self.contact_friction, self.support_friction
-        along, offset = line.in_axes((-self.left[0], -self.left[1]))  # CoM from the left contact
-        lam_o, load = along / line.length, 2.0 * self.weight
+        lam = fraction
+        mu_a = self.contact_friction
+        mu_s = self.support_friction
+        # CoM from the left contact
+        along, offset = line.in_axes((-self.left[0], -self.left[1]))
+        lam_o = along / line.length
+        load = 2.0 * self.weight
         for _ in range(PASSES if offset else 1):
             dx, dy = line.in_body((lam * line.length, offset * self.weight / load))
             cop = (self.left[0] + dx, self.left[1] + dy)
@@ -119,11 +159,19 @@ class TwoPresses:
             if not (right > 0.0 and left > 0.0):
                 return self._instead(twist, gravity)
             load = mu_a * self.weight * max(lam_o / right, (1.0 - lam_o) / left)
-        normals = ((1.0 - lam) * load - (1.0 - lam_o) * self.weight, lam * load - lam_o * self.weight)
-        return self.at(normals, twist) if max(normals) <= self.cap else self._instead(twist, gravity)
+        normals = (
+            (1.0 - lam) * load - (1.0 - lam_o) * self.weight,
+            lam * load - lam_o * self.weight,
+        )
+        return (
+            self.at(normals, twist)
+            if max(normals) <= self.cap
+            else self._instead(twist, gravity)
+        )
 
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the loads for ``twist`` in the ratio that needs least; "infeasible" if none is enough.
+        """Return the loads for ``twist`` in the ratio that needs least; "infeasible" if
+        none is enough.
 
         The least of a row of ratios, refined by golden section.
         """
@@ -135,12 +183,16 @@ class TwoPresses:
         middle = min([step * i for i in range(1, RATIOS)], key=press)
         if press(middle) == math.inf:
             return self.in_ratio(0.5, twist, gravity)
-        low, high = middle - step, middle + step
+        low = middle - step
+        high = middle + step
         for _ in range(SECTIONS):
-            a, b = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+            a = high - GOLDEN * (high - low)
+            b = low + GOLDEN * (high - low)
             low, high = (low, b) if press(a) <= press(b) else (a, high)
         refined = 0.5 * (low + high)
-        return self.in_ratio(refined if press(refined) < press(middle) else middle, twist, gravity)
+        return self.in_ratio(
+            refined if press(refined) < press(middle) else middle, twist, gravity
+        )
 
     def _instead(self, twist: Twist, gravity: Point) -> PressLoads:
         other = self.for_least_press(twist, gravity)
@@ -149,20 +201,25 @@ class TwoPresses:
     def _wrench(
         self, normals: Point, twist: Twist, gravity: Point
     ) -> tuple[Point, tuple[float, float, float]]:
-        """Return the centre of pressure, and about it the wrench that the contacts have to give."""
+        """Return the centre of pressure, and about it the wrench that the contacts have
+        to give.
+        """
         left, right = normals
         load = self.weight + left + right
         cop = (
             (left * self.left[0] + right * self.right[0]) / load,
             (left * self.left[1] + right * self.right[1]) / load,
         )
-        slide = EllipsoidLimitSurface(self.support_friction * load, self.rho, cop).wrench(twist)
+        slide = EllipsoidLimitSurface(
+            self.support_friction * load, self.rho, cop
+        ).wrench(twist)
         held = Wrench(*gravity, 0.0).moved_to(cop)
         return cop, (slide.fx - held.fx, slide.fy - held.fy, slide.tau - held.tau)
 
     def _least_total(self, share: float | Side, twist: Twist, gravity: Point) -> float:
         """Return the least sum [N] of normals in a ratio, inf if it is above the cap."""
-        line, mu = ContactLine(self.left, self.right), self.contact_friction
+        line = ContactLine(self.left, self.right)
+        mu = self.contact_friction
 
         def surplus(total: float) -> float:
             normals = self._shared(share, total)
@@ -181,8 +238,14 @@ class TwoPresses:
     def _shared(self, share: float | Side, total: float) -> Point:
         """Return both normals [N] of a sum, in a given ratio."""
         if isinstance(share, str):
-            lighter = min(self._least_of_side(share) * (self.weight + total), 0.5 * total)
-            return (lighter, total - lighter) if share == "right" else (total - lighter, lighter)
+            lighter = min(
+                self._least_of_side(share) * (self.weight + total), 0.5 * total
+            )
+            return (
+                (lighter, total - lighter)
+                if share == "right"
+                else (total - lighter, lighter)
+            )
         return (1.0 - share) * total, share * total
 
     def _least_of_side(self, side: Side) -> float:
@@ -191,35 +254,53 @@ class TwoPresses:
 
 
 def _first_enough(surplus: Callable[[float], float], most: float) -> float:
-    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``most``; inf if there is none.
+    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``most``; inf if
+    there is none.
 
-    ``surplus`` is nearly linear: false position (Illinois), always with a bracket. It may fall again, where
-    more press moves the centre of pressure away from where the object is to turn; hence the ``TOPS``.
+    ``surplus`` is nearly linear: false position (Illinois), always with a bracket. It
+    may fall again, where more press moves the centre of pressure away from where the
+    object is to turn; hence the ``TOPS``.
     """
     width = EXACT * most
-    low, high = width, next((part * most for part in TOPS if surplus(part * most) >= 0.0), 0.0)
+    low = width
+    high = next((part * most for part in TOPS if surplus(part * most) >= 0.0), 0.0)
     if high == 0.0:
         return math.inf
-    at_low, at_high = surplus(low), surplus(high)
+    at_low = surplus(low)
+    at_high = surplus(high)
     kept = 0  # which end the last step kept
     while at_low < 0.0 and high - low > width:
         middle = 0.5 * (low + high)
-        total = (low * at_high - high * at_low) / (at_high - at_low) if at_low > -math.inf else middle
+        total = (
+            (low * at_high - high * at_low) / (at_high - at_low)
+            if at_low > -math.inf
+            else middle
+        )
         total = min(max(total, low + 0.5 * width), high - 0.5 * width)
         value = surplus(total)
         if value >= 0.0:
-            high, at_high, at_low, kept = total, value, at_low * (0.5 if kept < 0 else 1.0), -1
+            high = total
+            at_high = value
+            at_low = at_low * (0.5 if kept < 0 else 1.0)
+            kept = -1
         else:
-            low, at_low, at_high, kept = total, value, at_high * (0.5 if kept > 0 else 1.0), 1
+            low = total
+            at_low = value
+            at_high = at_high * (0.5 if kept > 0 else 1.0)
+            kept = 1
     return high if at_low < 0.0 else low
 
 
-def wall_press(weight: float, contact_friction: float, wall_friction: float, up: float) -> float:
-    """Return the least sum [N] of two equal normals that slides an object along a wall; inf if none does.
+def wall_press(
+    weight: float, contact_friction: float, wall_friction: float, up: float
+) -> float:
+    """Return the least sum [N] of two equal normals that slides an object along a wall;
+    inf if none does.
 
-    ``weight`` [N] acts in the plane and does not press; ``up`` is the part of the direction of sliding that
-    points up, 1 up, 0 sideways, -1 down. Without turning, the contacts level with the CoM on either side, a
-    press mg / (sqrt(mu_w^2 up^2 + mu_a^2 - mu_w^2) - mu_w up).
+    ``weight`` [N] acts in the plane and does not press; ``up`` is the part of the
+    direction of sliding that points up, 1 up, 0 sideways, -1 down. Without turning, the
+    contacts level with the CoM on either side, a press mg / (sqrt(mu_w^2 up^2 + mu_a^2
+    - mu_w^2) - mu_w up).
     """
     b = wall_friction * up
     square = b * b + contact_friction**2 - wall_friction**2
@@ -228,7 +309,8 @@ def wall_press(weight: float, contact_friction: float, wall_friction: float, up:
 
 
 def wall_hold(weight: float, contact_friction: float, wall_friction: float) -> float:
-    """Return the least sum [N] of two equal normals that holds an object at rest on a wall.
+    """Return the least sum [N] of two equal normals that holds an object at rest on a
+    wall.
 
     Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w).
     """

@@ -1,8 +1,9 @@
-"""Allocation to two top contacts: tangential forces inside the friction discs of two presses
-(docs/mechanics.md, section 7).
+"""Allocation to two top contacts: tangential forces inside the friction discs of two
+presses (docs/mechanics.md, section 7).
 
-Across the line of contacts both forces follow from the wrench; along it, every split without opposite signs
-is free of antagonistic shear. Closed forms in plain floats. The normal loads are in ``press_loads``.
+Across the line of contacts both forces follow from the wrench; along it, every split
+without opposite signs is free of antagonistic shear. Closed forms in plain floats. The
+normal loads are in ``press_loads``.
 """
 
 from __future__ import annotations
@@ -16,13 +17,17 @@ from pushpressslide.core.allocation import Allocation, AllocationStatus
 from pushpressslide.core.pose import Point
 
 ROUNDING = (
-    1e-12  # of the discs' radii, allowed beyond them: what one contact alone can give may be asked of it
+    # of the discs' radii, allowed beyond them: what one contact alone can give may be
+    # asked of it
+    1e-12
 )
 NOTHING = 1e-9  # part of a wrench that counts as none of it
 
 
 class PressAllocator(Protocol):
-    """An allocator that is told the normal forces and the centre of pressure of the moment."""
+    """An allocator that is told the normal forces and the centre of pressure of the
+    moment.
+    """
 
     def __call__(
         self, fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
@@ -32,16 +37,19 @@ class PressAllocator(Protocol):
 
 
 def two_press_allocator(points: Sequence[Point], friction: float) -> PressAllocator:
-    """Return ``allocate(fx, fy, tau, normals, cop)`` for top contacts at two ``points`` [m] in B.
+    """Return ``allocate(fx, fy, tau, normals, cop)`` for top contacts at two ``points``
+    [m] in B.
 
-    The wrench is about ``cop`` [m], in B: the centre of pressure of the ``normals`` [N] that the contacts
-    press with, best as measured. The force along the line of contacts is shared in the ratio of what each
-    disc, of radius ``friction`` times normal, has left for it: without antagonistic shear, and inside both
-    discs whenever any split is.
+    The wrench is about ``cop`` [m], in B: the centre of pressure of the ``normals`` [N]
+    that the contacts press with, best as measured. The force along the line of contacts
+    is shared in the ratio of what each disc, of radius ``friction`` times normal, has
+    left for it: without antagonistic shear, and inside both discs whenever any split
+    is.
 
-    A wrench beyond the discs is scaled onto them, status "projected": its direction is kept, but below the
-    limit surface nothing moves, so that this twist cannot be driven at these normals. "infeasible" if nothing
-    is left of it. Raises ValueError for contacts that coincide.
+    A wrench beyond the discs is scaled onto them, status "projected": its direction is
+    kept, but below the limit surface nothing moves, so that this twist cannot be driven
+    at these normals. "infeasible" if nothing is left of it. Raises ValueError for
+    contacts that coincide.
     """
     line = ContactLine(*points)
     ex, ey = line.e
@@ -50,42 +58,62 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
     none = (0.0, 0.0, 0.0)
     new = tuple.__new__  # Allocation(...) without a call in Python
 
-    def allocate(fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)) -> Allocation:
+    def allocate(
+        fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
+    ) -> Allocation:
         n1, n2 = normals
         cop_x, cop_y = cop
-        along, half = ex * fx + ey * fy, 0.5 * (ex * fy - ey * fx)
+        along = ex * fx + ey * fy
+        half = 0.5 * (ex * fy - ey * fx)
         turning = (tau - (mid_x - cop_x) * fy + (mid_y - cop_y) * fx) * per_length
-        g1, g2 = half - turning, half + turning
-        most1, most2 = friction * n1, friction * n2
+        g1 = half - turning
+        g2 = half + turning
+        most1 = friction * n1
+        most2 = friction * n2
         if -most1 <= g1 <= most1 and -most2 <= g2 <= most2:
-            room1, room2 = sqrt(most1 * most1 - g1 * g1), sqrt(most2 * most2 - g2 * g2)
+            room1 = sqrt(most1 * most1 - g1 * g1)
+            room2 = sqrt(most2 * most2 - g2 * g2)
             room = room1 + room2
             if -room <= along <= room < inf:
                 s = along * room1 / room if room > 0.0 else 0.0
-                f1x, f1y = s * ex - g1 * ey, s * ey + g1 * ex
-                f2x, f2y = fx - f1x, fy - f1y
+                f1x = s * ex - g1 * ey
+                f1y = s * ey + g1 * ex
+                f2x = fx - f1x
+                f2y = fy - f1y
                 margin = most1 - sqrt(f1x * f1x + f1y * f1y)
                 margin2 = most2 - sqrt(f2x * f2x + f2y * f2y)
                 if margin2 < margin:
                     margin = margin2
-                return new(Allocation, (((f1x, f1y), (f2x, f2y)), normals, margin, "ok", none))
-        most1, most2 = max(most1, 0.0), max(most2, 0.0)
+                return new(
+                    Allocation, (((f1x, f1y), (f2x, f2y)), normals, margin, "ok", none)
+                )
+        most1 = max(most1, 0.0)
+        most2 = max(most2, 0.0)
         rounding = ROUNDING * (most1 + most2)
-        most1, most2 = most1 + rounding, most2 + rounding
+        most1 = most1 + rounding
+        most2 = most2 + rounding
         scale = min(largest_scale((along, g1, g2), (most1, most2)), 1.0)
         if not (scale > NOTHING and n1 + n2 < inf):
-            return Allocation(((0.0, 0.0), (0.0, 0.0)), normals, 0.0, "infeasible", (fx, fy, tau))
+            return Allocation(
+                ((0.0, 0.0), (0.0, 0.0)), normals, 0.0, "infeasible", (fx, fy, tau)
+            )
         g1 *= scale
         room1 = sqrt(max(most1 * most1 - g1 * g1, 0.0))
         room = room1 + sqrt(max(most2 * most2 - scale * g2 * scale * g2, 0.0))
         s = scale * along * room1 / room if room > 0.0 else 0.0
-        f1x, f1y = s * ex - g1 * ey, s * ey + g1 * ex
-        f2x, f2y = scale * fx - f1x, scale * fy - f1y
+        f1x = s * ex - g1 * ey
+        f1y = s * ey + g1 * ex
+        f2x = scale * fx - f1x
+        f2y = scale * fy - f1y
         margin = min(most1 - hypot(f1x, f1y), most2 - hypot(f2x, f2y))
         status: AllocationStatus = "ok" if 1.0 - scale <= 1e-9 else "projected"
         lost = 1.0 - scale
         return Allocation(
-            ((f1x, f1y), (f2x, f2y)), normals, margin, status, (lost * fx, lost * fy, lost * tau)
+            ((f1x, f1y), (f2x, f2y)),
+            normals,
+            margin,
+            status,
+            (lost * fx, lost * fy, lost * tau),
         )
 
     return allocate
@@ -94,38 +122,57 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 def largest_scale(parts: tuple[float, float, float], most: Point) -> float:
     """Return the factor [0, inf] by which a wrench can be scaled inside two discs.
 
-    ``parts`` (F.e, g_1, g_2) [N] of ``ContactLine.parts``, ``most`` [N] the radii. Below 1 the wrench is
-    impossible.
+    ``parts`` (F.e, g_1, g_2) [N] of ``ContactLine.parts``, ``most`` [N] the radii.
+    Below 1 the wrench is impossible.
     """
     along, g1, g2 = parts
     x = _least_root(most[0] * most[0], g1 * g1, most[1] * most[1], g2 * g2, abs(along))
     return inf if x == 0.0 else 1.0 / sqrt(x)
 
 
-def least_press(parts: tuple[float, float, float], friction: float, share: float) -> float:
-    """Return the least sum [N] of two normal forces of which contact 2 has the part ``share`` in [0, 1]."""
+def least_press(
+    parts: tuple[float, float, float], friction: float, share: float
+) -> float:
+    """Return the least sum [N] of two normal forces of which contact 2 has the part
+    ``share`` in [0, 1].
+    """
     along, g1, g2 = parts
-    a1, a2 = friction * (1.0 - share), friction * share
+    a1 = friction * (1.0 - share)
+    a2 = friction * share
     return sqrt(_least_root(a1 * a1, g1 * g1, a2 * a2, g2 * g2, abs(along)))
 
 
 def least_presses(parts: tuple[float, float, float], friction: float) -> Point:
-    """Return the two normal forces [N] of least sum: |f_i| / mu, with F.e shared as |g_1| to |g_2|."""
+    """Return the two normal forces [N] of least sum: |f_i| / mu, with F.e shared as
+    |g_1| to |g_2|.
+    """
     along, g1, g2 = parts
     across = abs(g1) + abs(g2)
     share = abs(g2) / across if across > 0.0 else 0.5
-    return hypot((1.0 - share) * along, g1) / friction, hypot(share * along, g2) / friction
+    return hypot((1.0 - share) * along, g1) / friction, hypot(
+        share * along, g2
+    ) / friction
 
 
 def _least_root(a1: float, b1: float, a2: float, b2: float, e: float) -> float:
-    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e; all arguments are >= 0."""
-    if (a1 == 0.0 and b1 > 0.0) or (a2 == 0.0 and b2 > 0.0) or (a1 == a2 == 0.0 and e > 0.0):
+    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e; all
+    arguments are >= 0.
+    """
+    if (
+        (a1 == 0.0 and b1 > 0.0)
+        or (a2 == 0.0 and b2 > 0.0)
+        or (a1 == a2 == 0.0 and e > 0.0)
+    ):
         return inf
     x = max(b1 / a1 if a1 > 0.0 else 0.0, b2 / a2 if a2 > 0.0 else 0.0)
     square = e * e
-    if square <= 1e-30 * (b1 + b2) or sqrt(max(a1 * x - b1, 0.0)) + sqrt(max(a2 * x - b2, 0.0)) >= e:
+    if (
+        square <= 1e-30 * (b1 + b2)
+        or sqrt(max(a1 * x - b1, 0.0)) + sqrt(max(a2 * x - b2, 0.0)) >= e
+    ):
         return x
-    # The smaller root of the quadratic that squaring twice leads to, without cancellation
+    # The smaller root of the quadratic that squaring twice leads to, without
+    # cancellation
     root = sqrt(max(a1 * a2 * square + (a1 - a2) * (a2 * b1 - a1 * b2), 0.0))
     numerator = square * (square + 2.0 * (b1 + b2)) + (b1 - b2) * (b1 - b2)
     denominator = square * (a1 + a2) + (a1 - a2) * (b1 - b2) + 2.0 * e * root

@@ -1,8 +1,10 @@
-"""The wrenches that two side contacts can give, as a cone; and where a wrench outside of it is moved to.
+"""The wrenches that two side contacts can give, as a cone; and where a wrench outside
+of it is moved to.
 
-Source: docs/mechanics.md, section 6. The cone is spanned by four edge wrenches, one for each edge of the two
-friction cones. Scaling never brings a wrench into a cone, so what is wanted has to be changed: to the nearest
-wrench, or with the force kept, or with the moment kept. Closed forms of fixed cost, plain floats.
+Source: docs/mechanics.md, section 6. The cone is spanned by four edge wrenches, one for
+each edge of the two friction cones. Scaling never brings a wrench into a cone, so what
+is wanted has to be changed: to the nearest wrench, or with the force kept, or with the
+moment kept. Closed forms of fixed cost, plain floats.
 """
 
 from __future__ import annotations
@@ -21,37 +23,50 @@ FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
 
 
 class EdgeForces(NamedTuple):
-    """Forces of two contacts on a facet of their wrench cone; at least one of them is on its cone's edge."""
+    """Forces of two contacts on a facet of their wrench cone; at least one of them is
+    on its cone's edge.
+    """
 
     forces: tuple[Point, Point]  # [N] in B
     normals: tuple[float, float]  # [N]
 
 
 class WrenchCone:
-    """The wrenches (fx, fy [N], tau [N m]) about B's origin that two side contacts can give, in B.
+    """The wrenches (fx, fy [N], tau [N m]) about B's origin that two side contacts can
+    give, in B.
 
-    ``points`` [m] and unit inward ``normals`` in B, ``friction`` of the pair tip/object. Distances are in the
-    norm diag(1, 1, 1/rho^2), in which the error of the object's twist is measured on the ellipsoid of ``rho``
-    [m].
+    ``points`` [m] and unit inward ``normals`` in B, ``friction`` of the pair
+    tip/object. Distances are in the norm diag(1, 1, 1/rho^2), in which the error of the
+    object's twist is measured on the ellipsoid of ``rho`` [m].
     """
 
     def __init__(
-        self, points: Sequence[Point], normals: Sequence[Point], friction: float, rho: float
+        self,
+        points: Sequence[Point],
+        normals: Sequence[Point],
+        friction: float,
+        rho: float,
     ) -> None:
         self._rho = rho
-        self._rays = tuple(ray for normal in normals for ray in cone_edges(normal, friction))
+        self._rays = tuple(
+            ray for normal in normals for ray in cone_edges(normal, friction)
+        )
         self._edges = tuple(
-            (ray[0], ray[1], cross(points[i // 2], ray) / rho) for i, ray in enumerate(self._rays)
+            (ray[0], ray[1], cross(points[i // 2], ray) / rho)
+            for i, ray in enumerate(self._rays)
         )
         """Edge wrenches with the moment over rho, for a normal force of 1 N."""
         self._squares = tuple(_dot(edge, edge) for edge in self._edges)
-        pairs, facets = [], []
+        pairs = []
+        facets = []
         for i, j in combinations(range(4), 2):
             normal = _cross(self._edges[i], self._edges[j])
             size = math.sqrt(_dot(normal, normal))
             if size < FLAT * math.sqrt(self._squares[i] * self._squares[j]):
                 continue
-            pairs.append((i, j, _dot(self._edges[i], self._edges[j]), 1.0 / (size * size)))
+            pairs.append(
+                (i, j, _dot(self._edges[i], self._edges[j]), 1.0 / (size * size))
+            )
             sides = [
                 _dot(normal, edge) / (size * math.sqrt(square))
                 for edge, square in zip(self._edges, self._squares, strict=True)
@@ -62,38 +77,50 @@ class WrenchCone:
                     facets.append((a, b, c / rho))
         self._pairs = tuple(pairs)
         self.facets: tuple[Vector, ...] = tuple(facets)
-        """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 in all of them; none if it is all wrenches."""
+        """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 in all of them; none if
+        it is all wrenches.
+        """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
 
     def spare(self, fx: float, fy: float, tau: float) -> float:
-        """Return the number [N] that decides: distance of a wrench to the nearest facet, negative outside.
+        """Return the number [N] that decides: distance of a wrench to the nearest
+        facet, negative outside.
 
         Infinite where the contacts can give every wrench.
         """
-        return min((a * fx + b * fy + c * tau for a, b, c in self.facets), default=math.inf)
+        return min(
+            (a * fx + b * fy + c * tau for a, b, c in self.facets), default=math.inf
+        )
 
     def nearest(self, fx: float, fy: float, tau: float) -> EdgeForces:
         """Return the forces whose wrench is nearest to one that is not inside the cone.
 
-        That wrench lies on a facet, so it is the best of the four edges and their six pairs: least squares
-        with coefficients >= 0, by enumeration.
+        That wrench lies on a facet, so it is the best of the four edges and their six
+        pairs: least squares with coefficients >= 0, by enumeration.
         """
         z = tau / self._rho
         along = [a * fx + b * fy + c * z for a, b, c in self._edges]
-        trials = [(i, i, a / self._squares[i], 0.0) for i, a in enumerate(along) if a > 0.0]
+        trials = [
+            (i, i, a / self._squares[i], 0.0) for i, a in enumerate(along) if a > 0.0
+        ]
         for i, j, product, inverse in self._pairs:
             k_i = (self._squares[j] * along[i] - product * along[j]) * inverse
             k_j = (self._squares[i] * along[j] - product * along[i]) * inverse
             if k_i > 0.0 and k_j > 0.0:
                 trials.append((i, j, k_i, k_j))
-        least, best = fx * fx + fy * fy + z * z, (0, 0, 0.0, 0.0)
+        least = fx * fx + fy * fy + z * z
+        best = (0, 0, 0.0, 0.0)
         for trial in trials:
             i, j, k_i, k_j = trial
-            (ax, ay, az), (bx, by, bz) = self._edges[i], self._edges[j]
-            dx, dy, dz = fx - k_i * ax - k_j * bx, fy - k_i * ay - k_j * by, z - k_i * az - k_j * bz
+            ax, ay, az = self._edges[i]
+            bx, by, bz = self._edges[j]
+            dx = fx - k_i * ax - k_j * bx
+            dy = fy - k_i * ay - k_j * by
+            dz = z - k_i * az - k_j * bz
             distance = dx * dx + dy * dy + dz * dz
             if distance < least:
-                least, best = distance, trial
+                least = distance
+                best = trial
         k = [0.0, 0.0, 0.0, 0.0]
         i, j, k_i, k_j = best
         k[i] += k_i
@@ -108,7 +135,8 @@ class WrenchCone:
 
         Where no moment makes the force possible, the wrench as it is.
         """
-        low, high = -math.inf, math.inf
+        low = -math.inf
+        high = math.inf
         for a, b, c in self.facets:
             rest = a * fx + b * fy
             if abs(c) * self._rho < FLAT:
@@ -121,8 +149,8 @@ class WrenchCone:
         return (fx, fy, min(max(tau, low), high)) if low <= high else (fx, fy, tau)
 
     def with_torque_kept(self, fx: float, fy: float, tau: float) -> Vector:
-        """Return the wrench of the cone with this moment and the least more force along the sum of the
-        normals.
+        """Return the wrench of the cone with this moment and the least more force along
+        the sum of the normals.
 
         Where no such force is enough, the wrench as it is.
         """
@@ -143,4 +171,8 @@ def _dot(a: Vector, b: Vector) -> float:
 
 
 def _cross(a: Vector, b: Vector) -> Vector:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )

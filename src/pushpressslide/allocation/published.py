@@ -1,7 +1,8 @@
-"""The paper's own formulas for two contacts, by name, so that the difference can be shown; used nowhere else.
+"""The paper's own formulas for two contacts, by name, so that the difference can be
+shown; used nowhere else.
 
-They check no cone. Equations are numbered as in docs/paper-map.md; forces [N] on the object, in B, moments
-about the CoM.
+They check no cone. Equations are numbered as in docs/paper-map.md; forces [N] on the
+object, in B, moments about the CoM.
 """
 
 from __future__ import annotations
@@ -21,49 +22,63 @@ def synchronised_pushes(fx: float, fy: float) -> tuple[Point, Point]:
     return (0.5 * fx, 0.5 * fy), (0.5 * fx, 0.5 * fy)
 
 
-def differential_pushes(fx: float, tau: float, half_width: float) -> tuple[Point, Point]:
-    """Return the left and right force from behind, without friction (case 3, mode 2; eq. 20).
+def differential_pushes(
+    fx: float, tau: float, half_width: float
+) -> tuple[Point, Point]:
+    """Return the left and right force from behind, without friction (case 3, mode 2;
+    eq. 20).
 
-    The paper takes this for a differential drive; a force is negative, a pull, for |tau| > half_width fx: no
-    turning in place, no reverse.
+    The paper takes this for a differential drive; a force is negative, a pull, for
+    |tau| > half_width fx: no turning in place, no reverse.
     """
     half = 0.5 * tau / half_width
     return (0.5 * fx - half, 0.0), (0.5 * fx + half, 0.0)
 
 
-def orthogonal_pushes(fx: float, fy: float, tau: float, d: float, bias: float = 0.0) -> tuple[Point, Point]:
-    """Return the forces of contact B at (-d, 0) and L at (0, d), friction split evenly (case 4; eqs. 22, 23).
+def orthogonal_pushes(
+    fx: float, fy: float, tau: float, d: float, bias: float = 0.0
+) -> tuple[Point, Point]:
+    """Return the forces of contact B at (-d, 0) and L at (0, d), friction split evenly
+    (case 4; eqs. 22, 23).
 
-    The ``bias`` [N] on both normal forces is not internal: the forces add up to (fx + bias, fy - bias, tau).
+    The ``bias`` [N] on both normal forces is not internal: the forces add up to (fx +
+    bias, fy - bias, tau).
     """
     friction = -0.5 * tau / d
     return (fx - friction + bias, friction), (friction, -(-fy + friction + bias))
 
 
 def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
-    """Return the least bias [N] that puts the forces of ``orthogonal_pushes`` into their cones.
+    """Return the least bias [N] that puts the forces of ``orthogonal_pushes`` into
+    their cones.
 
     Never smaller than ``orthogonal.least_drift``, the least that any split needs.
     """
-    p, q, t = fx, -fy, tau / d
+    p = fx
+    q = -fy
+    t = tau / d
     tilted = 0.5 * abs(t) / friction
     return max(0.0, tilted - 0.5 * t - p, tilted + 0.5 * t - q)
 
 
 def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, float]:
-    """Return d_min and d_max [m], between which case 4 has its tracking points, one left and one right.
+    """Return d_min and d_max [m], between which case 4 has its tracking points, one
+    left and one right.
 
-    (1 -+ mu^2) K / mu^2. The centres they stand for are ``orthogonal.translation_radii``; both turn the same
-    way.
+    (1 -+ mu^2) K / mu^2. The centres they stand for are
+    ``orthogonal.translation_radii``; both turn the same way.
     """
     k = rho * rho / d
     return k * (1.0 - friction**2) / friction**2, k * (1.0 + friction**2) / friction**2
 
 
-def pressed_forces(points: Sequence[Point], fx: float, fy: float, tau: float) -> tuple[Point, ...]:
-    """Return the tangential forces at ``points`` [m] with the least sum of squares (case 5; eq. 24).
+def pressed_forces(
+    points: Sequence[Point], fx: float, fy: float, tau: float
+) -> tuple[Point, ...]:
+    """Return the tangential forces at ``points`` [m] with the least sum of squares
+    (case 5; eq. 24).
 
-    The moment is about the CoM, the limit surface about the CoP: unless the two coincide, an object that was
-    meant to translate also turns.
+    The moment is about the CoM, the limit surface about the CoP: unless the two
+    coincide, an object that was meant to translate also turns.
     """
     return least_norm_forces(points, Wrench(fx, fy, tau))

@@ -1,4 +1,6 @@
-"""The twists that two side contacts can drive: their wrench cone, seen through the limit surface."""
+"""The twists that two side contacts can drive: their wrench cone, seen through the
+limit surface.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +25,21 @@ INWARD = 0.3  # share of the cone's middle in the twists near its edges
 
 
 class TwistCone:
-    """Twists of the CoM, B's origin, that ``contacts`` can drive with ``friction`` of the pair tip/object."""
+    """Twists of the CoM, B's origin, that ``contacts`` can drive with ``friction`` of
+    the pair tip/object.
+    """
 
-    def __init__(self, contacts: Sequence[Contact], friction: float, surface: DraggedSurface) -> None:
+    def __init__(
+        self, contacts: Sequence[Contact], friction: float, surface: DraggedSurface
+    ) -> None:
         """Prepare all that does not depend on the twist."""
-        self.contacts, self.surface = tuple(contacts), surface
-        points, normals = [c.point for c in contacts], [c.normal for c in contacts]
+        self.contacts = tuple(contacts)
+        self.surface = surface
+        points = [c.point for c in contacts]
+        normals = [c.normal for c in contacts]
         self._wrenches = WrenchCone(points, normals, friction, surface.rho)
-        while not self._wrenches.facets:  # all wrenches, by squeezing: what counts is what a push gives
+        # all wrenches, by squeezing: what counts is what a push gives
+        while not self._wrenches.facets:
             friction *= LESS
             self._wrenches = WrenchCone(points, normals, friction, surface.rho)
         self._edges = []
@@ -43,11 +52,15 @@ class TwistCone:
     @property
     def figures(self) -> dict[str, float]:
         """What a choice remembers of the surface."""
-        surface, (x, y) = self.surface, self.surface.center
+        surface = self.surface
+        x, y = self.surface.center
         return {
-            "push_force": surface.max_force, "rho": surface.rho, "lift": surface.lift,
-            "cop_x": x, "cop_y": y,
-        }  # fmt: skip
+            "push_force": surface.max_force,
+            "rho": surface.rho,
+            "lift": surface.lift,
+            "cop_x": x,
+            "cop_y": y,
+        }
 
     @classmethod
     def remembered(
@@ -55,7 +68,9 @@ class TwistCone:
     ) -> TwistCone:
         """Return the cone of contacts on the surface of a choice's ``figures``."""
         center = (figures["cop_x"], figures["cop_y"])
-        surface = DraggedSurface(figures["push_force"], figures["rho"], figures["lift"], center)
+        surface = DraggedSurface(
+            figures["push_force"], figures["rho"], figures["lift"], center
+        )
         return cls(contacts, friction, surface)
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
@@ -63,19 +78,28 @@ class TwistCone:
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def spare(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone the wrench of a twist is [rad]; negative outside, see ``angle``.
+        """Return how far inside the cone the wrench of a twist is [rad]; negative
+        outside, see ``angle``.
 
-        In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist may be turned.
+        In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist
+        may be turned.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
-        return math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size))) if size > 0.0 else 0.0
+        return (
+            math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size)))
+            if size > 0.0
+            else 0.0
+        )
 
     def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return ``spare`` (m,) of twists (m, 3)."""
-        (cx, cy), rho = self.surface.center, self.surface.rho
+        cx, cy = self.surface.center
+        rho = self.surface.rho
         vx, vy, w = twists.T
-        fx, fy, tau = self.surface.wrenches(np.stack([vx - w * cy, vy + w * cx, w], axis=-1)).T
+        fx, fy, tau = self.surface.wrenches(
+            np.stack([vx - w * cy, vy + w * cx, w], axis=-1)
+        ).T
         tau = tau + cx * fy - cy * fx
         least = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
         size = np.maximum(np.hypot(np.hypot(fx, fy), tau / rho), 1e-300)
@@ -83,32 +107,49 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """Return ``spare`` [rad]; but outside, where that is of the nearest facet's plane, the angle to the
-        nearest wrench of the cone, negative.
+        """Return ``spare`` [rad]; but outside, where that is of the nearest facet's
+        plane, the angle to the nearest wrench of the cone, negative.
         """
         wanted = self.wrench(vx, vy, w)
-        nearest, rho = self.nearest(wanted), self.surface.rho
+        nearest = self.nearest(wanted)
+        rho = self.surface.rho
         if nearest is None:
             return self.spare(vx, vy, w)
         size = math.hypot(nearest.fx, nearest.fy, nearest.tau / rho)
-        return -math.acos(min(1.0, size / math.hypot(wanted.fx, wanted.fy, wanted.tau / rho)))
+        return -math.acos(
+            min(1.0, size / math.hypot(wanted.fx, wanted.fy, wanted.tau / rho))
+        )
 
     def nearest(self, wrench: Wrench) -> Wrench | None:
-        """Return the nearest wrench of the cone, about B's origin; None for one of the cone."""
+        """Return the nearest wrench of the cone, about B's origin; None for one of the
+        cone.
+        """
         fx, fy, tau, _ = wrench.moved_to(ORIGIN)
         if self._wrenches.spare(fx, fy, tau) >= 0.0:
             return None
         first, second = self._wrenches.nearest(fx, fy, tau).forces
         p, q = (contact.point for contact in self.contacts)
-        return Wrench(first[0] + second[0], first[1] + second[1], cross(p, first) + cross(q, second))
+        return Wrench(
+            first[0] + second[0],
+            first[1] + second[1],
+            cross(p, first) + cross(q, second),
+        )
 
     def rays(self, least: float) -> list[TwistRate]:
-        """Return twists near the cone's edges and between them, with ``least`` [rad] to spare."""
+        """Return twists near the cone's edges and between them, with ``least`` [rad] to
+        spare.
+        """
         middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
         out = []
         for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):
             parts = zip(self._edges[a], self._edges[b], middle, strict=True)
-            wrench = Wrench(*(0.5 * (1.0 - INWARD) * (p + q) + INWARD * m for p, q, m in parts))
+            wrench = Wrench(
+                *(0.5 * (1.0 - INWARD) * (p + q) + INWARD * m for p, q, m in parts)
+            )
             twist = self.surface.twist_direction(wrench).moved_to(ORIGIN)
             out.append((twist.vx, twist.vy, twist.w))
-        return [ray for ray, spare in zip(out, self.spares(np.array(out)), strict=True) if spare >= least]
+        return [
+            ray
+            for ray, spare in zip(out, self.spares(np.array(out)), strict=True)
+            if spare >= least
+        ]

@@ -1,8 +1,8 @@
-"""Allocation to two side contacts, anywhere on the object: four force components for the three of a wrench
-(docs/mechanics.md, sections 5 and 6).
+"""Allocation to two side contacts, anywhere on the object: four force components for
+the three of a wrench (docs/mechanics.md, sections 5 and 6).
 
-Every side of a friction cone bounds the free force along the line of contacts on one side, so that a wrench
-is possible exactly if the interval left is not empty.
+Every side of a friction cone bounds the free force along the line of contacts on one
+side, so that a wrench is possible exactly if the interval left is not empty.
 """
 
 from __future__ import annotations
@@ -31,20 +31,23 @@ def two_contact_allocator(
     projection: Projection = "nearest",
     split: Split = "least_friction",
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] with unit inward ``normals``,
-    in B.
+    """Return ``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] with
+    unit inward ``normals``, in B.
 
-    The wrench is about B's origin, in B. Of all forces inside the cones of ``friction`` that realise it, the
-    answer has the least sum of squared friction forces ("least_friction": section 6's u = -T/2, moved as
-    little as needed) or the least sum of squared forces ("least_force": an even share along the line of
-    contacts, moved as little as needed; it squeezes less and is nearer to slipping).
+    The wrench is about B's origin, in B. Of all forces inside the cones of ``friction``
+    that realise it, the answer has the least sum of squared friction forces
+    ("least_friction": section 6's u = -T/2, moved as little as needed) or the least sum
+    of squared forces ("least_force": an even share along the line of contacts, moved as
+    little as needed; it squeezes less and is nearer to slipping).
 
-    A wrench that the contacts cannot give is moved: to the nearest in diag(1, 1, 1/rho^2) for an ellipsoid of
-    ``rho`` [m]; or ("force_priority") in its moment alone; or ("torque_priority") by a force along the sum of
-    the normals; to the nearest where these two do not help. One that needs more normal force than ``caps``
-    [N] is scaled. Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
-    "infeasible" if the best force is zero. Raises ValueError for contacts that coincide, friction <= 0, and
-    for "least_friction" where both normals lie along the line of contacts.
+    A wrench that the contacts cannot give is moved: to the nearest in diag(1, 1,
+    1/rho^2) for an ellipsoid of ``rho`` [m]; or ("force_priority") in its moment alone;
+    or ("torque_priority") by a force along the sum of the normals; to the nearest where
+    these two do not help. One that needs more normal force than ``caps`` [N] is scaled.
+    Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
+    "infeasible" if the best force is zero. Raises ValueError for contacts that
+    coincide, friction <= 0, and for "least_friction" where both normals lie along the
+    line of contacts.
     """
     pair = ContactPair(points, normals, friction, split)
     elsewhere = _Elsewhere(pair, points, normals, friction, rho, caps, projection)
@@ -54,27 +57,36 @@ def two_contact_allocator(
     x_tau, y_tau = pair.first_force(0.0, 0.0, 1.0)
     ex, ey = pair.line.e
     (n1x, n1y), (n2x, n2y) = normals
-    n1e, n2e = pair.n1e, pair.n2e
+    n1e = pair.n1e
+    n2e = pair.n2e
     # q + a d >= 0 bounds d by -q / a: from below where a > 0.
     up1, up2, up3, up4 = (a > 0.0 for a in pair.slopes)
     k1, k2, k3, k4 = (-1.0 / a for a in pair.slopes)
     cap1, cap2 = caps
-    capped, outside, none, inf = elsewhere.capped, elsewhere.outside, NONE, math.inf
+    capped = elsewhere.capped
+    outside = elsewhere.outside
+    none = NONE
+    inf = math.inf
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         f1x = x_fx * fx + x_fy * fy + x_tau * tau
         f1y = y_fx * fx + y_fy * fy + y_tau * tau
-        f2x, f2y = fx - f1x, fy - f1y
-        f1n, f2n = n1x * f1x + n1y * f1y, n2x * f2x + n2y * f2y
-        f1t, f2t = n1x * f1y - n1y * f1x, n2x * f2y - n2y * f2x
+        f2x = fx - f1x
+        f2y = fy - f1y
+        f1n = n1x * f1x + n1y * f1y
+        f2n = n2x * f2x + n2y * f2y
+        f1t = n1x * f1y - n1y * f1x
+        f2t = n2x * f2y - n2y * f2x
         margin = friction * f1n - (f1t if f1t > 0.0 else -f1t)
         margin2 = friction * f2n - (f2t if f2t > 0.0 else -f2t)
         if margin2 < margin:
             margin = margin2
         if not margin >= 0.0:
-            d1, d2 = k1 * (friction * f1n - f1t), k2 * (friction * f1n + f1t)
-            d3, d4 = k3 * (friction * f2n - f2t), k4 * (friction * f2n + f2t)
+            d1 = k1 * (friction * f1n - f1t)
+            d2 = k2 * (friction * f1n + f1t)
+            d3 = k3 * (friction * f2n - f2t)
+            d4 = k4 * (friction * f2n + f2t)
             low, high = (d1, inf) if up1 else (-inf, d1)
             if up2:
                 if d2 > low:
@@ -94,10 +106,17 @@ def two_contact_allocator(
             if not low <= high:
                 return outside(fx, fy, tau)
             more = low if low > 0.0 else high if high < 0.0 else 0.0
-            f1x, f1y, f2x, f2y = f1x + more * ex, f1y + more * ey, f2x - more * ex, f2y - more * ey
-            f1n, f2n, margin = f1n + more * n1e, f2n - more * n2e, 0.0
+            f1x = f1x + more * ex
+            f1y = f1y + more * ey
+            f2x = f2x - more * ex
+            f2y = f2y - more * ey
+            f1n = f1n + more * n1e
+            f2n = f2n - more * n2e
+            margin = 0.0
         if f1n <= cap1 and f2n <= cap2:
-            return new(Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none))
+            return new(
+                Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none)
+            )
         return capped(fx, fy, tau)
 
     return allocate
@@ -116,40 +135,59 @@ class _Elsewhere:
         caps: Sequence[float],
         projection: Projection,
     ) -> None:
-        self._pair, self._points, self._normals = pair, points, normals
-        self._friction, self._rho, self._projection = friction, rho, projection
+        self._pair = pair
+        self._points = points
+        self._normals = normals
+        self._friction = friction
+        self._rho = rho
+        self._projection = projection
         self._cap1, self._cap2 = caps
         self._cone = WrenchCone(points, normals, friction, rho)
 
     def capped(self, fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of a wrench of the cone that takes more normal force than a cap allows."""
+        """Return the allocation of a wrench of the cone that takes more normal force
+        than a cap allows.
+        """
         f1 = self._pair.first_force(fx, fy, tau)
         f2 = (fx - f1[0], fy - f1[1])
-        slacks, pushes = [], []
+        slacks = []
+        pushes = []
         for f, n in zip((f1, f2), self._normals, strict=True):
-            push, left = f[0] * n[0] + f[1] * n[1], cross(n, f)
+            push = f[0] * n[0] + f[1] * n[1]
+            left = cross(n, f)
             pushes.append(push)
             slacks += [self._friction * push - left, self._friction * push + left]
         f1n, f2n = pushes
         low, high = _interval(slacks, self._pair.slopes)
-        least, most = _interval((self._cap1 - f1n, self._cap2 - f2n), (-self._pair.n1e, self._pair.n2e))
-        least, most = max(least, low), min(most, high)
-        d, scale = min(max(0.0, least), most), 1.0
+        least, most = _interval(
+            (self._cap1 - f1n, self._cap2 - f2n), (-self._pair.n1e, self._pair.n2e)
+        )
+        least = max(least, low)
+        most = min(most, high)
+        d = min(max(0.0, least), most)
+        scale = 1.0
         if not least <= most:
             d, scale = self._largest_scale(low, high, f1n, f2n)
         ex, ey = self._pair.line.e
-        f1, f2 = (f1[0] + d * ex, f1[1] + d * ey), (f2[0] - d * ex, f2[1] - d * ey)
+        f1 = (f1[0] + d * ex, f1[1] + d * ey)
+        f2 = (f2[0] - d * ex, f2[1] - d * ey)
         return self._allocation((fx, fy, tau), f1, f2, scale)
 
-    def _largest_scale(self, low: float, high: float, f1n: float, f2n: float) -> tuple[float, float]:
-        """Return d, and the largest part of the wrench, for which both normal forces keep their caps."""
+    def _largest_scale(
+        self, low: float, high: float, f1n: float, f2n: float
+    ) -> tuple[float, float]:
+        """Return d, and the largest part of the wrench, for which both normal forces
+        keep their caps.
+        """
         rate = self._cap1 * self._pair.n2e + self._cap2 * self._pair.n1e
         both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else math.nan
 
         def scale(d: float) -> float:
             return self._scale(f1n + d * self._pair.n1e, f2n - d * self._pair.n2e)
 
-        candidates = (d for d in (low, high, min(max(both, low), high)) if math.isfinite(d))
+        candidates = (
+            d for d in (low, high, min(max(both, low), high)) if math.isfinite(d)
+        )
         best = max(candidates, key=scale, default=0.0)
         return best, scale(best)
 
@@ -159,7 +197,9 @@ class _Elsewhere:
         return min(scale, self._cap2 / f2n) if f2n > self._cap2 else scale
 
     def outside(self, fx: float, fy: float, tau: float) -> Allocation:
-        """Return the allocation of the wrench that one from outside the cone is moved to."""
+        """Return the allocation of the wrench that one from outside the cone is moved
+        to.
+        """
         moved = (fx, fy, tau)
         if self._projection == "force_priority":
             moved = self._cone.with_force_kept(fx, fy, tau)
@@ -168,19 +208,30 @@ class _Elsewhere:
         (f1, f2), (f1n, f2n) = self._cone.nearest(*moved)
         return self._allocation((fx, fy, tau), f1, f2, self._scale(f1n, f2n))
 
-    def _allocation(self, wanted: Vector, f1: Point, f2: Point, scale: float) -> Allocation:
+    def _allocation(
+        self, wanted: Vector, f1: Point, f2: Point, scale: float
+    ) -> Allocation:
         """Return ``scale`` times two forces, beside the wrench that was wanted."""
         forces = (scale * f1[0], scale * f1[1]), (scale * f2[0], scale * f2[1])
         p1, p2 = self._points
         (f1x, f1y), (f2x, f2y) = forces
         fx, fy, tau = wanted
-        residual = (fx - f1x - f2x, fy - f1y - f2y, tau - cross(p1, forces[0]) - cross(p2, forces[1]))
+        residual = (
+            fx - f1x - f2x,
+            fy - f1y - f2y,
+            tau - cross(p1, forces[0]) - cross(p2, forces[1]),
+        )
         size = abs(fx) + abs(fy) + abs(tau) / self._rho
         error = abs(residual[0]) + abs(residual[1]) + abs(residual[2]) / self._rho
         (n1x, n1y), (n2x, n2y) = self._normals
         pushes = (n1x * f1x + n1y * f1y, n2x * f2x + n2y * f2y)
-        margin = min(cone_margin(f, n, self._friction) for f, n in zip(forces, self._normals, strict=True))
-        status: AllocationStatus = "ok" if error <= 1e-9 * size < math.inf else "projected"
+        margin = min(
+            cone_margin(f, n, self._friction)
+            for f, n in zip(forces, self._normals, strict=True)
+        )
+        status: AllocationStatus = (
+            "ok" if error <= 1e-9 * size < math.inf else "projected"
+        )
         if status == "projected" and f1x == f1y == f2x == f2y == 0.0:
             status = "infeasible"
         return Allocation(forces, pushes, margin, status, residual)
@@ -188,7 +239,8 @@ class _Elsewhere:
 
 def _interval(slacks: Sequence[float], slopes: Sequence[float]) -> tuple[float, float]:
     """Return the interval of d in which all q + a d >= 0; reversed if there is none."""
-    low, high = -math.inf, math.inf
+    low = -math.inf
+    high = math.inf
     for q, a in zip(slacks, slopes, strict=True):
         if a > 0.0:
             low = max(low, -q / a)

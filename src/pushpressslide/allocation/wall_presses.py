@@ -1,4 +1,6 @@
-"""Loads of two presses that hold an object on a wall and slide it there (docs/mechanics.md, section 7)."""
+"""Loads of two presses that hold an object on a wall and slide it there
+(docs/mechanics.md, section 7).
+"""
 
 from __future__ import annotations
 
@@ -10,17 +12,24 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 
 Step = tuple[Twist, Point]
-"""How the object slides at one place of a motion, and its weight in the plane [N], in B."""
+"""How the object slides at one place of a motion, and its weight in the plane [N], in
+B.
+"""
 
 
 def wall_loads(
-    presses: Callable[[float], TwoPresses], steps: Sequence[Step], uses: Sequence[float], least: float
+    presses: Callable[[float], TwoPresses],
+    steps: Sequence[Step],
+    uses: Sequence[float],
+    least: float,
 ) -> Point:
-    """Return equal loads [N] of the left and right contact that drive every one of ``steps``, each at least
-    ``least`` [N], at the first of the shares ``uses`` of the contact friction that the cap allows.
+    """Return equal loads [N] of the left and right contact that drive every one of
+    ``steps``, each at least ``least`` [N], at the first of the shares ``uses`` of the
+    contact friction that the cap allows.
 
-    ``presses(use)`` are those with that share of the friction, on an object that its weight does not press.
-    Raises ValueError, with the number that decides, where the cap allows none.
+    ``presses(use)`` are those with that share of the friction, on an object that its
+    weight does not press. Raises ValueError, with the number that decides, where the
+    cap allows none.
     """
     for use in uses:
         pair = presses(use)
@@ -33,27 +42,36 @@ def wall_loads(
 
 def _problem(presses: TwoPresses, steps: Sequence[Step], least: float) -> str:
     """Why no two presses within their cap do it, in one line."""
-    mu_a, mu_w, cap = presses.contact_friction, presses.support_friction, presses.cap
+    mu_a = presses.contact_friction
+    mu_w = presses.support_friction
+    cap = presses.cap
     weight = max(math.hypot(*gravity) for _, gravity in steps)
-    allowed, friction = f"limits.normal_force is {cap:g} N", f"{mu_a:.2f} of friction used at the tips"
+    allowed = f"limits.normal_force is {cap:g} N"
+    friction = f"{mu_a:.2f} of friction used at the tips"
     hold = 0.5 * wall_hold(weight, mu_a, mu_w)
     if hold > cap:
         return f"to hold {weight:.1f} N on the wall, {friction}, takes {hold:.1f} N of each arm; {allowed}"
-    slide = 0.5 * max(wall_press(weight, mu_a, mu_w, up) for up in (_up(*step) for step in steps))
+    slide = 0.5 * max(
+        wall_press(weight, mu_a, mu_w, up) for up in (_up(*step) for step in steps)
+    )
     if slide == math.inf:
         return (
-            f"no press carries {weight:.1f} N and drags the object over the wall: {friction} must exceed "
+            f"no press carries {weight:.1f} N and drags the object over the wall: "
+            f"{friction} must exceed "
             f"the wall's, {mu_w:.2f}"
         )
     if least > max(cap, slide):
         return (
-            f"carried off its face the object leans over with less than {least:.1f} N of each arm; {allowed}"
+            f"carried off its face the object leans over with less than {least:.1f} N "
+            f"of each arm; {allowed}"
         )
     return f"to carry {weight:.1f} N over the wall takes {slide:.1f} N or more of each arm; {allowed}"
 
 
 def _up(twist: Twist, gravity: Point) -> float:
-    """The part of the CoM's motion that points up, against gravity; 0 for a turn on the spot."""
+    """The part of the CoM's motion that points up, against gravity; 0 for a turn on the
+    spot.
+    """
     vx, vy, _, _ = twist.moved_to((0.0, 0.0))
     size = math.hypot(vx, vy) * math.hypot(*gravity)
     return -(vx * gravity[0] + vy * gravity[1]) / size if size > 0.0 else 0.0

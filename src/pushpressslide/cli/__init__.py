@@ -1,4 +1,6 @@
-"""The command ``pps``. What is heavy is imported in the command that uses it: help answers at once."""
+"""The command ``pps``. What is heavy is imported in the command that uses it: help
+answers at once.
+"""
 
 from pushpressslide.cli import commands, studies
 from pushpressslide.cli.app import app

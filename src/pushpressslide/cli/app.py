@@ -1,4 +1,6 @@
-"""The application that the commands are registered with, and what they do alike with tasks and results."""
+"""The application that the commands are registered with, and what they do alike with
+tasks and results.
+"""
 
 from __future__ import annotations
 
@@ -33,13 +35,18 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Show the version."
+        ),
     ] = False,
 ) -> None: ...
 
 
 def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
-    """Return the checked task of the command line: its name or file, the overrides, the one mode."""
+    """Return the checked task of the command line: its name or file, the overrides, the
+    one mode.
+    """
     from pushpressslide.pipeline.task_file import load_task
 
     only = [] if mode is None else [f"modes={json.dumps([mode])}"]
@@ -53,7 +60,9 @@ def print_json(value: Any) -> None:
     typer.echo(to_json(value), nl=False)
 
 
-def print_outcome(result: dict[str, Any], folder: Path, as_json: bool, quiet: bool = False) -> None:
+def print_outcome(
+    result: dict[str, Any], folder: Path, as_json: bool, quiet: bool = False
+) -> None:
     """Print a result, as JSON or as a table with the folder as last line."""
     if as_json:
         print_json(result)

@@ -28,11 +28,16 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
     """Print the rows of each benchmark under its name."""
     console = Console(markup=False, highlight=False)
     for name, rows in benchmarks.items():
-        table = Table(title=name, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+        table = Table(
+            title=name, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False
+        )
         columns = [key for key in rows[0] if any(_tells(row.get(key)) for row in rows)]
         for key in columns:
             text = isinstance(rows[0][key], str)
-            table.add_column(HEADINGS.get(key, key.replace("_", " ")), justify="left" if text else "right")
+            table.add_column(
+                HEADINGS.get(key, key.replace("_", " ")),
+                justify="left" if text else "right",
+            )
         for row in rows:
             table.add_row(*(_shown(row.get(key)) for key in columns))
         console.print(table)
@@ -49,5 +54,9 @@ def _shown(value: object) -> str:
     if value is None:
         return "-"
     if isinstance(value, float):
-        return f"{value:.0f}" if value.is_integer() and abs(value) < 1e6 else f"{value:.3g}"
+        return (
+            f"{value:.0f}"
+            if value.is_integer() and abs(value) < 1e6
+            else f"{value:.3g}"
+        )
     return str(value)

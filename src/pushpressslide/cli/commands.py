@@ -60,8 +60,12 @@ def tasks(as_json: Json = False) -> None:
 
 @app.command()
 def select(
-    task: TaskName, sets: Sets = None, out: Out = None, as_json: Json = False, force: Force = False
-) -> int:  # fmt: skip
+    task: TaskName,
+    sets: Sets = None,
+    out: Out = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> int:
     """Rank the contact modes for a task, with reasons."""
     from pushpressslide.cli import tables
     from pushpressslide.pipeline.planner import refusal
@@ -69,10 +73,15 @@ def select(
     from pushpressslide.report.files import to_json, write_whole
 
     loaded = task_of(task, sets)
-    folder = results_folder(out, f"select-{loaded.name}", force, ("select.json", "result.json"))
+    folder = results_folder(
+        out, f"select-{loaded.name}", force, ("select.json", "result.json")
+    )
     choices = rank(loaded)
     rows = tables.choice_rows(choices)
-    write_whole(folder / "select.json", to_json({"schema": 1, "task": loaded.name, "choices": rows}))
+    write_whole(
+        folder / "select.json",
+        to_json({"schema": 1, "task": loaded.name, "choices": rows}),
+    )
     print_json(rows) if as_json else tables.print_choices(choices)
     if any(choice.feasible for choice in choices):
         return REACHED
@@ -96,7 +105,9 @@ def plan(
     from pushpressslide.report.plan_files import plan_to_dict, write_plan
 
     loaded = task_of(task, sets, mode)
-    folder = results_folder(out, f"plan-{loaded.name}", force, ("plan.json", "result.json"))
+    folder = results_folder(
+        out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
+    )
     choices = rank(loaded)
     if not choices[0].feasible:
         raise InfeasibleTaskError(refusal(loaded, choices))
@@ -121,24 +132,33 @@ def run(
     as_json: Json = False,
     quiet: Quiet = False,
     live: Annotated[
-        bool, typer.Option("--live", help="Watch in Meshcat while it runs, in real time.")
+        bool,
+        typer.Option("--live", help="Watch in Meshcat while it runs, in real time."),
     ] = False,
-    video: Annotated[bool, typer.Option("--video", help="Also write an animation.")] = False,
-    models: Annotated[Models, typer.Option("--models", help="Robot models on Drake.")] = Models.generated,
+    video: Annotated[
+        bool, typer.Option("--video", help="Also write an animation.")
+    ] = False,
+    models: Annotated[
+        Models, typer.Option("--models", help="Robot models on Drake.")
+    ] = Models.generated,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Run the best choice even if judged infeasible.")
+        bool,
+        typer.Option("--anyway", help="Run the best choice even if judged infeasible."),
     ] = False,
     force: Force = False,
 ) -> int:
     """Run a task in a physics engine.
 
-    Selects a mode, plans, tracks and executes; writes result, record, plots, replay and report.
+    Selects a mode, plans, tracks and executes; writes result, record, plots, replay and
+    report.
     """
     loaded = task_of(task, sets, mode)
     folder = results_folder(out, loaded.name, force)
     if engine is Engine.planar and (live or video):
         option = "--live" if live else "--video"
-        raise PushPressSlideError(f"{option} is not allowed with --engine planar; allowed: --engine drake")
+        raise PushPressSlideError(
+            f"{option} is not allowed with --engine planar; allowed: --engine drake"
+        )
     from pushpressslide.experiments.interrupt import Interrupted
     from pushpressslide.experiments.run import run_task
 
@@ -151,7 +171,9 @@ def run(
                 out=folder,
                 mode=mode,
                 force=anyway,
-                live=(lambda address: complain(f"watch at {address}")) if live else None,
+                live=(lambda address: complain(f"watch at {address}"))
+                if live
+                else None,
                 video=video,
                 progress=progress,
                 models=models.value,
@@ -169,7 +191,9 @@ def run(
 
 @app.command()
 def report(
-    folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Folders of finished runs.")],
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of finished runs.")
+    ],
     out: Out = None,
 ) -> None:
     """Write the page of finished runs again, from their records."""

@@ -24,17 +24,34 @@ class Models(StrEnum):
 
 
 TaskName = Annotated[
-    str, typer.Argument(metavar="TASK", help="Name of a shipped task, or path of a YAML file.")
+    str,
+    typer.Argument(
+        metavar="TASK", help="Name of a shipped task, or path of a YAML file."
+    ),
 ]
 Sets = Annotated[
-    list[str] | None, typer.Option("--set", metavar="A.B=C", help="Override a field of the task; repeatable.")
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="A.B=C", help="Override a field of the task; repeatable."
+    ),
 ]
-ModeName = Annotated[str | None, typer.Option("--mode", metavar="NAME", help="Use this contact mode only.")]
+ModeName = Annotated[
+    str | None,
+    typer.Option("--mode", metavar="NAME", help="Use this contact mode only."),
+]
 EngineName = Annotated[Engine, typer.Option("--engine", help="Physics engine.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seeds everything random.")]
 Out = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="Folder of the results [a new one in runs/].")
+    Path | None,
+    typer.Option(
+        "--out", metavar="DIR", help="Folder of the results [a new one in runs/]."
+    ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON and nothing else.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace a result that is in the folder already.")]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print the result as JSON and nothing else.")
+]
+Force = Annotated[
+    bool,
+    typer.Option("--force", help="Replace a result that is in the folder already."),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]

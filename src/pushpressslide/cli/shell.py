@@ -1,4 +1,6 @@
-"""What every command shares: exit statuses, one-line errors, the folder of results, progress."""
+"""What every command shares: exit statuses, one-line errors, the folder of results,
+progress.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,11 @@ from typer.core import TyperGroup
 
 from pushpressslide.core.errors import PushPressSlideError, SimulationError
 
-REACHED, MISSED, WRONG_INPUT, INTERNAL_ERROR, INTERRUPTED = 0, 1, 2, 3, 130
+REACHED = 0
+MISSED = 1
+WRONG_INPUT = 2
+INTERNAL_ERROR = 3
+INTERRUPTED = 130
 """Exit statuses."""
 
 
@@ -40,14 +46,21 @@ class Commands(TyperGroup):
         windows_expand_args: bool = True,
         **extra: Any,
     ) -> Any:
-        """Run the command of ``args`` (default: the process's) and exit with its status."""
+        """Run the command of ``args`` (default: the process's) and exit with its
+        status.
+        """
         words = list(sys.argv[1:] if args is None else args)
         status = INTERNAL_ERROR
         presses: list[int] = []
         restore = _note_interrupts(presses)
         try:
             answer = super().main(
-                words or ["--help"], prog_name or "pps", complete_var, False, windows_expand_args, **extra
+                words or ["--help"],
+                prog_name or "pps",
+                complete_var,
+                False,
+                windows_expand_args,
+                **extra,
             )
             status = answer if isinstance(answer, int) else REACHED
             if status == INTERRUPTED:
@@ -59,7 +72,8 @@ class Commands(TyperGroup):
             complain("interrupted")
             status = INTERRUPTED
         except Exception as error:
-            if presses:  # compiled code, such as an import, may turn Ctrl-C into an error of its own
+            # compiled code, such as an import, may turn Ctrl-C into an error of its own
+            if presses:
                 complain("interrupted")
                 status = INTERRUPTED
             else:
@@ -71,7 +85,9 @@ class Commands(TyperGroup):
 
 
 def _note_interrupts(presses: list[int]) -> Callable[[], object]:
-    """From now on Ctrl-C also appends to ``presses``; return the function that ends this."""
+    """From now on Ctrl-C also appends to ``presses``; return the function that ends
+    this.
+    """
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
 
@@ -94,7 +110,9 @@ def explain(error: Exception, as_json: bool) -> int:
     if usage is not None:
         complain(usage())
         return WRONG_INPUT
-    if isinstance(error, PushPressSlideError) and not isinstance(error, SimulationError):
+    if isinstance(error, PushPressSlideError) and not isinstance(
+        error, SimulationError
+    ):
         complain(str(error))
         return WRONG_INPUT
     text = " ".join(f"{type(error).__name__}: {error}".split())
@@ -104,25 +122,36 @@ def explain(error: Exception, as_json: bool) -> int:
         traceback.print_exception(error)
     complain(f"internal error: {text[:400]} (PPS_TRACEBACK=1 shows where)")
     if as_json:
-        failure = {"schema": 1, "success": False, "reason": {"code": "internal_error", "text": text}}
+        failure = {
+            "schema": 1,
+            "success": False,
+            "reason": {"code": "internal_error", "text": text},
+        }
         typer.echo(json.dumps(failure))
     return INTERNAL_ERROR
 
 
 def results_folder(
-    out: Path | None, name: str, force: bool, results: tuple[str, ...] = ("result.json",)
+    out: Path | None,
+    name: str,
+    force: bool,
+    results: tuple[str, ...] = ("result.json",),
 ) -> Path:
-    """Return the folder for results, not made yet; it is checked that it may be made and holds no result."""
+    """Return the folder for results, not made yet; it is checked that it may be made
+    and holds no result.
+    """
     if out is None:
         stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-        out, n = Path("runs") / stamp, 1
+        out = Path("runs") / stamp
+        n = 1
         while out.exists():
             n += 1
             out = Path("runs") / f"{stamp}-{n}"
     held = [result for result in results if (out / result).exists()]
     if held and not force:
         raise PushPressSlideError(
-            f"--out: {str(out)!r} is not allowed; it holds {held[0]} already; give another folder, or --force"
+            f"--out: {str(out)!r} is not allowed; it holds {held[0]} already; give "
+            "another folder, or --force"
         )
     above = next(path for path in (out, *out.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
@@ -145,12 +174,29 @@ def part(module: str, name: str, command: str) -> Callable[..., Any]:
 
 @contextmanager
 def progress_bar(label: str, shown: bool) -> Iterator[Callable[[float, float], None]]:
-    """Show a bar with the time left on stderr, if that is a terminal; yields the function that moves it."""
+    """Show a bar with the time left on stderr, if that is a terminal; yields the
+    function that moves it.
+    """
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
     visible = shown and sys.stderr.isatty()
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not visible) as bar:
+    with Progress(
+        *columns, console=Console(stderr=True), transient=True, disable=not visible
+    ) as bar:
         item = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(item, completed=min(done, total), total=total)
+        yield lambda done, total: bar.update(
+            item, completed=min(done, total), total=total
+        )

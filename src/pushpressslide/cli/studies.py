@@ -27,16 +27,30 @@ from pushpressslide.core.errors import TaskError
 @app.command()
 def sweep(
     task: TaskName,
-    samples: Annotated[int, typer.Option("--samples", min=1, max=1_000_000, help="Number of variations.")],
+    samples: Annotated[
+        int,
+        typer.Option("--samples", min=1, max=1_000_000, help="Number of variations."),
+    ],
     engine: EngineName = Engine.drake,
     vary: Annotated[
-        str, typer.Option("--vary", help="truth: what is true of the task; tasks: new tasks for its robots.")
+        str,
+        typer.Option(
+            "--vary",
+            help="truth: what is true of the task; tasks: new tasks for its robots.",
+        ),
     ] = "truth",
     check_refusals: Annotated[
-        int, typer.Option("--check-refusals", min=0, help="Run this many refused samples all the same.")
+        int,
+        typer.Option(
+            "--check-refusals",
+            min=0,
+            help="Run this many refused samples all the same.",
+        ),
     ] = 0,
     mode: ModeName = None,
-    jobs: Annotated[int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")] = 0,
+    jobs: Annotated[
+        int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
+    ] = 0,
     seed: Seed = 0,
     out: Out = None,
     sets: Sets = None,
@@ -63,7 +77,8 @@ def sweep(
 @app.command()
 def reproduce(
     only: Annotated[
-        list[str] | None, typer.Option("--only", metavar="NAME", help="This experiment; repeatable.")
+        list[str] | None,
+        typer.Option("--only", metavar="NAME", help="This experiment; repeatable."),
     ] = None,
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")] = 2,
     seed: Seed = 0,
@@ -82,14 +97,24 @@ def reproduce(
 @app.command()
 def identify(
     data: Annotated[
-        Path, typer.Argument(metavar="DATA", help="A log of recorded pushes, or a folder with logs.")
+        Path,
+        typer.Argument(
+            metavar="DATA", help="A log of recorded pushes, or a folder with logs."
+        ),
     ],
     seed: Seed = 0,
     splits: Annotated[
-        int, typer.Option("--splits", min=1, max=10_000, help="Random splits to score on.")
+        int,
+        typer.Option("--splits", min=1, max=10_000, help="Random splits to score on."),
     ] = 20,
     fit_share: Annotated[
-        float, typer.Option("--fit-share", min=0.05, max=0.95, help="Share of the pushes that is fitted.")
+        float,
+        typer.Option(
+            "--fit-share",
+            min=0.05,
+            max=0.95,
+            help="Share of the pushes that is fitted.",
+        ),
     ] = 0.5,
     out: Out = None,
     as_json: Json = False,
@@ -116,7 +141,8 @@ def identify(
 @app.command()
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME...]", help="Benchmarks; default: all.")
+        list[str] | None,
+        typer.Argument(metavar="[NAME...]", help="Benchmarks; default: all."),
     ] = None,
     seed: Seed = 0,
     out: Out = None,

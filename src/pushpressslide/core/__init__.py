@@ -1,1 +1,3 @@
-"""Nouns of the flow, as frozen data: poses, wrenches, tasks, choices, plans, allocations, records."""
+"""Nouns of the flow, as frozen data: poses, wrenches, tasks, choices, plans,
+allocations, records.
+"""

@@ -1,5 +1,5 @@
-"""The answer of an allocator: contact forces, how far inside their cones, and a status; never an
-exception.
+"""The answer of an allocator: contact forces, how far inside their cones, and a status;
+never an exception.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ class Allocation(NamedTuple):
 
     forces: tuple[Point, ...]  # [N] of each contact ON the object, in B
     normals: tuple[float, ...]  # [N] normal magnitude of each contact, >= 0
-    margin: float  # [N] least distance of a force to its cone (mu f_n - |f_t|); negative: outside
+    # [N] least distance of a force to its cone (mu f_n - |f_t|); negative: outside
+    margin: float
     # "projected": the nearest wrench that the contacts can give was realised instead
     status: AllocationStatus
-    residual: tuple[float, float, float] = (0.0, 0.0, 0.0)  # wanted minus realised: fx, fy [N], tau [N m]
+    # wanted minus realised: fx, fy [N], tau [N m]
+    residual: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -14,7 +14,8 @@ PHASES: tuple[Phase, ...] = ("approach", "touch", "move", "release", "done")
 
 @dataclass(frozen=True, slots=True)
 class TipState:
-    """One arm's tip: position [m] and velocity [m/s] of its centre; force [N] of the tip ON the object.
+    """One arm's tip: position [m] and velocity [m/s] of its centre; force [N] of the
+    tip ON the object.
 
     All along x, y and height of the support's frame, on a table the world.
     """
@@ -37,8 +38,9 @@ class Measurement:
 class TipCommand:
     """Wanted behaviour of one tip: a force plus an impedance about a moving reference.
 
-    Force on the object: force + stiffness * (position - measured) + damping * (velocity - measured), the last
-    two per axis of the contact frame (n: in the plane at ``normal_yaw``; t: left of n; z: height).
+    Force on the object: force + stiffness * (position - measured) + damping * (velocity
+    - measured), the last two per axis of the contact frame (n: in the plane at
+    ``normal_yaw``; t: left of n; z: height).
     """
 
     force: Vector3  # [N] of the support's frame, feed-forward, ON the object
@@ -47,7 +49,8 @@ class TipCommand:
     stiffness: Vector3  # [N/m] along n, t, z
     damping: Vector3  # [N s/m] along n, t, z
     normal_yaw: float  # [rad] in the plane
-    tool_yaw: float  # [rad] wanted yaw of the tool in the plane, less the joint path's offset
+    # [rad] wanted yaw of the tool in the plane, less the joint path's offset
+    tool_yaw: float
     tool_yaw_rate: float  # [rad/s]
     servo_cap: float  # [N] bound on the in-plane impedance force
     progress: float  # [m] arc length on the planned path, for the joint reference
@@ -61,8 +64,10 @@ class ControlLog:
     phase: Phase
     progress: float  # [m]
     reference: Pose2  # X_WG at the same TIME
-    tracking_error: tuple[float, float, float]  # along [m], left [m], heading [rad]; reference minus actual
-    wanted_wrench: tuple[float, float, float]  # fx, fy [N], tau [N m] in B, about the CoM
+    # along [m], left [m], heading [rad]; reference minus actual
+    tracking_error: tuple[float, float, float]
+    # fx, fy [N], tau [N m] in B, about the CoM
+    wanted_wrench: tuple[float, float, float]
     allocated_wrench: tuple[float, float, float]
     steering: float  # [rad] force angle from the heading axis
     status: str

@@ -1,4 +1,6 @@
-"""Errors. One root; every message is one line that says what is wrong, the value, and what is allowed."""
+"""Errors. One root; every message is one line that says what is wrong, the value, and
+what is allowed.
+"""
 
 from __future__ import annotations
 
@@ -10,27 +12,39 @@ class PushPressSlideError(Exception):
 
 
 class TaskError(PushPressSlideError):
-    """A task file that cannot be used: names the file, the field, the value and what is allowed.
+    """A task file that cannot be used: names the file, the field, the value and what is
+    allowed.
 
-    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is wrong`` if no field
-    is to blame.
+    One line: ``file: field: value is not allowed; what is allowed``, or ``file: what is
+    wrong`` if no field is to blame.
     """
 
     def __init__(self, source: str, field: str, value: object, allowed: str) -> None:
         shown = value if isinstance(value, Shown) else _bounded(value)
         where = f"{source}: {field}: " if field else f"{source}: "
-        super().__init__(f"{where}{shown} is not allowed; {allowed}" if field else f"{where}{allowed}")
-        self.source, self.field, self.value, self.allowed = source, field, value, allowed
+        super().__init__(
+            f"{where}{shown} is not allowed; {allowed}"
+            if field
+            else f"{where}{allowed}"
+        )
+        self.source = source
+        self.field = field
+        self.value = value
+        self.allowed = allowed
 
 
 class Shown(str):
-    """A value that is put in a message as it is, without quotes: numbers with their units."""
+    """A value that is put in a message as it is, without quotes: numbers with their
+    units.
+    """
 
     __slots__ = ()
 
 
 def _bounded(value: object) -> str:
-    """Return a repr of at most about 80 characters, in bounded time whatever the value refers to."""
+    """Return a repr of at most about 80 characters, in bounded time whatever the value
+    refers to.
+    """
     short = reprlib.Repr()
     short.maxstring = short.maxother = short.maxlong = 60
     text = " ".join(short.repr(value).split())
@@ -38,7 +52,9 @@ def _bounded(value: object) -> str:
 
 
 class InfeasibleTaskError(PushPressSlideError):
-    """No mode, path or joint path can do the task; the message holds the number that decides."""
+    """No mode, path or joint path can do the task; the message holds the number that
+    decides.
+    """
 
 
 class SimulationError(PushPressSlideError):

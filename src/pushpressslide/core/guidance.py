@@ -11,8 +11,10 @@ class Guidance(NamedTuple):
     """Wanted wrench and twist, and where on the path that is."""
 
     progress: float  # [m] arc length of the path's nearest point
-    wrench: Wrench  # in B; about the CoM for pushes, about the centre of pressure for presses
+    # in B; about the CoM for pushes, about the centre of pressure for presses
+    wrench: Wrench
     twist: Twist  # of the CoM, in B
     steering: float  # [rad] force angle from the heading axis
-    error: tuple[float, float, float]  # along [m], left [m], heading [rad]; reference minus actual
+    # along [m], left [m], heading [rad]; reference minus actual
+    error: tuple[float, float, float]
     saturated: bool

@@ -1,5 +1,5 @@
-"""A path of circular arcs and straight lines, and a trapezoidal speed along it; both closed form, in plain
-floats.
+"""A path of circular arcs and straight lines, and a trapezoidal speed along it; both
+closed form, in plain floats.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ TURN = 2.0 * math.pi
 
 
 def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
-    """Return the pose reached from ``pose`` after ``length`` [m] along its heading at constant ``curvature``
-    [1/m].
+    """Return the pose reached from ``pose`` after ``length`` [m] along its heading at
+    constant ``curvature`` [1/m].
     """
     half = 0.5 * curvature * length
-    chord = length * (math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0)
+    chord = length * (
+        math.sin(half) / half if abs(half) > 1e-9 else 1.0 - half * half / 6.0
+    )
     direction = pose.yaw + half
     return Pose2(
         pose.x + chord * math.cos(direction),
@@ -30,10 +32,11 @@ def advance(pose: Pose2, curvature: float, length: float) -> Pose2:
 
 @dataclass(frozen=True)
 class ArcPath:
-    """A forward path of a car-like point: the start pose, then (curvature [1/m], length [m] >= 0) pieces.
+    """A forward path of a car-like point: the start pose, then (curvature [1/m], length
+    [m] >= 0) pieces.
 
-    Poses are those of the vehicle frame V in the world: origin at the tracking point, x along the heading.
-    The yaw along the path is continuous, not wrapped.
+    Poses are those of the vehicle frame V in the world: origin at the tracking point, x
+    along the heading. The yaw along the path is continuous, not wrapped.
     """
 
     start: Pose2
@@ -42,7 +45,9 @@ class ArcPath:
     @cached_property
     def starts(self) -> tuple[tuple[float, Pose2], ...]:
         """Arc length and pose at the start of each piece, and at the end."""
-        s, pose, out = 0.0, self.start, [(0.0, self.start)]
+        s = 0.0
+        pose = self.start
+        out = [(0.0, self.start)]
         for curvature, length in self.pieces:
             pose = advance(pose, curvature, length)
             s += length
@@ -66,8 +71,8 @@ class ArcPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s``; outside [0, length] the first or last piece's tangent goes on
-        straight.
+        """Return the pose at arc length ``s``; outside [0, length] the first or last
+        piece's tangent goes on straight.
         """
         if s < 0.0 or not self.pieces:
             return advance(self.start, 0.0, s)
@@ -79,7 +84,8 @@ class ArcPath:
     def rest(self, s: float) -> ArcPath:
         """Return what of the path comes after arc length ``s`` in [0, length]."""
         i = self._piece(s)
-        curvature, end = self.pieces[i][0], self.starts[i + 1][0]
+        curvature = self.pieces[i][0]
+        end = self.starts[i + 1][0]
         return ArcPath(self.pose(s), ((curvature, end - s), *self.pieces[i + 1 :]))
 
     def curvature(self, s: float) -> float:
@@ -90,34 +96,46 @@ class ArcPath:
 
     @cached_property
     def _projections(self) -> tuple[tuple[float, ...], ...]:
-        """Rows for ``nearest``, one per piece and one for the straight line after the end.
+        """Rows for ``nearest``, one per piece and one for the straight line after the
+        end.
 
-        All: s at the end, curvature. Arc: the yaw that it had at s = 0, centre (a, b), radius c and side d.
-        Line: its yaw, direction (a, b), s and offset to the left of the world's origin, c and d.
+        All: s at the end, curvature. Arc: the yaw that it had at s = 0, centre (a, b),
+        radius c and side d. Line: its yaw, direction (a, b), s and offset to the left
+        of the world's origin, c and d.
         """
         rows = []
         pieces = (*self.pieces, (0.0, math.inf))
         for (curvature, length), (s, pose) in zip(pieces, self.starts, strict=True):
-            x, y, yaw = pose.x, pose.y, pose.yaw
-            a, b = math.cos(yaw), math.sin(yaw)
-            c, d = s - a * x - b * y, a * y - b * x
+            x = pose.x
+            y = pose.y
+            yaw = pose.yaw
+            a = math.cos(yaw)
+            b = math.sin(yaw)
+            c = s - a * x - b * y
+            d = a * y - b * x
             if curvature:
-                c, d = 1.0 / curvature, math.copysign(1.0, curvature)
+                c = 1.0 / curvature
+                d = math.copysign(1.0, curvature)
                 yaw, a, b = yaw - curvature * s, x - c * b, y + c * a
             rows.append((s + length, curvature, yaw, a, b, c, d))
         return tuple(rows)
 
-    def nearest(self, x: float, y: float, s: float) -> tuple[float, float, float, float]:
-        """Return where the path is nearest to (x, y) [m], on the piece of arc length ``s`` or one after it.
+    def nearest(
+        self, x: float, y: float, s: float
+    ) -> tuple[float, float, float, float]:
+        """Return where the path is nearest to (x, y) [m], on the piece of arc length
+        ``s`` or one after it.
 
-        Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature [1/m] of that point.
-        Closed form, no iteration; past the end the path goes on straight.
+        Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature
+        [1/m] of that point. Closed form, no iteration; past the end the path goes on
+        straight.
         """
         for end, curvature, yaw_0, a, b, c, d in self._projections:
             if s > end:
                 continue
             if curvature:
-                dx, dy = d * (x - a), d * (y - b)
+                dx = d * (x - a)
+                dy = d * (y - b)
                 guess = yaw_0 + curvature * s  # of the circle's turns that one is meant
                 yaw = guess + remainder(atan2(dx, -dy) - guess, TURN)
                 near = c * (yaw - yaw_0)
@@ -133,8 +151,8 @@ class ArcPath:
 
 @dataclass(frozen=True, slots=True)
 class SpeedProfile:
-    """Trapezoidal motion from rest to rest over ``length`` [m]: cruise ``speed`` [m/s], ramps of
-    ``acceleration`` [m/s^2].
+    """Trapezoidal motion from rest to rest over ``length`` [m]: cruise ``speed`` [m/s],
+    ramps of ``acceleration`` [m/s^2].
     """
 
     length: float
@@ -158,7 +176,9 @@ class SpeedProfile:
         """Return arc length [m] and speed [m/s] at time ``t`` [s], held at the ends."""
         if t <= 0.0 or self.length <= 0.0:
             return 0.0, 0.0
-        total, v, a = self.duration, self.cruise, self.acceleration
+        total = self.duration
+        v = self.cruise
+        a = self.acceleration
         if t >= total:
             return self.length, 0.0
         ramp = v / a

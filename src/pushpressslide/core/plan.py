@@ -26,7 +26,8 @@ class Contact:
     arm: int  # index into the task's robots
     kind: Literal["side", "top"]
     point: Point  # [m] in B
-    normal: Point  # unit, in B: inward face normal of a side contact; (0, 0) for a top contact
+    # unit, in B: inward face normal of a side contact; (0, 0) for a top contact
+    normal: Point
     height: float  # [m] of the contact above the support
     load: float = 0.0  # [N] that a top contact is pressed with, as planned
 
@@ -35,21 +36,27 @@ class Contact:
         return replace(self, load=0.0) == replace(other, load=0.0)
 
     def direction(self, X_WB: Pose2) -> Vector3:
-        """Return the unit vector from the tip into the object: in the plane, and up from the support."""
+        """Return the unit vector from the tip into the object: in the plane, and up
+        from the support.
+        """
         if self.kind == "top":
             return (0.0, 0.0, -1.0)
         x, y = X_WB.rotate(self.normal)
         return (x, y, 0.0)
 
     def tip_place(self, radius: float, gap: float = 0.0) -> tuple[Point, float]:
-        """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before the contact.
+        """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before the
+        contact.
 
         Its place in B [m] and its height above the support [m].
         """
         out = radius + gap
         if self.kind == "top":
             return self.point, self.height + out
-        return (self.point[0] - out * self.normal[0], self.point[1] - out * self.normal[1]), self.height
+        return (
+            self.point[0] - out * self.normal[0],
+            self.point[1] - out * self.normal[1],
+        ), self.height
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,18 +69,24 @@ class Choice:
     contacts: tuple[Contact, ...] = ()
     path_length: float | None = None  # [m] of the tracking point
     time: float | None = None  # [s] estimated
-    friction_margin: float | None = None  # [rad] least distance of the planned force angle to the cone's edge
-    parameters: Mapping[str, float] = field(default_factory=dict)  # the mode's own figures, by name, SI
+    # [rad] least distance of the planned force angle to the cone's edge
+    friction_margin: float | None = None
+    # the mode's own figures, by name, SI
+    parameters: Mapping[str, float] = field(default_factory=dict)
     path: MotionPath | None = None  # of the vehicle frame V
     goal: Pose2 | None = None  # X_WG at the path's end; None: the task's goal
-    following: Choice | None = None  # the next stretch of motion, with the same contacts
+    # the next stretch of motion, with the same contacts
+    following: Choice | None = None
     leg: int = 0  # of the task, that it is for
-    judged: bool = True  # in full; else it was passed over, as one that is no slower was found
+    # in full; else it was passed over, as one that is no slower was found
+    judged: bool = True
 
     @property
     def verdict(self) -> str:
         """What was found, in a word or two."""
-        return "possible" if self.feasible else "refused" if self.judged else "passed over"
+        return (
+            "possible" if self.feasible else "refused" if self.judged else "passed over"
+        )
 
     @property
     def stretches(self) -> tuple[Choice, ...]:
@@ -81,9 +94,13 @@ class Choice:
         return (self,) if self.following is None else (self, *self.following.stretches)
 
     def goes_on(self, before: Choice) -> bool:
-        """Return whether its contacts are those of the choice ``before`` it, pressed as they may be."""
+        """Return whether its contacts are those of the choice ``before`` it, pressed as
+        they may be.
+        """
         pairs = zip(self.contacts, before.contacts, strict=False)
-        return len(self.contacts) == len(before.contacts) and all(a.same_place(b) for a, b in pairs)
+        return len(self.contacts) == len(before.contacts) and all(
+            a.same_place(b) for a, b in pairs
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +109,8 @@ class Plan:
 
     task: Task
     choice: Choice
-    path: MotionPath  # of the vehicle frame V (origin: tracking point, x: heading) in the world
+    # of the vehicle frame V (origin: tracking point, x: heading) in the world
+    path: MotionPath
     profile: SpeedProfile
     X_BV: Pose2  # the vehicle frame in the body frame
     following: Plan | None = None  # the next stretch of motion, with the same contacts
@@ -110,7 +128,9 @@ class Plan:
 
     @property
     def grasps(self) -> tuple[Plan, ...]:
-        """The plan of each grasp, in order: this one, and those for which arms let go in between."""
+        """The plan of each grasp, in order: this one, and those for which arms let go
+        in between.
+        """
         return (self,) if self.next_grasp is None else (self, *self.next_grasp.grasps)
 
     def kept(self, after: Plan) -> frozenset[int]:
@@ -126,7 +146,11 @@ class Plan:
     @property
     def contacts_by_leg(self) -> dict[int, tuple[Contact, ...]]:
         """The contacts that the arms have in each leg."""
-        return {part.choice.leg: grasp.choice.contacts for grasp in self.grasps for part in grasp.stretches}
+        return {
+            part.choice.leg: grasp.choice.contacts
+            for grasp in self.grasps
+            for part in grasp.stretches
+        }
 
     def object_pose(self, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m]."""
@@ -136,8 +160,8 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class JointPath:
-    """Joint positions of one arm, as samples: on the way to the object by time, along the path by arc
-    length.
+    """Joint positions of one arm, as samples: on the way to the object by time, along
+    the path by arc length.
     """
 
     approach_time: NDArray[np.float64]  # (m,) [s]

@@ -27,7 +27,9 @@ def turned_left(a: Point) -> Point:
 
 @dataclass(frozen=True, slots=True)
 class Pose2:
-    """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad] counter-clockwise."""
+    """Pose X_AB of a frame B in a frame A: origin (x, y) [m] in A, yaw [rad]
+    counter-clockwise.
+    """
 
     x: float = 0.0
     y: float = 0.0
@@ -40,12 +42,14 @@ class Pose2:
 
     def rotate(self, v_B: Point) -> Point:
         """Return the components in A of a vector given in B."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        c = math.cos(self.yaw)
+        s = math.sin(self.yaw)
         return (c * v_B[0] - s * v_B[1], s * v_B[0] + c * v_B[1])
 
     def unrotate(self, v_A: Point) -> Point:
         """Return the components in B of a vector given in A."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        c = math.cos(self.yaw)
+        s = math.sin(self.yaw)
         return (c * v_A[0] + s * v_A[1], -s * v_A[0] + c * v_A[1])
 
     def apply(self, p_B: Point) -> Point:

@@ -1,8 +1,10 @@
-"""The frame that plans live in, on any support: x and y along the surface, height out of it.
+"""The frame that plans live in, on any support: x and y along the surface, height out
+of it.
 
-On a table x, y and height are the world's axes. On a wall x points to the left and y up as seen by the robots
-that face it, and height out of the wall towards them: these axes are left-handed in the world, so that a yaw,
-from x to y, is about the normal that points INTO the wall. All that lies in the plane is the same either way.
+On a table x, y and height are the world's axes. On a wall x points to the left and y up
+as seen by the robots that face it, and height out of the wall towards them: these axes
+are left-handed in the world, so that a yaw, from x to y, is about the normal that
+points INTO the wall. All that lies in the plane is the same either way.
 """
 
 from __future__ import annotations
@@ -22,12 +24,16 @@ class SupportFrame:
     """Where the axes of plans are in the world: p_W = origin + axes p."""
 
     origin: Vector3 = (0.0, 0.0, 0.0)  # [m]
-    axes: Matrix3 = WORLD_AXES  # rows; its columns are the world directions of x, y and height
+    # rows; its columns are the world directions of x, y and height
+    axes: Matrix3 = WORLD_AXES
 
     @classmethod
     def of_wall(cls, origin: Vector3, yaw: float) -> SupportFrame:
-        """Return the frame of a wall through ``origin`` [m] whose normal points along ``yaw`` [rad]."""
-        c, s = math.cos(yaw), math.sin(yaw)
+        """Return the frame of a wall through ``origin`` [m] whose normal points along
+        ``yaw`` [rad].
+        """
+        c = math.cos(yaw)
+        s = math.sin(yaw)
         c, s = (round(v) if abs(v - round(v)) < 1e-15 else v for v in (c, s))
         return cls(origin, ((s, 0.0, c), (-c, 0.0, s), (0.0, 1.0, 0.0)))
 
@@ -42,16 +48,20 @@ class SupportFrame:
         x, y, z = v
         a, b, c = self.axes
         return (
-            a[0] * x + a[1] * y + a[2] * z, b[0] * x + b[1] * y + b[2] * z, c[0] * x + c[1] * y + c[2] * z,
-        )  # fmt: skip
+            a[0] * x + a[1] * y + a[2] * z,
+            b[0] * x + b[1] * y + b[2] * z,
+            c[0] * x + c[1] * y + c[2] * z,
+        )
 
     def components(self, v_W: Vector3) -> Vector3:
         """Return the components along x, y and height of a vector given in the world."""
         x, y, z = v_W
         a, b, c = self.axes
         return (
-            a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z,
-        )  # fmt: skip
+            a[0] * x + b[0] * y + c[0] * z,
+            a[1] * x + b[1] * y + c[1] * z,
+            a[2] * x + b[2] * y + c[2] * z,
+        )
 
     def point(self, p: Vector3) -> Vector3:
         """Return where in the world a point (x, y, height) [m] is."""

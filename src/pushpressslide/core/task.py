@@ -1,7 +1,9 @@
-"""A task as typed, frozen data: what is to be moved, on what, from where to where, and by which robots.
+"""A task as typed, frozen data: what is to be moved, on what, from where to where, and
+by which robots.
 
-Built in one place, ``pipeline/task_file.py``, which checks every field; docs/task-file.md documents the file.
-SI units and radians throughout (the file has degrees where its key ends in ``_deg``).
+Built in one place, ``pipeline/task_file.py``, which checks every field;
+docs/task-file.md documents the file. SI units and radians throughout (the file has
+degrees where its key ends in ``_deg``).
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ class Box:
     @property
     def footprint(self) -> tuple[Point, ...]:
         """Corners of the base in G, counter-clockwise [m]."""
-        a, b = 0.5 * self.size[0], 0.5 * self.size[1]
+        a = 0.5 * self.size[0]
+        b = 0.5 * self.size[1]
         return ((-a, -b), (a, -b), (a, b), (-a, b))
 
 
@@ -57,9 +60,9 @@ FIT = 1e-6  # [m] by which what just fits an opening may be larger
 GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 Cop = Literal["balanced", "left", "right"] | float
-"""Where two presses put the centre of pressure: "balanced" (equal presses); as far "left" or "right" as a
-turn on the spot allows at the press that the motion takes; or a fraction in [0, 1] of the way from left to
-right contact.
+"""Where two presses put the centre of pressure: "balanced" (equal presses); as far
+"left" or "right" as a turn on the spot allows at the press that the motion takes; or a
+fraction in [0, 1] of the way from left to right contact.
 """
 
 
@@ -72,15 +75,21 @@ class Opening:
     depth: float  # [m] of the back behind the wall's face
 
     def holds(self, pose: Pose2, shape: Shape) -> bool:
-        """Return whether a shape at ``pose`` lies within the opening's outline, and so goes in."""
+        """Return whether a shape at ``pose`` lies within the opening's outline, and so
+        goes in.
+        """
         if isinstance(shape, Cylinder):
             r = shape.radius
             corners: tuple[Point, ...] = ((-r, 0.0), (r, 0.0), (0.0, -r), (0.0, r))
             corners = tuple((pose.x + x, pose.y + y) for x, y in corners)
         else:
             corners = tuple(pose.apply(corner) for corner in shape.footprint)
-        (w, h), (cx, cy) = self.size, self.center
-        return all(abs(x - cx) <= 0.5 * w + FIT and abs(y - cy) <= 0.5 * h + FIT for x, y in corners)
+        w, h = self.size
+        cx, cy = self.center
+        return all(
+            abs(x - cx) <= 0.5 * w + FIT and abs(y - cy) <= 0.5 * h + FIT
+            for x, y in corners
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +108,14 @@ class ObjectModel:
 
     shape: Shape
     mass: float  # [kg] > 0
-    center_of_mass: Point  # [m] in G, projected on the support (the centroid if the file does not say)
+    # [m] in G, projected on the support (the centroid if the file does not say)
+    center_of_mass: Point
 
     @property
     def X_GB(self) -> Pose2:
-        """Pose of the body frame B (origin at the projected centre of mass) in the shape's frame G."""
+        """Pose of the body frame B (origin at the projected centre of mass) in the
+        shape's frame G.
+        """
         return Pose2(self.center_of_mass[0], self.center_of_mass[1], 0.0)
 
 
@@ -122,9 +134,11 @@ class Robot:
     model: str  # "panda" | "iiwa7" | "hand" | path of a URDF or SDF file
     base: tuple[float, float, float]  # [m] position of the base in the world
     base_yaw: float = 0.0  # [rad]
-    tip_frame: str | None = None  # name of the frame at the tip's centre; needed for a model given by path
+    # name of the frame at the tip's centre; needed for a model given by path
+    tip_frame: str | None = None
     tip_radius: float = 0.02  # [m] radius of the spherical tip
-    tip_length: float = 0.15  # [m] from the flange to the tip's centre (generated models)
+    # [m] from the flange to the tip's centre (generated models)
+    tip_length: float = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +155,9 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class ToolUse:
-    """The object is a tool: with a side face it pushes another body to that body's goal."""
+    """The object is a tool: with a side face it pushes another body to that body's
+    goal.
+    """
 
     body: str  # name of a movable obstacle
     goal: Pose2  # of that body's centre, in the world
@@ -155,12 +171,15 @@ class Limits:
 
     time: float = 60.0  # [s] simulated
     normal_force: float = 40.0  # [N] per contact
-    workspace: tuple[float, float, float, float] | None = None  # [m] x_min, x_max, y_min, y_max of G
+    # [m] x_min, x_max, y_min, y_max of G
+    workspace: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What planner and controller are told; resolved: equals the truth where the file does not differ."""
+    """What planner and controller are told; resolved: equals the truth where the file
+    does not differ.
+    """
 
     support_friction: float
     contact_friction: float
@@ -170,7 +189,9 @@ class Belief:
 
 @dataclass(frozen=True, slots=True)
 class Sensing:
-    """Imperfections of what the controller is given: standard deviations, and one delay for all."""
+    """Imperfections of what the controller is given: standard deviations, and one delay
+    for all.
+    """
 
     position_noise: float = 0.0  # [m]
     yaw_noise: float = 0.0  # [rad]
@@ -183,17 +204,24 @@ class Motion:
     """How the motion is to be done; defaults suit the shipped robots."""
 
     speed: float = 0.05  # [m/s] along the path of the tracking point, in (0, 0.2]
-    acceleration: float = 0.1  # [m/s^2] of the ramps; far below mu_s g keeps the motion quasi-static
-    tracking_gain: float = 2.0  # of the steering law, in units of the largest without overshoot
+    # [m/s^2] of the ramps; far below mu_s g keeps the motion quasi-static
+    acceleration: float = 0.1
+    # of the steering law, in units of the largest without overshoot
+    tracking_gain: float = 2.0
     servo_damping: float = 500.0  # [N s/m] of the contact velocity servo
     joint_stiffness: float = 10.0  # [N m/rad] of the joint-tracking term
-    force_gain: float | None = None  # on the feed-forward force; None: 1 with the servo, 1.05 without
-    contact_height: float | None = None  # [m] above the support; None: chosen by the mode
+    # on the feed-forward force; None: 1 with the servo, 1.05 without
+    force_gain: float | None = None
+    # [m] above the support; None: chosen by the mode
+    contact_height: float | None = None
     approach_distance: float = 0.05  # [m] free way before the touch
-    # add the joint impedance about the planned joint path, felt at the tip (paper, sec. IV-A)
+    # add the joint impedance about the planned joint path, felt at the tip (paper, sec.
+    # IV-A)
     joint_tracking: bool = False
-    velocity_servo: bool = True  # add the contact velocity servo to the feed-forward force
-    curvature_margin: float = 0.55  # share of the friction-limited curvature that the path may use, in (0, 1]
+    # add the contact velocity servo to the feed-forward force
+    velocity_servo: bool = True
+    # share of the friction-limited curvature that the path may use, in (0, 1]
+    curvature_margin: float = 0.55
     run_in: float = 0.16  # [m] straight end of the path
     control_period: float = 0.004  # [s] of the controller
     time_step: float = 0.004  # [s] of the physics engine; at most the control period
@@ -201,14 +229,19 @@ class Motion:
     contacts: tuple[Point, ...] | None = None  # [m] in G, of top contacts; None: chosen
     press_force: float | None = None  # [N] of a top contact; None: chosen by the mode
     cop: Cop | None = None  # of two top contacts; None: chosen by the mode
-    vehicle: Vehicle | None = None  # how a pressed object is driven; None: as a unicycle
-    look_ahead: float | None = None  # [m] of the alignment with the path; None: chosen by the mode
-    fixed_target: bool = False  # the paper's literal target beyond the goal, for comparison
+    # how a pressed object is driven; None: as a unicycle
+    vehicle: Vehicle | None = None
+    # [m] of the alignment with the path; None: chosen by the mode
+    look_ahead: float | None = None
+    # the paper's literal target beyond the goal, for comparison
+    fixed_target: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One part of a task that is done in several: a mode, and where it takes the object."""
+    """One part of a task that is done in several: a mode, and where it takes the
+    object.
+    """
 
     mode: str
     goal: Pose2  # X_WG at its end
@@ -228,16 +261,20 @@ class Task:
     contact_friction: float = 0.6  # pair end effector/object, in (0, 2)
     tolerance: Tolerance = field(default_factory=Tolerance)
     obstacles: tuple[Obstacle, ...] = ()
-    tool: ToolUse | None = None  # then ``goal`` is where the tool has the other body at its goal
+    # then ``goal`` is where the tool has the other body at its goal
+    tool: ToolUse | None = None
     modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
-    legs: tuple[Leg, ...] = ()  # in order, the last one to ``goal``; empty: one mode does it all
+    # in order, the last one to ``goal``; empty: one mode does it all
+    legs: tuple[Leg, ...] = ()
     limits: Limits = field(default_factory=Limits)
     belief: Belief | None = None  # never None once loaded
-    start_error: Pose2 = field(default_factory=Pose2)  # the true start is start + this, in world axes
+    # the true start is start + this, in world axes
+    start_error: Pose2 = field(default_factory=Pose2)
     sensing: Sensing = field(default_factory=Sensing)
     motion: Motion = field(default_factory=Motion)
     description: str = ""
-    source: str = field(default="", compare=False)  # the file it came from, for messages
+    # the file it came from, for messages
+    source: str = field(default="", compare=False)
 
     @property
     def believed(self) -> Belief:
@@ -249,18 +286,26 @@ class Task:
     @property
     def weight_in_plane(self) -> Point:
         """What of the weight, as believed, acts along the support [N]: none on a table."""
-        x, y, _ = self.support.frame.components((0.0, 0.0, -GRAVITY * self.believed.mass))
+        x, y, _ = self.support.frame.components(
+            (0.0, 0.0, -GRAVITY * self.believed.mass)
+        )
         return (x, y)
 
     @property
     def weight_on_support(self) -> float:
-        """What of the weight, as believed, presses the object on its support [N]: none on a wall."""
-        return -self.support.frame.components((0.0, 0.0, -GRAVITY * self.believed.mass))[2]
+        """What of the weight, as believed, presses the object on its support [N]: none
+        on a wall.
+        """
+        return -self.support.frame.components(
+            (0.0, 0.0, -GRAVITY * self.believed.mass)
+        )[2]
 
     @property
     def bases(self) -> tuple[tuple[float, float, float], ...]:
         """Where the robots' bases are: x, y and height about the support [m]."""
-        return tuple(self.support.frame.coordinates(robot.base) for robot in self.robots)
+        return tuple(
+            self.support.frame.coordinates(robot.base) for robot in self.robots
+        )
 
     @property
     def enters(self) -> bool:
@@ -270,8 +315,11 @@ class Task:
 
     @property
     def parts(self) -> tuple[Task, ...]:
-        """The task of each leg, from where the one before it ends; of a task without legs itself."""
-        out, begin = [], replace(self, legs=())
+        """The task of each leg, from where the one before it ends; of a task without
+        legs itself.
+        """
+        out = []
+        begin = replace(self, legs=())
         for i, leg in enumerate(self.legs):
             part = replace(begin, goal=leg.goal, modes=(leg.mode,), motion=leg.motion)
             out.append(replace(part, source=f"{self.source}: legs[{i}]"))

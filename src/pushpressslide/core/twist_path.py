@@ -1,4 +1,6 @@
-"""A path of constant body twists: any planar motion, turning on the spot and sliding sideways included."""
+"""A path of constant body twists: any planar motion, turning on the spot and sliding
+sideways included.
+"""
 
 from __future__ import annotations
 
@@ -19,23 +21,26 @@ TwistRate = tuple[float, float, float]
 
 
 def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
-    """Return the pose reached from ``pose`` after ``length`` [m] at a constant body twist: the exponential
-    map.
+    """Return the pose reached from ``pose`` after ``length`` [m] at a constant body
+    twist: the exponential map.
     """
     vx, vy, w = rate
     angle = w * length
     if abs(angle) < 1e-9:
-        x, y = vx * length, vy * length
+        x = vx * length
+        y = vy * length
     else:
-        s, c = math.sin(angle) / w, 2.0 * math.sin(0.5 * angle) ** 2 / w
-        x, y = vx * s - vy * c, vx * c + vy * s
+        s = math.sin(angle) / w
+        c = 2.0 * math.sin(0.5 * angle) ** 2 / w
+        x = vx * s - vy * c
+        y = vx * c + vy * s
     dx, dy = pose.rotate((x, y))
     return Pose2(pose.x + dx, pose.y + dy, pose.yaw + angle)
 
 
 def screw(start: Pose2, end: Pose2) -> TwistRate:
-    """Return the constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to ``end`` in one unit,
-    turning by less than 180 degrees: the logarithm.
+    """Return the constant body twist (vx, vy [m], w [rad]) that leads from ``start`` to
+    ``end`` in one unit, turning by less than 180 degrees: the logarithm.
     """
     x, y = start.unrotate((end.x - start.x, end.y - start.y))
     w = wrap_angle(end.yaw - start.yaw)
@@ -45,36 +50,52 @@ def screw(start: Pose2, end: Pose2) -> TwistRate:
 
 
 def reached(pose: Pose2, twists: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the poses (m, 3) reached from ``pose`` after one unit of each of ``twists`` (m, 3) of it."""
+    """Return the poses (m, 3) reached from ``pose`` after one unit of each of
+    ``twists`` (m, 3) of it.
+    """
     import numpy as np
 
     vx, vy, w = twists.T
     half = 0.5 * w
     # of the chord: its length over the arc's, and where it leads
-    chord, heading = np.sinc(half / math.pi), pose.yaw + half
-    c, s = chord * np.cos(heading), chord * np.sin(heading)
-    return np.stack([pose.x + c * vx - s * vy, pose.y + s * vx + c * vy, pose.yaw + w], axis=-1)
+    chord = np.sinc(half / math.pi)
+    heading = pose.yaw + half
+    c = chord * np.cos(heading)
+    s = chord * np.sin(heading)
+    return np.stack(
+        [pose.x + c * vx - s * vy, pose.y + s * vx + c * vy, pose.yaw + w], axis=-1
+    )
 
 
-def screws(starts: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends, poses (x, y, yaw) as rows."""
+def screws(
+    starts: NDArray[np.float64], ends: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return ``screw`` (m, n, 3) of all pairs of m starts and n ends, poses (x, y, yaw)
+    as rows.
+    """
     import numpy as np
 
     x0, y0, yaw0 = starts.T[:, :, None]
     x1, y1, yaw1 = ends.T[:, None, :]
-    dx, dy, w = x1 - x0, y1 - y0, math.pi - np.remainder(math.pi - (yaw1 - yaw0), 2.0 * math.pi)
-    x, y = np.cos(yaw0) * dx + np.sin(yaw0) * dy, np.cos(yaw0) * dy - np.sin(yaw0) * dx
+    dx = x1 - x0
+    dy = y1 - y0
+    w = math.pi - np.remainder(math.pi - (yaw1 - yaw0), 2.0 * math.pi)
+    x = np.cos(yaw0) * dx + np.sin(yaw0) * dy
+    y = np.cos(yaw0) * dy - np.sin(yaw0) * dx
     half = 0.5 * w
-    k = 1.0 / np.where(np.abs(half) > 1e-9, np.tan(half) / np.where(half == 0.0, 1.0, half), 1.0)
+    k = 1.0 / np.where(
+        np.abs(half) > 1e-9, np.tan(half) / np.where(half == 0.0, 1.0, half), 1.0
+    )
     return np.stack([k * x + half * y, k * y - half * x, w], axis=-1)
 
 
 @dataclass(frozen=True)
 class TwistPath:
-    """Start pose of the vehicle frame V, then (twist per metre, length [m] >= 0) pieces.
+    """Start pose of the vehicle frame V, then (twist per metre, length [m] >= 0)
+    pieces.
 
-    Length is measured with ``radius`` [m]: turning by one radian counts as that much way, so that every
-    piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
+    Length is measured with ``radius`` [m]: turning by one radian counts as that much
+    way, so that every piece's twist has vx^2 + vy^2 + (radius w)^2 = 1.
     """
 
     start: Pose2
@@ -83,7 +104,9 @@ class TwistPath:
 
     @classmethod
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
-        """Return the path through ``poses`` of V, from each to the next at a constant twist."""
+        """Return the path through ``poses`` of V, from each to the next at a constant
+        twist.
+        """
         pieces = []
         for a, b in pairwise(poses):
             vx, vy, w = screw(a, b)
@@ -95,9 +118,12 @@ class TwistPath:
     @cached_property
     def starts(self) -> tuple[tuple[float, Pose2], ...]:
         """Arc length and pose at the start of each piece, and at the end."""
-        s, pose, out = 0.0, self.start, [(0.0, self.start)]
+        s = 0.0
+        pose = self.start
+        out = [(0.0, self.start)]
         for rate, length in self.pieces:
-            s, pose = s + length, moved(pose, rate, length)
+            s = s + length
+            pose = moved(pose, rate, length)
             out.append((s, pose))
         return tuple(out)
 
@@ -118,29 +144,42 @@ class TwistPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s`` [m]; beyond its ends the path goes on with the twist there."""
+        """Return the pose at arc length ``s`` [m]; beyond its ends the path goes on
+        with the twist there.
+        """
         if not self.pieces:
             return self.start
         i = self._piece(s)
         return moved(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
 
     def rate(self, s: float) -> TwistRate:
-        """Return the twist per metre at arc length ``s`` [m], in V; zero for a path without pieces."""
+        """Return the twist per metre at arc length ``s`` [m], in V; zero for a path
+        without pieces.
+        """
         return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
 
     def nearest(self, X_WV: Pose2, s: float) -> float:
-        """Return the arc length [m], near ``s`` and not before it, whose pose is nearest to ``X_WV``.
+        """Return the arc length [m], near ``s`` and not before it, whose pose is
+        nearest to ``X_WV``.
 
-        One Newton step in the metric of ``radius``: exact for a constant twist up to second order in the
-        error.
+        One Newton step in the metric of ``radius``: exact for a constant twist up to
+        second order in the error.
         """
         at = self.pose(s)
         vx, vy, w = self.rate(s)
         x, y = at.unrotate((X_WV.x - at.x, X_WV.y - at.y))
-        ahead = vx * x + vy * y + self.radius * self.radius * w * wrap_angle(X_WV.yaw - at.yaw)
+        ahead = (
+            vx * x
+            + vy * y
+            + self.radius * self.radius * w * wrap_angle(X_WV.yaw - at.yaw)
+        )
         return s + max(0.0, ahead)
 
     def led_in(self, length: float) -> TwistPath:
         """Return the path with ``length`` [m] of the first twist put before its start."""
         rate = self.rate(0.0)
-        return TwistPath(moved(self.start, rate, -length), ((rate, length), *self.pieces), self.radius)
+        return TwistPath(
+            moved(self.start, rate, -length),
+            ((rate, length), *self.pieces),
+            self.radius,
+        )

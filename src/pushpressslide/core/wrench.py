@@ -8,9 +8,11 @@ from pushpressslide.core.pose import Point, cross
 
 
 class Wrench(NamedTuple):
-    """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m] about the point ``about``.
+    """What the robots exert ON the object: force (fx, fy) [N] and moment tau [N m]
+    about the point ``about``.
 
-    All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md, section 0).
+    All in one planar frame, the body frame B unless said otherwise (docs/mechanics.md,
+    section 0).
     """
 
     fx: float
@@ -19,14 +21,18 @@ class Wrench(NamedTuple):
     about: Point = (0.0, 0.0)
 
     def moved_to(self, point: Point) -> Wrench:
-        """Return the same wrench with its moment about ``point``: tau_p = tau_o - (p - o) x F."""
+        """Return the same wrench with its moment about ``point``: tau_p = tau_o - (p -
+        o) x F.
+        """
         arm = (point[0] - self.about[0], point[1] - self.about[1])
-        return Wrench(self.fx, self.fy, self.tau - cross(arm, (self.fx, self.fy)), point)
+        return Wrench(
+            self.fx, self.fy, self.tau - cross(arm, (self.fx, self.fy)), point
+        )
 
 
 class Twist(NamedTuple):
-    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s], in one planar
-    frame.
+    """Velocity (vx, vy) [m/s] of the body point ``of`` and angular velocity w [rad/s],
+    in one planar frame.
     """
 
     vx: float
@@ -35,6 +41,9 @@ class Twist(NamedTuple):
     of: Point = (0.0, 0.0)
 
     def moved_to(self, point: Point) -> Twist:
-        """Return the same motion as the velocity of another body point: v_p = v_o + w J (p - o)."""
-        rx, ry = point[0] - self.of[0], point[1] - self.of[1]
+        """Return the same motion as the velocity of another body point: v_p = v_o + w J
+        (p - o).
+        """
+        rx = point[0] - self.of[0]
+        ry = point[1] - self.of[1]
         return Twist(self.vx - self.w * ry, self.vy + self.w * rx, self.w, point)

@@ -1,5 +1,5 @@
-"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27, for any arm given as
-arrays.
+"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27,
+for any arm given as arrays.
 """
 
 from __future__ import annotations
@@ -14,15 +14,22 @@ from numpy.typing import NDArray
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
-from pushpressslide.execution.torque import inertia_torque, joint_torque, limited, task_torque
+from pushpressslide.execution.torque import (
+    inertia_torque,
+    joint_torque,
+    limited,
+    task_torque,
+)
 
 Array = NDArray[np.float64]
 
-ROTATION_STIFFNESS, ROTATION_DAMPING = 60.0, 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
+ROTATION_STIFFNESS = 60.0
+ROTATION_DAMPING = 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
 # [N m/rad], [N m s/rad] of the joints, felt in the null space only
-POSTURE_STIFFNESS, POSTURE_DAMPING = 20.0, 8.0
-# [N m s/rad] per root of the joint-tracking stiffness: half of critical at 1 kg m^2 of arm and rotor. Less
-# lets the spring bounce the tip off the face
+POSTURE_STIFFNESS = 20.0
+POSTURE_DAMPING = 8.0
+# [N m s/rad] per root of the joint-tracking stiffness: half of critical at 1 kg m^2 of
+# arm and rotor. Less lets the spring bounce the tip off the face
 JOINT_DAMPING = 1.0
 FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 
@@ -54,8 +61,12 @@ class ArmExecutor:
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
 
-    def free(self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None) -> tuple[Array, float]:
-        """Return torque (n,) and the share of the effort limit asked for, tracking joints in free space."""
+    def free(
+        self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None
+    ) -> tuple[Array, float]:
+        """Return torque (n,) and the share of the effort limit asked for, tracking
+        joints in free space.
+        """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self.effort, self.rate, self.dt)
@@ -63,21 +74,31 @@ class ArmExecutor:
     def contact(
         self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None
     ) -> tuple[Array, float]:
-        """Return torque (n,) and the share of the effort limit asked for, executing a tip command."""
+        """Return torque (n,) and the share of the effort limit asked for, executing a
+        tip command.
+        """
         frame = self.frame
-        place, velocity = frame.coordinates(arm.position), frame.components(arm.velocity)
+        place = frame.coordinates(arm.position)
+        velocity = frame.components(arm.velocity)
         force = np.array(frame.direction(tip_force(command, place, velocity)))
         R_wanted = self.rotation(command.tool_yaw + self.yaw_offset)
         w_wanted = command.tool_yaw_rate * np.array(frame.spin_axis)
         moment = tip_moment(
-            R_wanted, arm.rotation, w_wanted, arm.angular_velocity, ROTATION_STIFFNESS, ROTATION_DAMPING
+            R_wanted,
+            arm.rotation,
+            w_wanted,
+            arm.angular_velocity,
+            ROTATION_STIFFNESS,
+            ROTATION_DAMPING,
         )
         error = q_ref - arm.q
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         if any(command.acceleration):
             acceleration = frame.direction(command.acceleration)
-            tau += inertia_torque(arm.J, arm.M, np.array((0.0, 0.0, 0.0, *acceleration)))
+            tau += inertia_torque(
+                arm.J, arm.M, np.array((0.0, 0.0, 0.0, *acceleration))
+            )
         if self.joint_stiffness > 0.0:
             damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - damping * arm.v

@@ -13,23 +13,31 @@ Array = NDArray[np.float64]
 
 
 def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
-    """Return the force [N] that the tip is to exert on what it touches, in the command's axes as all else.
+    """Return the force [N] that the tip is to exert on what it touches, in the
+    command's axes as all else.
 
-    Feed-forward plus stiffness and damping about the moving reference along n, t, z of the contact frame. The
-    feed-forward is inside the friction cone already; the horizontal impedance part may leave it, since it
-    also accelerates the arm's own inertia, but is held below ``command.servo_cap``.
+    Feed-forward plus stiffness and damping about the moving reference along n, t, z of
+    the contact frame. The feed-forward is inside the friction cone already; the
+    horizontal impedance part may leave it, since it also accelerates the arm's own
+    inertia, but is held below ``command.servo_cap``.
     """
-    c, s = math.cos(command.normal_yaw), math.sin(command.normal_yaw)
-    dx, dy = command.position[0] - position[0], command.position[1] - position[1]
-    ux, uy = command.velocity[0] - velocity[0], command.velocity[1] - velocity[1]
+    c = math.cos(command.normal_yaw)
+    s = math.sin(command.normal_yaw)
+    dx = command.position[0] - position[0]
+    dy = command.position[1] - position[1]
+    ux = command.velocity[0] - velocity[0]
+    uy = command.velocity[1] - velocity[1]
     kn, kt, kz = command.stiffness
     bn, bt, bz = command.damping
     fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
     ft = kt * (-s * dx + c * dy) + bt * (-s * ux + c * uy)
     size = math.hypot(fn, ft)
     if size > command.servo_cap:
-        fn, ft = fn * command.servo_cap / size, ft * command.servo_cap / size
-    fz = kz * (command.position[2] - position[2]) + bz * (command.velocity[2] - velocity[2])
+        fn = fn * command.servo_cap / size
+        ft = ft * command.servo_cap / size
+    fz = kz * (command.position[2] - position[2]) + bz * (
+        command.velocity[2] - velocity[2]
+    )
     return (
         command.force[0] + c * fn - s * ft,
         command.force[1] + s * fn + c * ft,
@@ -38,15 +46,28 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Array:
-    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into ``R_wanted`` (3, 3); exact to
-    90 degrees.
+    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into
+    ``R_wanted`` (3, 3); exact to 90 degrees.
     """
     E = R_wanted @ R.T
-    return np.array([0.5 * (E[2, 1] - E[1, 2]), 0.5 * (E[0, 2] - E[2, 0]), 0.5 * (E[1, 0] - E[0, 1])])
+    return np.array(
+        [
+            0.5 * (E[2, 1] - E[1, 2]),
+            0.5 * (E[0, 2] - E[2, 0]),
+            0.5 * (E[1, 0] - E[0, 1]),
+        ]
+    )
 
 
 def tip_moment(
-    R_wanted: Array, R: Array, w_wanted: Array, w: Array, stiffness: float, damping: float
+    R_wanted: Array,
+    R: Array,
+    w_wanted: Array,
+    w: Array,
+    stiffness: float,
+    damping: float,
 ) -> Array:
-    """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and damper [N m s/rad]."""
+    """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and
+    damper [N m s/rad].
+    """
     return stiffness * rotation_error(R_wanted, R) + damping * (w_wanted - w)

@@ -1,4 +1,6 @@
-"""Proportional-integral regulation of a normal force (paper eq. 25; docs/mechanics.md, section 10)."""
+"""Proportional-integral regulation of a normal force (paper eq. 25; docs/mechanics.md,
+section 10).
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,11 @@ class NormalForceState:
 
 @dataclass(frozen=True, slots=True)
 class NormalForceRegulator:
-    """PI with a ramped command, a clamp, conditional integration, and a reset when contact is lost.
+    """PI with a ramped command, a clamp, conditional integration, and a reset when
+    contact is lost.
 
-    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with the integral updated
-    before the output.
+    Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with
+    the integral updated before the output.
     """
 
     k_p: float = 0.3
@@ -44,5 +47,6 @@ class NormalForceRegulator:
         raw = ramped + self.k_p * error + integral
         output = min(max(raw, 0.0), self.f_max)
         if raw != output and (raw - output) * error > 0.0:
-            integral = state.integral  # the clamp is active and the error would push further into it
+            # the clamp is active and the error would push further into it
+            integral = state.integral
         return output, NormalForceState(integral, ramped)

@@ -1,5 +1,5 @@
-"""Joint torque from what the tip is to do (paper eq. 26), and the limits of a real arm (MECHANICS, section
-11).
+"""Joint torque from what the tip is to do (paper eq. 26), and the limits of a real arm
+(MECHANICS, section 11).
 """
 
 from __future__ import annotations
@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Array) -> Array:
-    """Return tau (n,) = J^T [moment; force] + null-space part of ``posture`` + ``bias``.
+def task_torque(
+    J: Array, moment: Array, force: Array, posture: Array, bias: Array
+) -> Array:
+    """Return tau (n,) = J^T [moment; force] + null-space part of ``posture`` +
+    ``bias``.
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m] of a joint-space
-    spring and damper, projected so that it makes no force at the tip; ``bias`` (n,) [N m] gravity and
-    Coriolis compensation.
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m]
+    of a joint-space spring and damper, projected so that it makes no force at the tip;
+    ``bias`` (n,) [N m] gravity and Coriolis compensation.
     """
     n = J.shape[1]
     tau: Array = J.T @ np.concatenate([moment, force]) + bias
@@ -28,10 +31,12 @@ def task_torque(J: Array, moment: Array, force: Array, posture: Array, bias: Arr
 
 
 def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
-    """Return tau (n,) that gives the tip its reference's ``acceleration`` (6,) [rad/s^2; m/s^2], world axes.
+    """Return tau (n,) that gives the tip its reference's ``acceleration`` (6,)
+    [rad/s^2; m/s^2], world axes.
 
-    J^T Lambda a with the task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
-    along the support also presses on it or lifts off, by the inertia's coupling. ``M`` (n, n) mass matrix.
+    J^T Lambda a with the task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm
+    that is accelerated along the support also presses on it or lifts off, by the
+    inertia's coupling. ``M`` (n, n) mass matrix.
     """
     mobility = J @ np.linalg.solve(M, J.T)
     mobility.flat[::7] += 1e-4  # [1/kg] bounds the torque near a singularity
@@ -39,16 +44,20 @@ def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
     return out
 
 
-def joint_torque(M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float) -> Array:
-    """Return the computed torque (n,) that tracks a joint reference in free space, critically damped at
-    ``rate`` [1/s].
+def joint_torque(
+    M: Array, bias: Array, q: Array, v: Array, q_ref: Array, v_ref: Array, rate: float
+) -> Array:
+    """Return the computed torque (n,) that tracks a joint reference in free space,
+    critically damped at ``rate`` [1/s].
     """
     return M @ (rate * rate * (q_ref - q) + 2.0 * rate * (v_ref - v)) + bias
 
 
-def limited(tau: Array, previous: Array | None, effort: Array, rate: Array, dt: float) -> tuple[Array, float]:
-    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits, and the largest share of an effort
-    limit asked for.
+def limited(
+    tau: Array, previous: Array | None, effort: Array, rate: Array, dt: float
+) -> tuple[Array, float]:
+    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits, and the largest
+    share of an effort limit asked for.
     """
     share = float(np.max(np.abs(tau) / effort))
     out = np.clip(tau, -effort, effort)

@@ -1,5 +1,5 @@
-"""The benchmarks: the closed forms beside solvers, speed as ratios of medians over the same wrenches in the
-same run.
+"""The benchmarks: the closed forms beside solvers, speed as ratios of medians over the
+same wrenches in the same run.
 """
 
 from __future__ import annotations
@@ -33,16 +33,25 @@ TICKS = ("rear-push-rear", "rear-push-left")
 
 
 def bench(
-    names: Sequence[str] | None = None, *, seed: int = 0, out: Path, progress: Progress | None = None
+    names: Sequence[str] | None = None,
+    *,
+    seed: int = 0,
+    out: Path,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Run the benchmarks ``names`` (None: all); return their rows by name, kept in ``out``/result.json.
+    """Run the benchmarks ``names`` (None: all); return their rows by name, kept in
+    ``out``/result.json.
 
-    Raises TaskError for an unknown name. Where a solver is not installed its row says so.
+    Raises TaskError for an unknown name. Where a solver is not installed its row says
+    so.
     """
     for name in names or ():
         if name not in BENCHMARKS:
-            raise TaskError("pps bench", "NAME", name, f"allowed: {', '.join(BENCHMARKS)}")
-    chosen, rows = list(names or BENCHMARKS), {}
+            raise TaskError(
+                "pps bench", "NAME", name, f"allowed: {', '.join(BENCHMARKS)}"
+            )
+    chosen = list(names or BENCHMARKS)
+    rows = {}
     for done, name in enumerate(chosen):
         if progress is not None:
             progress(done, len(chosen))
@@ -79,10 +88,12 @@ def median_time(calls: Sequence[Call]) -> float:
 
 
 def compared(contestants: Contestants) -> list[Row]:
-    """Return the median time of each contestant, and how many times the first one's that is.
+    """Return the median time of each contestant, and how many times the first one's
+    that is.
 
-    All in turn, in several rounds; both figures are medians over the rounds, so that what else the machine
-    does falls on all alike. A text in place of calls says why there are none.
+    All in turn, in several rounds; both figures are medians over the rounds, so that
+    what else the machine does falls on all alike. A text in place of calls says why
+    there are none.
     """
     first, *_ = contestants
     rounds: dict[str, list[float]] = {name: [] for name in contestants}
@@ -95,9 +106,18 @@ def compared(contestants: Contestants) -> list[Row]:
         if isinstance(calls, str):
             rows.append({"what": name, "median_us": None, "ratio": None, "note": calls})
             continue
-        ratios = [time / ours for time, ours in zip(rounds[name], rounds[first], strict=True)]
+        ratios = [
+            time / ours for time, ours in zip(rounds[name], rounds[first], strict=True)
+        ]
         median = 1e6 * statistics.median(rounds[name])
-        rows.append({"what": name, "median_us": median, "ratio": statistics.median(ratios), "note": ""})
+        rows.append(
+            {
+                "what": name,
+                "median_us": median,
+                "ratio": statistics.median(ratios),
+                "note": "",
+            }
+        )
     return rows
 
 
@@ -118,11 +138,15 @@ def tick(seed: int, out: Path) -> list[Row]:
         """Do nothing."""
 
     contestants: Contestants = {"empty function call": [(empty, ())] * CALLS}
-    return compared(contestants | {name: [(track_and_allocate(name), ())] * CALLS for name in TICKS})
+    return compared(
+        contestants | {name: [(track_and_allocate(name), ())] * CALLS for name in TICKS}
+    )
 
 
 def track_and_allocate(name: str) -> Callable[[], object]:
-    """Return one tick of a shipped task's tracking law and allocator, off its path by 2 mm and 0.02 rad."""
+    """Return one tick of a shipped task's tracking law and allocator, off its path by 2
+    mm and 0.02 rad.
+    """
     from pushpressslide.core.pose import Pose2
     from pushpressslide.modes import MODES
     from pushpressslide.pipeline.planner import plan as make_plan
@@ -131,9 +155,13 @@ def track_and_allocate(name: str) -> Callable[[], object]:
 
     task = load_task(name)
     plan = make_plan(task, choices_for(task)[0])
-    mode, choice, path = MODES[plan.choice.mode], plan.choice, plan.path
+    mode = MODES[plan.choice.mode]
+    choice = plan.choice
+    path = plan.path
     tracker = mode.tracker(plan)
-    allocate = mode.allocator(choice.contacts, task.believed.contact_friction, choice.parameters.get("rho"))
+    allocate = mode.allocator(
+        choice.contacts, task.believed.contact_friction, choice.parameters.get("rho")
+    )
     s = 0.3 * path.length
     X_WB = path.pose(s).compose(Pose2(0.0, 0.002, 0.02)).compose(plan.X_BV.inverse())
 
@@ -164,7 +192,9 @@ def agreement(seed: int, out: Path) -> list[Row]:
 
 
 def coverage(seed: int, out: Path) -> list[Row]:
-    """Sample what two orthogonal pushes can give, beside the paper's formulas; also as a figure."""
+    """Sample what two orthogonal pushes can give, beside the paper's formulas; also as
+    a figure.
+    """
     from pushpressslide.experiments import coverage as sampled
     from pushpressslide.report import style
 
@@ -173,14 +203,18 @@ def coverage(seed: int, out: Path) -> list[Row]:
 
 
 def turning(seed: int, out: Path) -> list[Row]:
-    """Sample about which points two orthogonal pushes can turn an object, beside the paper's distances."""
+    """Sample about which points two orthogonal pushes can turn an object, beside the
+    paper's distances.
+    """
     from pushpressslide.experiments import coverage as sampled
 
     return [sampled.turning_centers(mu, SAMPLES, seed) for mu in sampled.FRICTIONS]
 
 
 def select(seed: int, out: Path) -> list[Row]:
-    """Run every feasible mode on the planar engine, beside the one that selection ranks first."""
+    """Run every feasible mode on the planar engine, beside the one that selection ranks
+    first.
+    """
     from pushpressslide.experiments.bench_selection import study
 
     return study()

@@ -1,4 +1,5 @@
-"""Where the paper's text needs correction: its own figures beside what holds, computed when asked for.
+"""Where the paper's text needs correction: its own figures beside what holds, computed
+when asked for.
 
 One row for each of docs/mechanics.md, section 12. Renew the page by
 ``python -m pushpressslide.experiments.corrections docs/corrections.md``.
@@ -17,12 +18,24 @@ from pushpressslide.experiments.correction import Correction
 from pushpressslide.report.page_tables import table
 
 ROWS: tuple[Callable[[], Correction], ...] = (
-    one.distance_from_com, one.pressure_constant, one.force_invariance, one.mobility_of_shift,
-    one.mobility_of_load, two.moments_about_com, one.stanley_signs, one.steering_of_pusher,
-    two.differential_drive, two.bias_is_external, two.turning_regions, two.symmetric_split,
-    two.pivot_about_contact, one.virtual_target, one.one_friction,
-)  # fmt: skip
-BEGIN, END = "<!-- corrections: begin (generated) -->", "<!-- corrections: end -->"
+    one.distance_from_com,
+    one.pressure_constant,
+    one.force_invariance,
+    one.mobility_of_shift,
+    one.mobility_of_load,
+    two.moments_about_com,
+    one.stanley_signs,
+    one.steering_of_pusher,
+    two.differential_drive,
+    two.bias_is_external,
+    two.turning_regions,
+    two.symmetric_split,
+    two.pivot_about_contact,
+    one.virtual_target,
+    one.one_friction,
+)
+BEGIN = "<!-- corrections: begin (generated) -->"
+END = "<!-- corrections: end -->"
 
 
 def corrections() -> tuple[Correction, ...]:
@@ -32,10 +45,13 @@ def corrections() -> tuple[Correction, ...]:
 
 def html(rows: Sequence[Correction]) -> str:
     """Return the corrections as an HTML table: a group of figures for each."""
-    lines, marks = [], []
+    lines = []
+    marks = []
     for row in rows:
         why = f'<span class="why">{escape(row.why)} Mechanics {escape(row.section)}.</span>'
-        lines.append([f'<th colspan="3" scope="rowgroup">{escape(row.claim)}<br>{why}</th>'])
+        lines.append(
+            [f'<th colspan="3" scope="rowgroup">{escape(row.claim)}<br>{why}</th>']
+        )
         marks.append(' class="claim"')
         for figure in row.figures:
             cells = (figure.shown(figure.paper), figure.shown(figure.holds))
@@ -54,14 +70,19 @@ def markdown(rows: Sequence[Correction]) -> str:
     parts = []
     for row in rows:
         lines = ["| figure | paper | holds |", "|---|---:|---:|"]
-        lines += [f"| {f.what} | {f.shown(f.paper)} | {f.shown(f.holds)} |" for f in row.figures]
+        lines += [
+            f"| {f.what} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
+            for f in row.figures
+        ]
         why = f"{row.why} ([mechanics](mechanics.md), {row.section})"
         parts.append(f"**{row.claim}.** {why}\n\n" + "\n".join(lines))
     return "\n\n".join(parts)
 
 
 def with_corrections(page: str) -> str:
-    """Return a page with its corrections renewed; raises ValueError for a page without the two marks."""
+    """Return a page with its corrections renewed; raises ValueError for a page without
+    the two marks.
+    """
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)
     if not begin or not end:
@@ -71,4 +92,6 @@ def with_corrections(page: str) -> str:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1])
-    target.write_text(with_corrections(target.read_text(encoding="utf-8")), encoding="utf-8")
+    target.write_text(
+        with_corrections(target.read_text(encoding="utf-8")), encoding="utf-8"
+    )

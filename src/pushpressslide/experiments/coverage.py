@@ -1,5 +1,6 @@
-"""What two orthogonal pushes can give, and what the paper's formulas make of it, by sampling
-(docs/allocation.md). Lengths are in multiples of the contacts' distance d to the CoM, or of K = rho^2/d.
+"""What two orthogonal pushes can give, and what the paper's formulas make of it, by
+sampling (docs/allocation.md). Lengths are in multiples of the contacts' distance d to
+the CoM, or of K = rho^2/d.
 """
 
 from __future__ import annotations
@@ -25,17 +26,21 @@ FRICTIONS = (0.2, 0.3, 0.5, 0.8)
 
 
 def coverage(friction: float, samples: int, seed: int) -> Row:
-    """Return what part of all directions of (fx, fy, tau/d) two orthogonal pushes can give, in parts of 1.
+    """Return what part of all directions of (fx, fy, tau/d) two orthogonal pushes can
+    give, in parts of 1.
 
-    ``symmetric``: the part of these that the paper's even split of friction gives without a bias. For the
-    rest, ``bias``: the median size of the wrench that its least bias adds, the wanted one being 1, and
-    ``turned``: the median angle [rad] between the two. ``drift``: for directions that are not possible, the
-    median of the least drift of any split over the paper's least bias.
+    ``symmetric``: the part of these that the paper's even split of friction gives
+    without a bias. For the rest, ``bias``: the median size of the wrench that its least
+    bias adds, the wanted one being 1, and ``turned``: the median angle [rad] between
+    the two. ``drift``: for directions that are not possible, the median of the least
+    drift of any split over the paper's least bias.
     """
     wrenches = np.random.default_rng(seed).normal(size=(samples, 3))
     wrenches /= np.linalg.norm(wrenches, axis=1)[:, None]
     feasible = symmetric = 0
-    biases, turns, ratios = [], [], []
+    biases = []
+    turns = []
+    ratios = []
     for fx, fy, tau in wrenches.tolist():
         bias = published.least_bias(fx, fy, tau, 1.0, friction)
         if not orthogonal.feasibility(fx, fy, tau, 1.0, friction).feasible:
@@ -59,22 +64,29 @@ def coverage(friction: float, samples: int, seed: int) -> Row:
 
 
 def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
-    """Return (samples, 3) wrenches (fx, fy, tau/d): sums of random forces inside both cones."""
+    """Return (samples, 3) wrenches (fx, fy, tau/d): sums of random forces inside both
+    cones.
+    """
     edges = [
         (x, y, px * y - py * x)
         for (px, py), normal in (((-1.0, 0.0), (1.0, 0.0)), ((0.0, 1.0), (0.0, -1.0)))
         for x, y in cone_edges(normal, friction)
     ]
-    return np.asarray(np.random.default_rng(seed).exponential(1.0, (samples, 4)) @ np.array(edges))
+    return np.asarray(
+        np.random.default_rng(seed).exponential(1.0, (samples, 4)) @ np.array(edges)
+    )
 
 
 def turning_centers(friction: float, samples: int, seed: int) -> Row:
-    """Return where random possible wrenches turn the object, beside what section 6 and the paper say.
+    """Return where random possible wrenches turn the object, beside what section 6 and
+    the paper say.
 
-    ``outside``: centres not in the region of their direction of turning; ``closest`` to the CoM; ``radius``,
-    ``near`` and ``far`` by section 6; ``d_min`` and ``d_max`` by the paper; all in K.
+    ``outside``: centres not in the region of their direction of turning; ``closest`` to
+    the CoM; ``radius``, ``near`` and ``far`` by section 6; ``d_min`` and ``d_max`` by
+    the paper; all in K.
     """
-    outside, closest = 0, math.inf
+    outside = 0
+    closest = math.inf
     for fx, fy, tau in possible_wrenches(friction, samples, seed).tolist():
         center = orthogonal.turning_center(fx, fy, tau, 1.0)
         outside += not orthogonal.can_turn_about(center, tau > 0.0, 1.0, friction, 1.0)
@@ -95,7 +107,9 @@ def turning_centers(friction: float, samples: int, seed: int) -> Row:
 
 
 def figure(friction: float, seed: int) -> Figure:
-    """Return what is possible for a force of 1 N in any direction, and the centres of turning."""
+    """Return what is possible for a force of 1 N in any direction, and the centres of
+    turning.
+    """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -108,15 +122,24 @@ def figure(friction: float, seed: int) -> Figure:
 
 
 def _moments(axes: Axes, mu: float) -> None:
-    degrees, moments = np.linspace(-40.0, 130.0, 341), np.linspace(-0.65, 0.65, 301)
+    degrees = np.linspace(-40.0, 130.0, 341)
+    moments = np.linspace(-0.65, 0.65, 301)
     shown = np.zeros((len(moments), len(degrees)))
     for j, angle in enumerate(np.radians(degrees).tolist()):
-        fx, fy = math.cos(angle), -math.sin(angle)
+        fx = math.cos(angle)
+        fy = -math.sin(angle)
         for i, tau in enumerate(moments.tolist()):
             if orthogonal.feasibility(fx, fy, tau, 1.0, mu).feasible:
-                shown[i, j] = 2.0 if published.least_bias(fx, fy, tau, 1.0, mu) == 0.0 else 1.0
-    axes.contourf(degrees, moments, shown, levels=[0.5, 1.5, 2.5], colors=[style.AMBER, style.SKY])
-    for name, color in (("paper's even split", style.SKY), ("only other splits", style.AMBER)):
+                shown[i, j] = (
+                    2.0 if published.least_bias(fx, fy, tau, 1.0, mu) == 0.0 else 1.0
+                )
+    axes.contourf(
+        degrees, moments, shown, levels=[0.5, 1.5, 2.5], colors=[style.AMBER, style.SKY]
+    )
+    for name, color in (
+        ("paper's even split", style.SKY),
+        ("only other splits", style.AMBER),
+    ):
         axes.plot([], [], color=color, lw=6.0, label=name)
     axes.set_xlabel("direction of the force from +x towards -y [deg]")
     axes.set_ylabel("moment / (d force)")
@@ -128,9 +151,13 @@ def _moments(axes: Axes, mu: float) -> None:
 def _centers(axes: Axes, mu: float, seed: int) -> None:
     reach = 9.0
     wrenches = possible_wrenches(mu, 6000, seed)
-    x, y = (-wrenches[:, 1] / wrenches[:, 2], wrenches[:, 0] / wrenches[:, 2])
+    x = -wrenches[:, 1] / wrenches[:, 2]
+    y = wrenches[:, 0] / wrenches[:, 2]
     left = wrenches[:, 2] > 0.0
-    for side, color, name in ((left, style.BLUE, "turning left"), (~left, style.ORANGE, "turning right")):
+    for side, color, name in (
+        (left, style.BLUE, "turning left"),
+        (~left, style.ORANGE, "turning right"),
+    ):
         near = side & (np.abs(x) < reach) & (np.abs(y) < reach)
         axes.plot(x[near], y[near], ".", ms=2.0, color=color, label=name)
     for turn in (True, False):
@@ -142,8 +169,21 @@ def _centers(axes: Axes, mu: float, seed: int) -> None:
         (orthogonal.least_turning_radius(1.0, mu, 1.0), "-", "closest (section 6)"),
         (d_min, "--", "paper's d_min"),
     ):
-        axes.plot(radius * np.cos(angle), radius * np.sin(angle), line, color=style.GREY, lw=1.0, label=name)
+        axes.plot(
+            radius * np.cos(angle),
+            radius * np.sin(angle),
+            line,
+            color=style.GREY,
+            lw=1.0,
+            label=name,
+        )
     axes.plot(0.0, 0.0, "+", color=style.BLACK)
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="x / K", ylabel="y / K")
+    axes.set(
+        xlim=(-reach, reach),
+        ylim=(-reach, reach),
+        aspect="equal",
+        xlabel="x / K",
+        ylabel="y / K",
+    )
     axes.legend(loc="upper left", frameon=False)
     style.title(axes, f"Centres of turning, mu = {mu:g}")

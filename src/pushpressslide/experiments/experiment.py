@@ -22,7 +22,8 @@ class Variant:
     title: str
     task: str  # of a shipped task
     overrides: tuple[str, ...] = ()  # a.b=c each, as of `pps run --set`
-    paper: Mapping[str, PaperFigure] = field(default_factory=dict)  # by key of result.json
+    # by key of result.json
+    paper: Mapping[str, PaperFigure] = field(default_factory=dict)
     why: str = ""  # what makes it come out so, in a line
 
 
@@ -47,5 +48,6 @@ class Experiment:
     why: str  # what decides the outcome, whatever the figures
     comparisons: tuple[Comparison, ...] = ()
     pictured: tuple[str, ...] = ()  # variants that are shown by pictures on the way
-    plotted: tuple[str, ...] | None = None  # variants whose errors are plotted over time; None for all
+    # variants whose errors are plotted over time; None for all
+    plotted: tuple[str, ...] | None = None
     axle: str = ""  # variant whose virtual axle is plotted over time

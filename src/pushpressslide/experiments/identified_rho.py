@@ -1,4 +1,6 @@
-"""What is identified of rho on the way, in a run, beside what the exact model gives for that motion."""
+"""What is identified of rho on the way, in a run, beside what the exact model gives for
+that motion.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.press_slide import PressSlide
 from pushpressslide.report import series
 
-ANGLE, WITHIN = math.radians(60.0), math.radians(10.0)  # of the force from the heading axis
+ANGLE = math.radians(60.0)
+WITHIN = math.radians(10.0)  # of the force from the heading axis
 LEAST_TURN_RATE = 0.05  # [rad/s]
 LEAST_TIME = 3.0  # [s]
 WINDOW = 0.2  # [s] over which force and turn rate are averaged
@@ -37,20 +40,24 @@ class IdentifiedRho:
 
 
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
-    """Run the identifier over the longest exciting stretch of a pressed object's run: force angle within
-    10 degrees of 60, turn rate above 0.05 rad/s, for 3 s; None where there is none, or nothing contradicted
-    the plan.
+    """Run the identifier over the longest exciting stretch of a pressed object's run:
+    force angle within 10 degrees of 60, turn rate above 0.05 rad/s, for 3 s; None where
+    there is none, or nothing contradicted the plan.
 
-    As in ``Controller``, from measured poses and contact force alone, starting at the stretch. The exact
-    model is given the true mass and friction, the mean load and the mean force angle.
+    As in ``Controller``, from measured poses and contact force alone, starting at the
+    stretch. The exact model is given the true mass and friction, the mean load and the
+    mean force angle.
     """
-    mode, (contact,) = MODES[plan.choice.mode], plan.choice.contacts
+    mode = MODES[plan.choice.mode]
+    (contact,) = plan.choice.contacts
     assert isinstance(mode, PressSlide)
     arrays = record.arrays
-    time, pose = arrays["time"], arrays["object_pose"]
+    time = arrays["time"]
+    pose = arrays["object_pose"]
     normals, tangents = series.contact_forces(plan, record)
     size = math.hypot(*contact.point)
-    ex, ey = contact.point[0] / size, contact.point[1] / size
+    ex = contact.point[0] / size
+    ey = contact.point[1] / size
     fx, fy = tangents[:, 0].T
     width = max(1, round(WINDOW / float(time[1] - time[0])))
     along, across, turn = (
@@ -62,15 +69,19 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     first, stop = _longest(exciting & (np.abs(turn) > LEAST_TURN_RATE))
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
-    identifier, state = mode.identifier(plan), AxleState()
+    identifier = mode.identifier(plan)
+    state = AxleState()
     for k in range(first, stop):
         X_WB = Pose2(*(float(v) for v in pose[k])).compose(plan.task.object.X_GB)
-        state = identifier.step(state, float(time[k]), X_WB, (float(fx[k]), float(fy[k])))
+        state = identifier.step(
+            state, float(time[k]), X_WB, (float(fx[k]), float(fy[k]))
+        )
     found = identifier.identified(state)
     if found is None:
         return None
     task = plan.task
-    load, mean = float(np.mean(normals[first:stop, 0])), float(np.mean(angle[first:stop]))
+    load = float(np.mean(normals[first:stop, 0]))
+    mean = float(np.mean(angle[first:stop]))
     press = Press(task.object, task.support.friction, contact.point, load)
     ahead, reach = press.steered(mean, backward=False)
     return IdentifiedRho(
@@ -85,7 +96,11 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
 
 
 def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index of the longest run of True, and the one after its last; (0, 0) for none."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    """Return the first index of the longest run of True, and the one after its last;
+    (0, 0) for none.
+    """
+    edges = np.flatnonzero(
+        np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
+    )
     runs = list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
     return max(runs, key=lambda run: run[1] - run[0], default=(0, 0))

@@ -1,4 +1,6 @@
-"""Rho, friction and pressure from recorded pushes; models scored on pushes that were held out."""
+"""Rho, friction and pressure from recorded pushes; models scored on pushes that were
+held out.
+"""
 
 from __future__ import annotations
 
@@ -28,10 +30,11 @@ def identify(
     fit_share: float = 0.5,
     progress: Progress | None = None,
 ) -> tuple[dict[str, Any], list[Identification]]:
-    """Identify every set of pushes in ``data``, a log or a folder with logs; return what was found.
+    """Identify every set of pushes in ``data``, a log or a folder with logs; return
+    what was found.
 
-    Writes result.json, report.html and a plot of each set to ``out``. Raises PushPressSlideError for logs
-    that cannot be read.
+    Writes result.json, report.html and a plot of each set to ``out``. Raises
+    PushPressSlideError for logs that cannot be read.
     """
     sets, others = load_sets(data)
     found = []
@@ -55,7 +58,8 @@ def identify(
         "notes": notes,
         "versions": versions(),
     }
-    (out / "result.json").unlink(missing_ok=True)  # of an older run: a folder that has one is complete
+    # of an older run: a folder that has one is complete
+    (out / "result.json").unlink(missing_ok=True)
     how = f"{splits} random splits, {100.0 * fit_share:g} % of each set's pushes fitted, the rest held out."
     write_identification(found, out, how, notes)
     write_whole(out / "result.json", to_json(result))
@@ -79,15 +83,26 @@ def _figures(found: Identification) -> dict[str, Any]:
         "rho_predicted": layout,
         "rho_predicted_rigid_face": rigid,
         "rho_pressure": rho_pole(found.pressure.at_rest),
-        "errors": {name: {"mean": s.mean, "spread": s.spread} for name, s in found.scores.items()},
+        "errors": {
+            name: {"mean": s.mean, "spread": s.spread}
+            for name, s in found.scores.items()
+        },
     }
 
 
 def _reductions(found: Sequence[Identification]) -> dict[str, float]:
-    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, of each model."""
-    names = [name for name in found[0].scores if all(name in each.scores for each in found)]
+    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, of each
+    model.
+    """
+    names = [
+        name for name in found[0].scores if all(name in each.scores for each in found)
+    ]
     return {
-        name: sum(1.0 - each.scores[name].mean / each.scores["ellipsoid"].mean for each in found) / len(found)
+        name: sum(
+            1.0 - each.scores[name].mean / each.scores["ellipsoid"].mean
+            for each in found
+        )
+        / len(found)
         for name in names
     }
 
@@ -96,9 +111,16 @@ def _notes(found: Sequence[Identification], others: Sequence[Path]) -> list[str]
     """Say what was not used."""
     notes = []
     for each in found:
-        notes += [f"{each.push_set.name}: {line} (not used)." for line in each.push_set.refused]
+        notes += [
+            f"{each.push_set.name}: {line} (not used)."
+            for line in each.push_set.refused
+        ]
         for recording in each.push_set.recordings:
-            held, announced = len(recording.pushes), recording.announced
+            held = len(recording.pushes)
+            announced = recording.announced
             if held != announced:
-                notes.append(f"{recording.path.name}: announces {announced} pushes, holds {held}.")
+                notes.append(
+                    f"{recording.path.name}: announces {announced} pushes, holds "
+                    f"{held}."
+                )
     return notes + [f"{path.name}: not a log of pushes." for path in others]

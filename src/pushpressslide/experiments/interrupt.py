@@ -1,4 +1,6 @@
-"""Ctrl-C as a wish that a run grants at its next tick, so that what was recorded can be kept."""
+"""Ctrl-C as a wish that a run grants at its next tick, so that what was recorded can be
+kept.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Interrupt:
-    """Ctrl-C as a question that a loop asks; pressed a second time, it interrupts at once."""
+    """Ctrl-C as a question that a loop asks; pressed a second time, it interrupts at
+    once.
+    """
 
     def __init__(self) -> None:
         self._asked = False
@@ -30,7 +34,9 @@ class Interrupt:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep Ctrl-C back inside the block; in the main thread only, since others get no signals."""
+        """Keep Ctrl-C back inside the block; in the main thread only, since others get
+        no signals.
+        """
         if threading.current_thread() is not threading.main_thread():
             yield
             return
@@ -43,7 +49,9 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Processes started inside the block never see Ctrl-C; one pressed meanwhile comes after the block."""
+    """Processes started inside the block never see Ctrl-C; one pressed meanwhile comes
+    after the block.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -11,28 +11,41 @@ from pushpressslide.experiments.paper_one_arm import (
     REAR_PUSH,
     TOOL_USE,
 )
-from pushpressslide.experiments.paper_two_arms import PIVOT_AND_MOVE, PRESS_FIT, TWO_ARMS
+from pushpressslide.experiments.paper_two_arms import (
+    PIVOT_AND_MOVE,
+    PRESS_FIT,
+    TWO_ARMS,
+)
 
 AXLE = "virtual-axle"  # the analysis of experiments/virtual_axle.py, in its light form
 EXPERIMENTS: dict[str, Experiment] = {
     experiment.name: experiment
     for experiment in (
-        REAR_PUSH, JOINT_TRACKING, PRESS_SLIDE, IDENTIFIED_RHO, TOOL_USE, TWO_ARMS, PIVOT_AND_MOVE,
+        REAR_PUSH,
+        JOINT_TRACKING,
+        PRESS_SLIDE,
+        IDENTIFIED_RHO,
+        TOOL_USE,
+        TWO_ARMS,
+        PIVOT_AND_MOVE,
         PRESS_FIT,
     )
-}  # fmt: skip
+}
 
 
 def chosen(names: list[str] | None) -> tuple[tuple[Experiment, ...], bool]:
-    """Return the named experiments, each once, in the order given, and whether the axle's analysis is among
-    them; all of them for None.
+    """Return the named experiments, each once, in the order given, and whether the
+    axle's analysis is among them; all of them for None.
 
-    Raises PushPressSlideError, naming the experiments that there are, for an unknown name.
+    Raises PushPressSlideError, naming the experiments that there are, for an unknown
+    name.
     """
     known = [*EXPERIMENTS, AXLE]
     for name in names or ():
         if name not in known:
             allowed = ", ".join(known)
-            raise PushPressSlideError(f"--only: {name!r} is not an experiment; allowed: {allowed}")
+            raise PushPressSlideError(
+                f"--only: {name!r} is not an experiment; allowed: {allowed}"
+            )
     wanted = dict.fromkeys(names or known)
     return tuple(EXPERIMENTS[name] for name in wanted if name != AXLE), AXLE in wanted

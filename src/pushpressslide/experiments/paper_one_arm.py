@@ -1,23 +1,36 @@
-"""The paper's experiments with one arm: shipped tasks, what is changed in them, and the paper's figures."""
+"""The paper's experiments with one arm: shipped tasks, what is changed in them, and the
+paper's figures.
+"""
 
 from __future__ import annotations
 
 import math
 
-from pushpressslide.experiments.experiment import Comparison, Experiment, PaperFigure, Variant
+from pushpressslide.experiments.experiment import (
+    Comparison,
+    Experiment,
+    PaperFigure,
+    Variant,
+)
 
 SECTION = "Section IV-A, single-arm planar pushing"
 WITHIN = {
     "final_position_error": PaperFigure(0.015, "within"),
     "final_yaw_error": PaperFigure(math.radians(2.0), "within"),
 }
-# A path with a shorter straight end than the shipped one, on which the joint term holds its contact
+# A path with a shorter straight end than the shipped one, on which the joint term holds
+# its contact
 PATH = ("motion.run_in=0.1", "tolerance.position=0.015")
 
 
 def _force(share: float) -> tuple[str, ...]:
     """Overrides for the pushing force alone, ``share`` of what slides the object."""
-    return (*PATH, "motion.velocity_servo=false", f"motion.force_gain={share:g}", "limits.time=120")
+    return (
+        *PATH,
+        "motion.velocity_servo=false",
+        f"motion.force_gain={share:g}",
+        "limits.time=120",
+    )
 
 
 JOINT_TERM = ("motion.joint_tracking=true", "motion.joint_stiffness=10")
@@ -27,7 +40,8 @@ JOINT_TRACKING = Experiment(
     title="With and without the joint-tracking term",
     source=SECTION,
     claim="The same trajectory is executed with the pushing force alone and with a low-gain joint-tracking "
-    "term on top. The paper finds it over three times as fast with the term, and 10 to 19 % tighter.",
+    "term on top. The paper finds it over three times as fast with the term, and 10 to "
+    "19 % tighter.",
     variants=(
         Variant(
             "force",
@@ -55,14 +69,18 @@ JOINT_TRACKING = Experiment(
             },
             "Who is late is pushed harder, so that it ends when its reference does.",
         ),
-        Variant("less", "Force 3 % below friction, alone", "rear-push-rear", _force(0.97)),
+        Variant(
+            "less", "Force 3 % below friction, alone", "rear-push-rear", _force(0.97)
+        ),
         Variant(
             "less-joint",
             "Force 3 % below friction, with the joint term",
             "rear-push-rear",
             (*_force(0.97), *JOINT_TERM),
         ),
-        Variant("more", "Force 3 % above friction, alone", "rear-push-rear", _force(1.03)),
+        Variant(
+            "more", "Force 3 % above friction, alone", "rear-push-rear", _force(1.03)
+        ),
         Variant(
             "more-joint",
             "Force 3 % above friction, with the joint term",
@@ -76,20 +94,34 @@ JOINT_TRACKING = Experiment(
             (*_force(1.0)[1:], *JOINT_TERM),
         ),
         Variant("servo", "Velocity servo, the default", "rear-push-rear", PATH),
-        Variant("servo-joint", "Velocity servo, with the joint term", "rear-push-rear", (*PATH, *JOINT_TERM)),
+        Variant(
+            "servo-joint",
+            "Velocity servo, with the joint term",
+            "rear-push-rear",
+            (*PATH, *JOINT_TERM),
+        ),
     ),
     why="A force fixes the direction of a quasi-static slide, never its speed: just below friction the "
-    "object creeps or sticks, just above it the surplus decides how fast it goes. The term closes that loop: "
-    "who is late is pushed harder, so that it takes the same 13 s for any of the three forces. It makes a "
-    "push tighter only where the force falls short, as the paper's over 100 s suggest; it does not say by "
-    "how much. A velocity servo at the contact, the default here, is as fast and several times tighter, as "
-    "it keeps to the motion of the contact itself, and beside it the term only pulls the tip off its place. "
-    "The term alone is not robust: it holds the tip to the planned place in the world, not to the object; "
-    "on the shipped path, whose straight end is longer, the tip leaves the face where the path bends the "
+    "object creeps or sticks, just above it the surplus decides how fast it goes. The "
+    "term closes that loop: "
+    "who is late is pushed harder, so that it takes the same 13 s for any of the three "
+    "forces. It makes a "
+    "push tighter only where the force falls short, as the paper's over 100 s suggest; "
+    "it does not say by "
+    "how much. A velocity servo at the contact, the default here, is as fast and "
+    "several times tighter, as "
+    "it keeps to the motion of the contact itself, and beside it the term only pulls "
+    "the tip off its place. "
+    "The term alone is not robust: it holds the tip to the planned place in the world, "
+    "not to the object; "
+    "on the shipped path, whose straight end is longer, the tip leaves the face where "
+    "the path bends the "
     "other way.",
     comparisons=(
         Comparison("less", "less-joint", "with 3 % too little force, the joint term"),
-        Comparison("force", "force-joint", "with the force equal to friction, the joint term"),
+        Comparison(
+            "force", "force-joint", "with the force equal to friction, the joint term"
+        ),
         Comparison("more", "more-joint", "with 3 % too much force, the joint term"),
         Comparison("force", "servo", "the velocity servo on top of the force"),
         Comparison("servo", "servo-joint", "the joint term on top of the servo"),
@@ -97,7 +129,9 @@ JOINT_TRACKING = Experiment(
     pictured=("force-joint",),
     plotted=("less", "less-joint", "servo"),
 )
-"""Paper: about 30 s against over 100 s; RMS 0.085 m, 0.086 m, 14 deg against 0.095 m, 0.096 m, 17.27 deg."""
+"""Paper: about 30 s against over 100 s; RMS 0.085 m, 0.086 m, 14 deg against 0.095 m,
+0.096 m, 17.27 deg.
+"""
 
 
 STEERED = "Steered at the virtual front axle, and planned anew from the true pose and contact on the way."
@@ -121,10 +155,17 @@ PRESS_WITHIN = {
     "final_yaw_error": PaperFigure(math.radians(1.0), "within"),
 }
 ALIGNED = "Aligned about the exact axle, by a target that slides along the path."
-ON_THE_SPOT = "The force across the axis, about the point that the exact surface keeps in place."
+ON_THE_SPOT = (
+    "The force across the axis, about the point that the exact surface keeps in place."
+)
 BACKWARD = (
-    "start.x=0.40", "start.y=0.33", "start.yaw_deg=100", "goal.x=0.47", "goal.y=-0.25", "goal.yaw_deg=90",
-)  # fmt: skip
+    "start.x=0.40",
+    "start.y=0.33",
+    "start.yaw_deg=100",
+    "goal.x=0.47",
+    "goal.y=-0.25",
+    "goal.yaw_deg=90",
+)
 
 PRESS_SLIDE = Experiment(
     name="press-slide",
@@ -133,7 +174,9 @@ PRESS_SLIDE = Experiment(
     claim="A 60 x 20 x 10 cm, 0.3 kg object is pressed with 8 N at 0.2 m and slid to a target pose, which it "
     "reaches within 5 mm and 1 degree, aligned by a virtual target beyond the pose.",
     variants=(
-        Variant("pulled", "Pulled, as shipped", "press-slide", (), PRESS_WITHIN, ALIGNED),
+        Variant(
+            "pulled", "Pulled, as shipped", "press-slide", (), PRESS_WITHIN, ALIGNED
+        ),
         Variant(
             "pulled-2",
             "Pulled, second start",
@@ -152,8 +195,22 @@ PRESS_SLIDE = Experiment(
         ),
         Variant("pushed", "Pushed", "press-slide", BACKWARD, PRESS_WITHIN, ALIGNED),
         Variant("car", "As a car", "press-slide-car", (), PRESS_WITHIN, ALIGNED),
-        Variant("forklift", "As a forklift", "press-slide-forklift", (), PRESS_WITHIN, ALIGNED),
-        Variant("pivot", "Turned on the spot", "press-slide-pivot", (), PRESS_WITHIN, ON_THE_SPOT),
+        Variant(
+            "forklift",
+            "As a forklift",
+            "press-slide-forklift",
+            (),
+            PRESS_WITHIN,
+            ALIGNED,
+        ),
+        Variant(
+            "pivot",
+            "Turned on the spot",
+            "press-slide-pivot",
+            (),
+            PRESS_WITHIN,
+            ON_THE_SPOT,
+        ),
         Variant(
             "fixed-target",
             "Target fixed beyond the goal",
@@ -162,10 +219,14 @@ PRESS_SLIDE = Experiment(
         ),
     ),
     why="The virtual axle is taken from the exact surface under the load that the drag at the contact's "
-    "height shifts, 3 cm ahead of the centre of mass when pulled and 20 cm behind when pushed, and a plan "
-    "is made anew whenever the axle is off its path. A target fixed beyond the goal, the literal reading, "
+    "height shifts, 3 cm ahead of the centre of mass when pulled and 20 cm behind when "
+    "pushed, and a plan "
+    "is made anew whenever the axle is off its path. A target fixed beyond the goal, "
+    "the literal reading, "
     "leaves part of the lateral error; one that slides along the path leaves none.",
-    comparisons=(Comparison("fixed-target", "pulled", "a target that slides along the path"),),
+    comparisons=(
+        Comparison("fixed-target", "pulled", "a target that slides along the path"),
+    ),
     pictured=("pulled", "pushed", "pivot"),
     axle="pulled",
 )
@@ -182,20 +243,30 @@ IDENTIFIED_RHO = Experiment(
             "A tight turn, planned with half the true rho",
             "press-slide",
             (
-                "start.x=0.5", "start.y=-0.3", "start.yaw_deg=45", "goal.x=0.42", "goal.y=0.32",
-                "goal.yaw_deg=180", "motion.speed=0.03", "motion.fixed_target=true", "belief.rho=0.05",
+                "start.x=0.5",
+                "start.y=-0.3",
+                "start.yaw_deg=45",
+                "goal.x=0.42",
+                "goal.y=0.32",
+                "goal.yaw_deg=180",
+                "motion.speed=0.03",
+                "motion.fixed_target=true",
+                "belief.rho=0.05",
             ),
         ),
     ),
     why="Axle and rho follow from measured poses and contact force by least squares with forgetting, while "
-    "the object moves. The run is for its turn, three seconds at the steepest steering, not for its goal, "
+    "the object moves. The run is for its turn, three seconds at the steepest "
+    "steering, not for its goal, "
     "which a plan with half the true rho and a target fixed beyond it miss.",
     pictured=("turn",),
     plotted=(),
     axle="turn",
-)  # fmt: skip
+)
 
-FED_FORWARD = "Pushed through its centre; the drag that it adds is felt and fed forward."
+FED_FORWARD = (
+    "Pushed through its centre; the drag that it adds is felt and fed forward."
+)
 
 TOOL_USE = Experiment(
     name="tool-use",
@@ -204,9 +275,19 @@ TOOL_USE = Experiment(
     claim="The pressed object is used as a tool that pushes another one to its place; no figure is given.",
     variants=(
         Variant("cube", "A cube of 0.5 kg", "tool-use", why=FED_FORWARD),
-        Variant("heavy", "A cube of 1 kg", "tool-use", ("obstacles.0.mass=1.0",), why=FED_FORWARD),
         Variant(
-            "aside", "1 cm off the tool's axis", "tool-use", ("obstacles.0.pose.x=0.46",), why=FED_FORWARD
+            "heavy",
+            "A cube of 1 kg",
+            "tool-use",
+            ("obstacles.0.mass=1.0",),
+            why=FED_FORWARD,
+        ),
+        Variant(
+            "aside",
+            "1 cm off the tool's axis",
+            "tool-use",
+            ("obstacles.0.pose.x=0.46",),
+            why=FED_FORWARD,
         ),
     ),
     why="What the second object adds to the drag is felt at the tip and fed forward; the push is planned "

@@ -1,4 +1,6 @@
-"""The paper's experiments with two arms: shipped tasks, and what the paper says; it gives no figure."""
+"""The paper's experiments with two arms: shipped tasks, and what the paper says; it
+gives no figure.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,10 @@ TWO_ARMS = Experiment(
         ),
     ),
     why="Each wrench is the exact surface's for the wanted twist, about the centre of pressure, and is "
-    "divided among the arms inside both friction cones, or else brought to the nearest one that can be. "
-    "Pushes at right angles can give few wrenches, so that the path is planned inside their cone.",
+    "divided among the arms inside both friction cones, or else brought to the nearest "
+    "one that can be. "
+    "Pushes at right angles can give few wrenches, so that the path is planned inside "
+    "their cone.",
     pictured=("parallel", "orthogonal", "on-top"),
 )
 
@@ -41,7 +45,8 @@ PIVOT_AND_MOVE = Experiment(
     title="Pivot and move",
     source="Section IV-C, bimanual pivot and move",
     claim="A box of 60 x 80 x 70 cm is turned by 90 degrees about the centre of pressure that the left arm's "
-    "press has drawn towards itself, while the right arm pushes; then the left arm pushes it into a slot "
+    "press has drawn towards itself, while the right arm pushes; then the left arm "
+    "pushes it into a slot "
     "between two boxes of its size. No figure is given.",
     variants=(
         Variant(
@@ -59,7 +64,8 @@ PIVOT_AND_MOVE = Experiment(
         ),
     ),
     why="Masses and friction are not in the paper; box, arms, their distance and the slot are the paper's. "
-    "Here both arms push the box into the slot, in the paper the left one, the other holding on.",
+    "Here both arms push the box into the slot, in the paper the left one, the other "
+    "holding on.",
     pictured=("run",),
 )
 

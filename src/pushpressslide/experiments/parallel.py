@@ -15,12 +15,15 @@ Progress = Callable[[int, int], None]
 
 
 def in_parallel(
-    work: Mapping[Key, Callable[[], Result]], jobs: int, progress: Progress | None = None
+    work: Mapping[Key, Callable[[], Result]],
+    jobs: int,
+    progress: Progress | None = None,
 ) -> dict[Key, Result]:
-    """Do every piece of ``work``, at most ``jobs`` at a time, and return the results by their keys, in order.
+    """Do every piece of ``work``, at most ``jobs`` at a time, and return the results by
+    their keys, in order.
 
-    ``progress`` is told how many are done, of how many. What one raises is raised; on that, and on Ctrl-C,
-    the others are ended.
+    ``progress`` is told how many are done, of how many. What one raises is raised; on
+    that, and on Ctrl-C, the others are ended.
     """
     results: dict[Key, Result] = {}
     context = multiprocessing.get_context("spawn")

@@ -12,13 +12,14 @@ from pushpressslide.report.files import load_run
 
 NAME = "pictures.png"
 SHARES = (0.0, 0.33, 0.67, 1.0)  # of the contact phase
-WIDTH, HEIGHT = 400, 300  # [pixel] of each
+WIDTH = 400
+HEIGHT = 300  # [pixel] of each
 CAPTION = "at the start, a third, two thirds and the end of the contact phase; pale green: the goal."
 
 
 def write_pictures(folder: Path) -> Path | None:
-    """Render the run in ``folder`` into pictures.png beside its record, and return the path; None where there
-    is nothing to see, or this machine cannot render.
+    """Render the run in ``folder`` into pictures.png beside its record, and return the
+    path; None where there is nothing to see, or this machine cannot render.
     """
     from PIL import Image
 
@@ -31,7 +32,9 @@ def write_pictures(folder: Path) -> Path | None:
     first, last = run.record.arrays["time"][at[[0, -1]]]
     try:
         renderer = FrameRenderer(run.task, run.plan, run.record, WIDTH, HEIGHT)
-        images = [renderer.image(float(first + share * (last - first))) for share in SHARES]
+        images = [
+            renderer.image(float(first + share * (last - first))) for share in SHARES
+        ]
     except SimulationError:
         return None
     path = folder / NAME

@@ -1,4 +1,6 @@
-"""Every experiment of the paper, through the same pipeline as any task; one page, paper beside measured."""
+"""Every experiment of the paper, through the same pipeline as any task; one page, paper
+beside measured.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +32,19 @@ from pushpressslide.report.files import load_run
 SCHEMA = 2
 JOBS = 2
 KEPT = (
-    "success", "reason", "motion_duration", "duration", "rms_position_error", "rms_end_effector_error",
-    "rms_yaw_error", "final_position_error", "final_yaw_error", "path_rms_error", "slip_distance",
+    "success",
+    "reason",
+    "motion_duration",
+    "duration",
+    "rms_position_error",
+    "rms_end_effector_error",
+    "rms_yaw_error",
+    "final_position_error",
+    "final_yaw_error",
+    "path_rms_error",
+    "slip_distance",
     "contact_loss_time",
-)  # fmt: skip
+)
 
 
 def reproduce(
@@ -45,37 +56,56 @@ def reproduce(
     jobs: int = JOBS,
     progress: Progress | None = None,
 ) -> Path:
-    """Run the paper's experiments and return the path of the page; ``only`` names some of them.
+    """Run the paper's experiments and return the path of the page; ``only`` names some
+    of them.
 
-    ``jobs`` runs go on at a time. Each variant leaves the files of a run in ``out``/<experiment>/<variant>,
-    the axle's analysis (Drake only) its own in ``out``/virtual-axle; beside the page are table.md and
-    result.json. A variant that misses its goal, or cannot be run at all, is reported like any other. Raises
+    ``jobs`` runs go on at a time. Each variant leaves the files of a run in
+    ``out``/<experiment>/<variant>, the axle's analysis (Drake only) its own in
+    ``out``/virtual-axle; beside the page are table.md and result.json. A variant that
+    misses its goal, or cannot be run at all, is reported like any other. Raises
     PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
     variants = {(e.name, v.name): (e, v) for e in experiments for v in e.variants}
     work: dict[Any, Callable[[], Any]] = {
         (experiment.name, variant.name): partial(
-            run_variant, experiment, variant, out / experiment.name / variant.name, seed, engine
+            run_variant,
+            experiment,
+            variant,
+            out / experiment.name / variant.name,
+            seed,
+            engine,
         )
         for experiment, variant in variants.values()
     }
-    task, cases = load_task(TASK), LIGHT if with_axle and engine == "drake" else ()
+    task = load_task(TASK)
+    cases = LIGHT if with_axle and engine == "drake" else ()
     done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
     axle = result_of(task, [done[case] for case in cases]) if cases else None
     if axle is not None:
         write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
     evidence = Evidence({key: done[key] for key in variants}, axle)
-    judged, corrected = claims(experiments, evidence), corrections()
+    judged = claims(experiments, evidence)
+    corrected = corrections()
     made_by = versions()
     told = ", ".join(f"{name} {version}" for name, version in made_by.items())
-    page = write_page(experiments, evidence, judged, corrected, out, f"Engine {engine}, seed {seed}; {told}.")
+    page = write_page(
+        experiments,
+        evidence,
+        judged,
+        corrected,
+        out,
+        f"Engine {engine}, seed {seed}; {told}.",
+    )
     write_table(experiments, evidence, judged, out / "table.md")
     summary = {
         "schema": SCHEMA,
         "engine": engine,
         "seed": seed,
-        "experiments": {experiment.name: _summary(experiment, evidence) for experiment in experiments},
+        "experiments": {
+            experiment.name: _summary(experiment, evidence)
+            for experiment in experiments
+        },
         "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
         "corrections": [asdict(row) for row in corrected],
         AXLE: None if axle is None else axle["summary"],
@@ -85,9 +115,11 @@ def reproduce(
     return page
 
 
-def run_variant(experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine) -> Outcome:
-    """Run one variant and leave its files in ``folder``, with pictures where they are asked for; what cannot
-    be run comes back as words.
+def run_variant(
+    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine
+) -> Outcome:
+    """Run one variant and leave its files in ``folder``, with pictures where they are
+    asked for; what cannot be run comes back as words.
     """
     try:
         task = load_task(variant.task, variant.overrides)
@@ -114,7 +146,9 @@ def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
                 "task": variant.task,
                 "overrides": list(variant.overrides),
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
-                "measured": None if measured is None else {key: measured[key] for key in KEPT},
+                "measured": None
+                if measured is None
+                else {key: measured[key] for key in KEPT},
                 "failure": outcome.failure or None,
                 "identified_rho": None if outcome.rho is None else asdict(outcome.rho),
             }

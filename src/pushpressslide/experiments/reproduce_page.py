@@ -1,4 +1,6 @@
-"""The page of the paper's experiments: claims, figures, pictures and plots, corrections."""
+"""The page of the paper's experiments: claims, figures, pictures and plots,
+corrections.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,22 @@ from pushpressslide.report.virtual_axle import page_body, write_virtual_axle
 
 TITLE = "The paper's experiments"
 INTRODUCTION = (
-    "Push, Press, Slide: Mode-Aware Planar Contact Manipulation via Reduced-Order Models. Every experiment "
-    "of the paper, run anew; its figures beside the measured ones, and what its text needs corrected."
+    "Push, Press, Slide: Mode-Aware Planar Contact Manipulation via Reduced-Order "
+    "Models. Every experiment "
+    "of the paper, run anew; its figures beside the measured ones, and what its text "
+    "needs corrected."
 )
 AXLE_TITLE = "Where a pressed object turns about"
 AXLE_CLAIM = (
-    "Section IV-B. The paper's bar, pressed and dragged in a constant direction, open loop: measured, "
+    "Section IV-B. The paper's bar, pressed and dragged in a constant direction, open "
+    "loop: measured, "
     "predicted by the exact model, and by the paper's formula."
 )
 CORRECTIONS_TEXT = (
-    "What the paper's text claims or its formula gives, and what holds for the same case, both computed when "
-    "this page was made. K is rho² / d; friction is 0.3 under the object and 0.9 at the tip where nothing "
+    "What the paper's text claims or its formula gives, and what holds for the same "
+    "case, both computed when "
+    "this page was made. K is rho² / d; friction is 0.3 under the object and 0.9 at "
+    "the tip where nothing "
     "else is said. Sections are those of the mechanics."
 )
 
@@ -52,7 +59,9 @@ def write_page(
     out: Path,
     made_by: str,
 ) -> Path:
-    """Write ``out``/report.html, and the axle's own page where it was analysed; return the former's path."""
+    """Write ``out``/report.html, and the axle's own page where it was analysed; return
+    the former's path.
+    """
     page = out / "report.html"
     sections = [("claims", "Claims", _claims(judged))]
     sections += [(e.name, e.title, _experiment(e, evidence, page)) for e in experiments]
@@ -63,7 +72,9 @@ def write_page(
         sections.append((AXLE, AXLE_TITLE, body))
     body = f"<p>{escape(CORRECTIONS_TEXT)}</p>{corrections.html(corrected)}"
     sections.append(("corrections", "Corrections to the paper", body))
-    links = "".join(f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections)
+    links = "".join(
+        f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections
+    )
     parts = [
         f"<h1>{TITLE}</h1>",
         f"<p>{escape(INTRODUCTION)}</p>",
@@ -71,7 +82,8 @@ def write_page(
         f'<nav><ul class="contents">{links}</ul></nav>',
     ]
     parts += [
-        f'<section id="{name}"><h2>{escape(title)}</h2>{body}</section>' for name, title, body in sections
+        f'<section id="{name}"><h2>{escape(title)}</h2>{body}</section>'
+        for name, title, body in sections
     ]
     parts.append(f"<footer><p>{escape(made_by)}</p></footer>")
     return write_whole(page, document(TITLE, "".join(parts)))
@@ -79,7 +91,9 @@ def write_page(
 
 def _claims(judged: Sequence[Claim]) -> str:
     """Return the claims as a table, a group for each experiment."""
-    rows, marks, source = [], [], ""
+    rows = []
+    marks = []
+    source = ""
     for claim in judged:
         if claim.source != source:
             source = claim.source
@@ -97,7 +111,8 @@ def _claims(judged: Sequence[Claim]) -> str:
         )
         marks.append("")
     text = (
-        "Every error and time that the paper gives, met or beaten or missed, and what it states of its "
+        "Every error and time that the paper gives, met or beaten or missed, and what "
+        "it states of its "
         "experiments. What it derives is judged in the corrections."
     )
     told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
@@ -115,18 +130,29 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
         outcome = evidence.outcomes[experiment.name, variant.name]
         if outcome.result is not None:
             runs[variant.name] = load_run(outcome.folder)
-    said = "".join(f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, evidence))
+    said = "".join(
+        f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, evidence)
+    )
     titles = {variant.name: variant.title for variant in experiment.variants}
     parts = [
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
-        *(_picture(runs[name], titles[name]) for name in experiment.pictured if name in runs),
+        *(
+            _picture(runs[name], titles[name])
+            for name in experiment.pictured
+            if name in runs
+        ),
         _figures(experiment, evidence, page),
-        "<h3>What comes out</h3>" + (f"<ul>{said}</ul>" if said else "") + f"<p>{escape(experiment.why)}</p>",
+        "<h3>What comes out</h3>"
+        + (f"<ul>{said}</ul>" if said else "")
+        + f"<p>{escape(experiment.why)}</p>",
     ]
     wanted = tuple(runs) if experiment.plotted is None else experiment.plotted
     plotted = [name for name in wanted if name in runs]
     if plotted:
-        curves = [(titles[name], runs[name].record, runs[name].task, runs[name].plan) for name in plotted]
+        curves = [
+            (titles[name], runs[name].record, runs[name].task, runs[name].plan)
+            for name in plotted
+        ]
         parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
     if experiment.axle in runs:
         run = runs[experiment.axle]
@@ -135,26 +161,43 @@ def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
             caption = f"{titles[experiment.axle]}: the virtual axle over time, and tracking errors."
             parts.append(image(style.png(made), "virtual axle over time", caption))
     if len(runs) > 1:
-        rest = comparison_table([titles[name] for name in runs], [run.result for run in runs.values()])
-        parts.append(f"<details><summary>All figures of these runs</summary>{rest}</details>")
+        rest = comparison_table(
+            [titles[name] for name in runs], [run.result for run in runs.values()]
+        )
+        parts.append(
+            f"<details><summary>All figures of these runs</summary>{rest}</details>"
+        )
     return "".join(parts)
 
 
 def _picture(run: Run, title: str) -> str:
-    """Return the pictures of a run on its way, or where none could be rendered, the run from above."""
+    """Return the pictures of a run on its way, or where none could be rendered, the run
+    from above.
+    """
     pictures = run.folder / NAME
     if pictures.is_file():
-        return image(pictures.read_bytes(), f"{title}, on its way", f"{title}, {CAPTION}")
-    return image(style.png(path_figure(run.task, run.plan, run.record)), f"{title}, from above", title)
+        return image(
+            pictures.read_bytes(), f"{title}, on its way", f"{title}, {CAPTION}"
+        )
+    return image(
+        style.png(path_figure(run.task, run.plan, run.record)),
+        f"{title}, from above",
+        title,
+    )
 
 
 def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
     """Paper's figures and measured ones, a group of rows for each variant."""
-    rows, marks = [], []
+    rows = []
+    marks = []
     width = len(FIGURES) + 2
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]
-        rows.append([f'<th colspan="{width}" scope="rowgroup">{_named(variant, outcome, page)}</th>'])
+        rows.append(
+            [
+                f'<th colspan="{width}" scope="rowgroup">{_named(variant, outcome, page)}</th>'
+            ]
+        )
         if variant.paper:
             cells = _cells(paper_figure(variant.paper, key) for _, key, *_ in FIGURES)
             rows.append(['<th scope="row">Paper</th>', *cells, "<td></td>"])
@@ -173,9 +216,13 @@ def _cells(texts: Iterable[str]) -> list[str]:
 
 
 def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
-    """Return a variant's title with links to its replay and report, and what it sets otherwise."""
+    """Return a variant's title with links to its replay and report, and what it sets
+    otherwise.
+    """
     parts = [f"<strong>{escape(variant.title)}</strong>"]
-    folder = Path(os.path.relpath(outcome.folder.resolve(), page.resolve().parent)).as_posix()
+    folder = Path(
+        os.path.relpath(outcome.folder.resolve(), page.resolve().parent)
+    ).as_posix()
     for file, label in (("replay.html", "replay"), ("report.html", "report")):
         if (outcome.folder / file).is_file():
             parts.append(f'<a href="{escape(folder)}/{file}">{label}</a>')

@@ -1,4 +1,6 @@
-"""The paper's experiments as Markdown: its figures beside the measured ones, what they say, the claims."""
+"""The paper's experiments as Markdown: its figures beside the measured ones, what they
+say, the claims.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,26 @@ from pushpressslide.experiments.figures import FIGURES, figure_of, paper_figure
 from pushpressslide.experiments.identified_rho import IdentifiedRho
 
 LEGEND = (
-    "Time: contact phase, from the first push to the release, in simulated seconds. RMS: over the contact "
-    "phase, against the reference at the same time; who is late is far from it. End: distance from the goal."
+    "Time: contact phase, from the first push to the release, in simulated seconds. "
+    "RMS: over the contact "
+    "phase, against the reference at the same time; who is late is far from it. End: "
+    "distance from the goal."
 )
-TOLD = ("motion_duration", "rms_position_error", "rms_yaw_error", "final_position_error")  # in sentences
+# in sentences
+TOLD = (
+    "motion_duration",
+    "rms_position_error",
+    "rms_yaw_error",
+    "final_position_error",
+)
 ALIKE = 0.03  # share by which two figures may differ and still be called alike
 
 
 def write_table(
-    experiments: Sequence[Experiment], evidence: Evidence, judged: Sequence[Claim], path: Path
+    experiments: Sequence[Experiment],
+    evidence: Evidence,
+    judged: Sequence[Claim],
+    path: Path,
 ) -> Path:
     """Write figures and claims as a Markdown file and return its path."""
     parts = [LEGEND + "\n"]
@@ -51,11 +64,18 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(judged: Sequence[Claim]) -> str:
-    """Say how many figures were met, how many statements reproduced, and how many were not run."""
+    """Say how many figures were met, how many statements reproduced, and how many were
+    not run.
+    """
     told = []
-    for figure, what, good in ((True, "figures", "met or beaten"), (False, "statements", "reproduced")):
+    for figure, what, good in (
+        (True, "figures", "met or beaten"),
+        (False, "statements", "reproduced"),
+    ):
         run = [
-            claim.reproduced for claim in judged if claim.figure is figure and claim.reproduced is not None
+            claim.reproduced
+            for claim in judged
+            if claim.figure is figure and claim.reproduced is not None
         ]
         if run:
             told.append(f"{sum(run)} of {len(run)} {what} {good}")
@@ -72,10 +92,15 @@ def ending(outcome: Outcome) -> str:
 
 
 def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
-    """Return sentences on the measured figures of the experiment; none where a run is missing."""
+    """Return sentences on the measured figures of the experiment; none where a run is
+    missing.
+    """
     said = []
     for comparison in experiment.comparisons:
-        base, changed = (evidence.result(experiment.name, n) for n in (comparison.base, comparison.changed))
+        base, changed = (
+            evidence.result(experiment.name, n)
+            for n in (comparison.base, comparison.changed)
+        )
         if base is not None and changed is not None:
             said.append(_compared(comparison, base, changed))
     for variant in experiment.variants:
@@ -88,9 +113,12 @@ def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
 def identified(rho: IdentifiedRho) -> str:
     """Say what was identified on the way, beside the exact model."""
     return (
-        f"Force at {math.degrees(rho.force_angle):.0f}° to the axis for {rho.time:.1f} s, planned with rho "
-        f"{1e3 * rho.predicted:.0f} mm: identified rho {1e3 * rho.identified:.1f} mm, exact "
-        f"{1e3 * rho.exact:.1f} mm ({100.0 * (rho.identified / rho.exact - 1.0):+.1f} %); virtual axle "
+        f"Force at {math.degrees(rho.force_angle):.0f}° to the axis for {rho.time:.1f} "
+        "s, planned with rho "
+        f"{1e3 * rho.predicted:.0f} mm: identified rho {1e3 * rho.identified:.1f} mm, "
+        "exact "
+        f"{1e3 * rho.exact:.1f} mm ({100.0 * (rho.identified / rho.exact - 1.0):+.1f} "
+        "%); virtual axle "
         f"{1e3 * rho.axle:+.0f} mm from the CoM, exact {1e3 * rho.exact_axle:+.0f} mm."
     )
 
@@ -99,11 +127,13 @@ def _compared(comparison: Comparison, base: Result, changed: Result) -> str:
     """Say what a change did to time, RMS error and end."""
     told = []
     for label, key, factor, _, decimals in FIGURES:
-        before, after = base[key], changed[key]
+        before = base[key]
+        after = changed[key]
         if key not in TOLD or before is None or after is None:
             continue
         told.append(
-            f"{label} {factor * before:.{decimals}f} to {figure_of(changed, key)}{_ratio(before, after)}"
+            f"{label} {factor * before:.{decimals}f} to "
+            f"{figure_of(changed, key)}{_ratio(before, after)}"
         )
     words = comparison.words[0].upper() + comparison.words[1:]
     end = "" if changed["success"] else f" It ends with: {changed['reason']['text']}."

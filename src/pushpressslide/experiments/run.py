@@ -1,5 +1,5 @@
-"""One task through the whole pipeline: select, plan, run on an engine, measure, write everything that a user
-looks at.
+"""One task through the whole pipeline: select, plan, run on an engine, measure, write
+everything that a user looks at.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from pushpressslide.pipeline.selection import grasps, select
 if TYPE_CHECKING:
     from pushpressslide.sim.grasps import GraspPaths
 
-MORE = 3 * ENOUGH  # choices of a mode that are judged in full where the first have no joint path
+# choices of a mode that are judged in full where the first have no joint path
+MORE = 3 * ENOUGH
 
 Engine = Literal["drake", "planar"]
 Progress = Callable[[float, float], None]
@@ -56,16 +57,21 @@ def simulate(
     interrupt: Interrupt | None = None,
     live: Told | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run; the choices come back with the reasons why better-ranked ones were passed over.
+    """Select, plan and run; the choices come back with the reasons why better-ranked
+    ones were passed over.
 
-    On Drake a choice must also have a joint path: the first that has one is run. ``force`` runs the best
-    choice that has a path even where it was judged infeasible. ``interrupt``: Ctrl-C while the engine runs
-    ends the run at its next tick, with reason "interrupted"; without it, Ctrl-C raises. ``live`` is told the
-    address where the run can be watched (Drake only). Raises InfeasibleTaskError where nothing can do the
-    task.
+    On Drake a choice must also have a joint path: the first that has one is run.
+    ``force`` runs the best choice that has a path even where it was judged infeasible.
+    ``interrupt``: Ctrl-C while the engine runs ends the run at its next tick, with
+    reason "interrupted"; without it, Ctrl-C raises. ``live`` is told the address where
+    the run can be watched (Drake only). Raises InfeasibleTaskError where nothing can do
+    the task.
     """
-    held, stop = (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
-    enough = 1 if engine == "planar" else ENOUGH  # the others are for where there is no joint path
+    held, stop = (
+        (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
+    )
+    # the others are for where there is no joint path
+    enough = 1 if engine == "planar" else ENOUGH
     judged = list(select(task, enough) if choices is None else choices)
     by_grasp = [list(of) for _, of in groupby(judged, key=lambda choice: choice.leg)]
     candidates = [usable(task, of, force=force) for of in by_grasp]
@@ -74,7 +80,11 @@ def simulate(
 
         made = chained([grasp(task, of[0], force=force) for of in candidates])
         with held():
-            return made, run_planar(made, seed=seed, progress=progress, stop=stop), judged
+            return (
+                made,
+                run_planar(made, seed=seed, progress=progress, stop=stop),
+                judged,
+            )
     from pushpressslide.sim.engine import run as run_drake
     from pushpressslide.sim.grasps import GraspPaths
 
@@ -88,19 +98,30 @@ def simulate(
         if not done:
             if len(problems) == 1:
                 raise next(iter(problems.values()))
-            raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(by_grasp))))
+            raise InfeasibleTaskError(
+                refusal(task, list(chain.from_iterable(by_grasp)))
+            )
     judged = list(chain.from_iterable(by_grasp))
     made = chained(paths.plans)
     with held():
         record = run_drake(
-            made, seed=seed, progress=progress, models=models, paths=paths.paths, stop=stop, live=live
+            made,
+            seed=seed,
+            progress=progress,
+            models=models,
+            paths=paths.paths,
+            stop=stop,
+            live=live,
         )
     return made, record, judged
 
 
-def _add_first(paths: GraspPaths, task: Task, of: list[Choice], problems: Problems) -> bool:
-    """Add the first of a grasp's choices that has a joint path, and return whether there is one; write into
-    ``of`` and ``problems`` what the others lack, which are not tried again.
+def _add_first(
+    paths: GraspPaths, task: Task, of: list[Choice], problems: Problems
+) -> bool:
+    """Add the first of a grasp's choices that has a joint path, and return whether
+    there is one; write into ``of`` and ``problems`` what the others lack, which are not
+    tried again.
     """
     for i, choice in enumerate(of):
         if choice.path is None or not (choice.feasible or paths.force):
@@ -125,12 +146,15 @@ def run(
     progress: Progress | None = None,
     models: str = "generated",
 ) -> Record:
-    """Run a plan, or select, plan and run a task, and return the record of what happened.
+    """Run a plan, or select, plan and run a task, and return the record of what
+    happened.
 
     Raises InfeasibleTaskError before anything moves where it cannot be done.
     """
     if isinstance(what, Task):
-        return simulate(what, engine=engine, seed=seed, progress=progress, models=models)[1]
+        return simulate(
+            what, engine=engine, seed=seed, progress=progress, models=models
+        )[1]
     if engine == "planar":
         from pushpressslide.planar.engine import run as run_planar
 
@@ -153,11 +177,13 @@ def run_task(
     progress: Progress | None = None,
     models: str = "generated",
 ) -> dict[str, Any]:
-    """Run ``task`` and return its result; with ``out`` also leave all files of a run there.
+    """Run ``task`` and return its result; with ``out`` also leave all files of a run
+    there.
 
-    ``mode`` restricts the choice to one mode; ``live`` is told the address where the run can be watched.
-    Raises InfeasibleTaskError before anything moves where nothing can do the task, and Interrupted on Ctrl-C
-    once the engine runs, after record and result so far are written.
+    ``mode`` restricts the choice to one mode; ``live`` is told the address where the
+    run can be watched. Raises InfeasibleTaskError before anything moves where nothing
+    can do the task, and Interrupted on Ctrl-C once the engine runs, after record and
+    result so far are written.
     """
     from pushpressslide.report.metrics import result as measure
 
@@ -165,9 +191,15 @@ def run_task(
         task = replace(task, modes=(mode,))
     interrupt = Interrupt()
     plan, record, choices = simulate(
-        task, engine=engine, seed=seed, force=force, progress=progress, models=models, interrupt=interrupt,
+        task,
+        engine=engine,
+        seed=seed,
+        force=force,
+        progress=progress,
+        models=models,
+        interrupt=interrupt,
         live=live,
-    )  # fmt: skip
+    )
     with interrupt.held():
         result = measure(task, plan, record, versions())
         if out is not None:
@@ -179,7 +211,9 @@ def run_task(
         try:
             write_pages(out, task, plan, record, choices, models=models, video=video)
         except KeyboardInterrupt:
-            raise Interrupted(f"interrupted; record and result are in {out}, its pages not all") from None
+            raise Interrupted(
+                f"interrupted; record and result are in {out}, its pages not all"
+            ) from None
     return result
 
 
@@ -187,9 +221,16 @@ PAGES = ("replay.html", "report.html", "run.webp", "plan.png")
 
 
 def write_data(
-    out: Path, task: Task, plan: Plan, record: Record, result: dict[str, Any], choices: list[Choice]
+    out: Path,
+    task: Task,
+    plan: Plan,
+    record: Record,
+    result: dict[str, Any],
+    choices: list[Choice],
 ) -> None:
-    """Write task, plan, record and result of a run into ``out``, after taking away an older run's pages."""
+    """Write task, plan, record and result of a run into ``out``, after taking away an
+    older run's pages.
+    """
     from pushpressslide.report.files import save_run
 
     out.mkdir(parents=True, exist_ok=True)
@@ -210,7 +251,9 @@ def write_pages(
     models: str = "generated",
     video: bool = False,
 ) -> None:
-    """Write the pictures, replay and report of a run whose data are in ``out``, each whole or not at all."""
+    """Write the pictures, replay and report of a run whose data are in ``out``, each
+    whole or not at all.
+    """
     from pushpressslide.report.page import write_report
     from pushpressslide.report.plan_files import write_plan
 

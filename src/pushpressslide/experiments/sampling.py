@@ -11,7 +11,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Box, Cylinder, ObjectModel, Prism, Task
 from pushpressslide.mechanics.top import inside_top
 
-REACH = (0.35, 0.72)  # [m] of the object's centre from the first robot's base, where new tasks are drawn
+# [m] of the object's centre from the first robot's base, where new tasks are drawn
+REACH = (0.35, 0.72)
 AZIMUTH = math.radians(80.0)  # either side of the base's forward direction
 
 CONTACT_EDGE = 0.015  # [m] that a drawn top contact is inside the object's top
@@ -22,71 +23,111 @@ def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, f
     area = cx = cy = 0.0
     for (x0, y0), (x1, y1) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
         a = x0 * y1 - x1 * y0
-        area, cx, cy = area + a, cx + a * (x0 + x1), cy + a * (y0 + y1)
+        area = area + a
+        cx = cx + a * (x0 + x1)
+        cy = cy + a * (y0 + y1)
     return cx / (3.0 * area), cy / (3.0 * area)
 
 
-def random_shape(rng: np.random.Generator, round_too: bool = False) -> Box | Prism | Cylinder:
-    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size (``round_too``: or a
-    cylinder); more than half are boxes.
+def random_shape(
+    rng: np.random.Generator, round_too: bool = False
+) -> Box | Prism | Cylinder:
+    """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size
+    (``round_too``: or a cylinder); more than half are boxes.
     """
-    kinds = ["box", "box", "box", "box", "triangle", "hexagon", *(["cylinder"] if round_too else [])]
+    kinds = [
+        "box",
+        "box",
+        "box",
+        "box",
+        "triangle",
+        "hexagon",
+        *(["cylinder"] if round_too else []),
+    ]
     kind = rng.choice(kinds)
     height = float(rng.uniform(0.08, 0.2))
     if kind == "cylinder":
         return Cylinder(float(rng.uniform(0.06, 0.13)), height)
     if kind == "box":
-        return Box((float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.08, 0.25)), height))
-    count, radius = (3, rng.uniform(0.08, 0.14)) if kind == "triangle" else (6, rng.uniform(0.06, 0.13))
+        return Box(
+            (float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.08, 0.25)), height)
+        )
+    count, radius = (
+        (3, rng.uniform(0.08, 0.14))
+        if kind == "triangle"
+        else (6, rng.uniform(0.06, 0.13))
+    )
     first = 0.0 if kind == "triangle" else math.pi / 6.0  # a face looks along -x
     angles = [first + 2.0 * math.pi * i / count for i in range(count)]
-    return Prism(tuple((float(radius * math.cos(a)), float(radius * math.sin(a))) for a in angles), height)
+    return Prism(
+        tuple(
+            (float(radius * math.cos(a)), float(radius * math.sin(a))) for a in angles
+        ),
+        height,
+    )
 
 
 def random_task(base: Task, index: int, seed: int) -> Task:
-    """Return a new task for ``base``'s robots: other object, mass, frictions, start and goal.
+    """Return a new task for ``base``'s robots: other object, mass, frictions, start and
+    goal.
 
-    Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip friction 0.4 to 1.0,
-    goal ahead of the start by 0.12 to 0.35 m, up to 25 degrees off its x axis, and turned by up to 50
-    degrees, start and goal within the annulus ``REACH`` in front of the robot. For ``press_slide`` alone also
-    cylinders, and in a quarter of the tasks a contact drawn within 2 to 10 cm of the centroid.
+    Boxes of 8 to 25 cm and prisms, 0.3 to 3 kg, object/support friction 0.2 to 0.5, tip
+    friction 0.4 to 1.0, goal ahead of the start by 0.12 to 0.35 m, up to 25 degrees off
+    its x axis, and turned by up to 50 degrees, start and goal within the annulus
+    ``REACH`` in front of the robot. For ``press_slide`` alone also cylinders, and in a
+    quarter of the tasks a contact drawn within 2 to 10 cm of the centroid.
     """
     rng = np.random.default_rng([seed, index])
     pressed = base.modes == ("press_slide",)
     shape = random_shape(rng, round_too=pressed)
-    center = polygon_centroid(shape.footprint) if isinstance(shape, Prism) else (0.0, 0.0)
+    center = (
+        polygon_centroid(shape.footprint) if isinstance(shape, Prism) else (0.0, 0.0)
+    )
     robot = base.robots[0]
 
     def within(pose: Pose2) -> bool:
-        dx, dy = pose.x - robot.base[0], pose.y - robot.base[1]
+        dx = pose.x - robot.base[0]
+        dy = pose.y - robot.base[1]
         azimuth = math.remainder(math.atan2(dy, dx) - robot.base_yaw, 2.0 * math.pi)
         return REACH[0] <= math.hypot(dx, dy) <= REACH[1] and abs(azimuth) <= AZIMUTH
 
-    mass, support = float(rng.uniform(0.3, 3.0)), float(rng.uniform(0.2, 0.5))
+    mass = float(rng.uniform(0.3, 3.0))
+    support = float(rng.uniform(0.2, 0.5))
     contact = float(rng.uniform(0.4, 1.0))
     for _ in range(10_000):
-        r, azimuth = rng.uniform(*REACH), rng.uniform(-AZIMUTH, AZIMUTH) + robot.base_yaw
+        r = rng.uniform(*REACH)
+        azimuth = rng.uniform(-AZIMUTH, AZIMUTH) + robot.base_yaw
         yaw = rng.uniform(-math.pi, math.pi)
         start = Pose2(
             float(robot.base[0] + r * math.cos(azimuth)),
             float(robot.base[1] + r * math.sin(azimuth)),
             float(yaw),
         )
-        distance, bearing = rng.uniform(0.12, 0.35), rng.uniform(-math.radians(25.0), math.radians(25.0))
+        distance = rng.uniform(0.12, 0.35)
+        bearing = rng.uniform(-math.radians(25.0), math.radians(25.0))
         turn = rng.uniform(-math.radians(50.0), math.radians(50.0))
-        x, y = start.apply((float(distance * math.cos(bearing)), float(distance * math.sin(bearing))))
+        x, y = start.apply(
+            (float(distance * math.cos(bearing)), float(distance * math.sin(bearing)))
+        )
         goal = Pose2(x, y, math.remainder(float(yaw + turn), 2.0 * math.pi))
         if within(start) and within(goal):
             break
     contacts = None
     if pressed and rng.random() < 0.25:  # else the mode chooses
-        body, place = ObjectModel(shape, mass, center), (math.inf, math.inf)
+        body = ObjectModel(shape, mass, center)
+        place = (math.inf, math.inf)
         while not inside_top(body, place, CONTACT_EDGE):
-            r, angle = rng.uniform(0.02, 0.1), rng.uniform(-math.pi, math.pi)
+            r = rng.uniform(0.02, 0.1)
+            angle = rng.uniform(-math.pi, math.pi)
             place = (float(r * math.cos(angle)), float(r * math.sin(angle)))
         contacts = ((center[0] + place[0], center[1] + place[1]),)
     motion = replace(
-        base.motion, face=None, contact_height=None, contacts=contacts, press_force=None, vehicle=None
+        base.motion,
+        face=None,
+        contact_height=None,
+        contacts=contacts,
+        press_force=None,
+        vehicle=None,
     )
     return replace(
         base,
@@ -103,11 +144,11 @@ def random_task(base: Task, index: int, seed: int) -> Task:
 
 
 def varied_task(base: Task, index: int, seed: int) -> Task:
-    """Return ``base`` with a truth that differs from what is believed: start, friction, mass, and measurement
-    noise.
+    """Return ``base`` with a truth that differs from what is believed: start, friction,
+    mass, and measurement noise.
 
-    Start off by up to 15 mm and 8 degrees, frictions by 15 %, mass by 20 %, pose noise 0.5 mm and 0.2
-    degrees.
+    Start off by up to 15 mm and 8 degrees, frictions by 15 %, mass by 20 %, pose noise
+    0.5 mm and 0.2 degrees.
     """
     rng = np.random.default_rng([seed, index])
     believed = base.believed
@@ -116,9 +157,14 @@ def varied_task(base: Task, index: int, seed: int) -> Task:
         base,
         name=f"{base.name}-varied-{seed}-{index:03d}",
         belief=believed,
-        support=replace(base.support, friction=min(1.9, base.support.friction * (1.0 + 0.15 * float(e[0])))),
+        support=replace(
+            base.support,
+            friction=min(1.9, base.support.friction * (1.0 + 0.15 * float(e[0]))),
+        ),
         contact_friction=min(1.9, base.contact_friction * (1.0 + 0.15 * float(e[1]))),
         object=replace(base.object, mass=base.object.mass * (1.0 + 0.2 * float(e[2]))),
-        start_error=Pose2(0.015 * float(e[3]), 0.015 * float(e[4]), math.radians(8.0) * float(e[5])),
+        start_error=Pose2(
+            0.015 * float(e[3]), 0.015 * float(e[4]), math.radians(8.0) * float(e[5])
+        ),
         sensing=replace(base.sensing, position_noise=5e-4, yaw_noise=math.radians(0.2)),
     )

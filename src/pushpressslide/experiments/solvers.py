@@ -1,7 +1,8 @@
-"""The allocation problems put to solvers: what the closed forms are checked against and compared with.
+"""The allocation problems put to solvers: what the closed forms are checked against and
+compared with.
 
-Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for the discs of presses.
-Never in a control loop.
+Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for
+the discs of presses. Never in a control loop.
 """
 
 from __future__ import annotations
@@ -17,13 +18,17 @@ from pushpressslide.mechanics.friction import cone_edges
 
 Array = NDArray[np.float64]
 PushSolver = Callable[[Array], Array | None]
-"""A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there are none."""
+"""A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there
+are none.
+"""
 PressSolver = Callable[[Array, Array], Array | None]
 """The same for presses, with their two normal forces (2,) [N]."""
 
 
 def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
-    """Return G (3, 4): G f is the wrench, moment about ``about``, of forces f at two points [m]."""
+    """Return G (3, 4): G f is the wrench, moment about ``about``, of forces f at two
+    points [m].
+    """
     (x1, y1), (x2, y2) = ((x - about[0], y - about[1]) for x, y in points)
     return np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-y1, x1, -y2, x2]])
 
@@ -39,15 +44,22 @@ def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
 
 
 def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones; k [N] are normal forces."""
+    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones; k [N] are
+    normal forces.
+    """
     edges = np.zeros((4, 4))
     for i, normal in enumerate(normals):
-        edges[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = np.array(cone_edges(normal, friction)).T
+        edges[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = np.array(
+            cone_edges(normal, friction)
+        ).T
     return edges
 
 
-def push_cost(points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction") -> Array:
-    """Return H (4, 4): f^T H f is what ``split`` makes least, plus a constant for a given wrench.
+def push_cost(
+    points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction"
+) -> Array:
+    """Return H (4, 4): f^T H f is what ``split`` makes least, plus a constant for a
+    given wrench.
 
     The constant's G^T G makes H positive definite and moves no minimum.
     """
@@ -71,13 +83,18 @@ def daqp_pushes(
 ) -> PushSolver:
     """Return DAQP on the problem of ``two_contact_allocator``.
 
-    ``reuse``: one workspace, of which a call changes the bounds alone. ``settings`` are DAQP's own.
+    ``reuse``: one workspace, of which a call changes the bounds alone. ``settings`` are
+    DAQP's own.
     """
     import daqp
 
-    cost, linear = push_cost(points, normals, split), np.zeros(4)
-    rows = np.ascontiguousarray(np.vstack([grasp_matrix(points), cone_matrix(normals, friction)]))
-    upper, lower = np.full(7, 1e30), np.zeros(7)
+    cost = push_cost(points, normals, split)
+    linear = np.zeros(4)
+    rows = np.ascontiguousarray(
+        np.vstack([grasp_matrix(points), cone_matrix(normals, friction)])
+    )
+    upper = np.full(7, 1e30)
+    lower = np.zeros(7)
     sense = np.array([5, 5, 5, 0, 0, 0, 0], dtype=np.int32)
     model = daqp.Model()
     model.setup(cost, linear, rows, upper, lower, sense)
@@ -85,7 +102,9 @@ def daqp_pushes(
 
     def fresh(wrench: Array) -> Array | None:
         upper[:3] = lower[:3] = wrench
-        forces, _, flag, _ = daqp.solve(cost, linear, rows, upper, lower, sense, **settings)
+        forces, _, flag, _ = daqp.solve(
+            cost, linear, rows, upper, lower, sense, **settings
+        )
         return forces if flag > 0 else None
 
     def reused(wrench: Array) -> Array | None:
@@ -98,12 +117,19 @@ def daqp_pushes(
 
 
 def clarabel_conic(
-    linear: Array, rows: Array, offsets: Array, equal: int, at_least: int, cones: int, **settings: float
+    linear: Array,
+    rows: Array,
+    offsets: Array,
+    equal: int,
+    at_least: int,
+    cones: int,
+    **settings: float,
 ) -> Array | None:
-    """Return x that makes ``linear`` x least, with offsets - rows x in the cones, by Clarabel; None if none.
+    """Return x that makes ``linear`` x least, with offsets - rows x in the cones, by
+    Clarabel; None if none.
 
-    The rows are, in this order, ``equal`` zeros, ``at_least`` numbers >= 0 and ``cones`` second-order cones
-    of size 3.
+    The rows are, in this order, ``equal`` zeros, ``at_least`` numbers >= 0 and
+    ``cones`` second-order cones of size 3.
     """
     import clarabel
     from scipy.sparse import csc_matrix
@@ -115,26 +141,35 @@ def clarabel_conic(
     for name, value in settings.items():
         setattr(options, name, value)
     n = len(linear)
-    solver = clarabel.DefaultSolver(csc_matrix((n, n)), linear, csc_matrix(rows), offsets, kinds, options)
+    solver = clarabel.DefaultSolver(
+        csc_matrix((n, n)), linear, csc_matrix(rows), offsets, kinds, options
+    )
     solution = solver.solve()
     good = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
     return np.array(solution.x) if solution.status in good else None
 
 
-def clarabel_presses(points: Sequence[Point], friction: float, *, reuse: bool = False) -> PressSolver:
-    """Return Clarabel on the problem of ``two_press_allocator``, moment about B's origin: the least sum of
-    squared forces inside the discs.
+def clarabel_presses(
+    points: Sequence[Point], friction: float, *, reuse: bool = False
+) -> PressSolver:
+    """Return Clarabel on the problem of ``two_press_allocator``, moment about B's
+    origin: the least sum of squared forces inside the discs.
 
     ``reuse``: one solver, of which a call changes the right-hand side alone.
     """
     import clarabel
     from scipy.sparse import csc_matrix
 
-    cost, linear = csc_matrix(np.eye(4)), np.zeros(4)
+    cost = csc_matrix(np.eye(4))
+    linear = np.zeros(4)
     discs = np.zeros((6, 4))
     discs[(1, 2, 4, 5), (0, 1, 2, 3)] = -1.0
     rows = csc_matrix(np.vstack([grasp_matrix(points), discs]))
-    cones = [clarabel.ZeroConeT(3), clarabel.SecondOrderConeT(3), clarabel.SecondOrderConeT(3)]
+    cones = [
+        clarabel.ZeroConeT(3),
+        clarabel.SecondOrderConeT(3),
+        clarabel.SecondOrderConeT(3),
+    ]
     options = clarabel.DefaultSettings()
     options.verbose = False
     options.presolve_enable = False  # must be off to change data
@@ -148,7 +183,13 @@ def clarabel_presses(points: Sequence[Point], friction: float, *, reuse: bool = 
             kept.update(b=offsets)
             solution = kept.solve()
         else:
-            solution = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options).solve()
-        return np.array(solution.x) if solution.status == clarabel.SolverStatus.Solved else None
+            solution = clarabel.DefaultSolver(
+                cost, linear, rows, offsets, cones, options
+            ).solve()
+        return (
+            np.array(solution.x)
+            if solution.status == clarabel.SolverStatus.Solved
+            else None
+        )
 
     return solve

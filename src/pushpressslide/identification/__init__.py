@@ -1,1 +1,3 @@
-"""What a support does to an object, found from its motions: rho, friction, pressure; recorded data sets."""
+"""What a support does to an object, found from its motions: rho, friction, pressure;
+recorded data sets.
+"""

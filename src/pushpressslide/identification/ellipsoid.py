@@ -1,4 +1,5 @@
-"""Ellipsoids fitted to pushes: with one parameter (rho), and of any shape about the centre of mass.
+"""Ellipsoids fitted to pushes: with one parameter (rho), and of any shape about the
+centre of mass.
 
 Source: docs/mechanics.md, section 1; docs/identification.md.
 """
@@ -35,12 +36,15 @@ class FittedEllipsoid:
         return LENGTH / (self.max_force * math.sqrt(float(self.matrix[2, 2])))
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3); heights play no part."""
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3);
+        heights play no part.
+        """
         return unit(wrenches / (1.0, 1.0, LENGTH) @ self.matrix)
 
 
 def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid, isotropic in translation, with the rho that fits the directions best.
+    """Return the ellipsoid, isotropic in translation, with the rho that fits the
+    directions best.
 
     Its mu N is the median over the pushes.
     """
@@ -48,18 +52,33 @@ def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
 
 
 def fit_full(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid of any shape about the CoM that fits the directions best; mu N as above."""
+    """Return the ellipsoid of any shape about the CoM that fits the directions best; mu
+    N as above.
+    """
 
     def matrix(z: Array) -> Array:
-        root = np.array([[1.0, 0.0, 0.0], [z[1], math.exp(z[2]), 0.0], [z[3], z[4], math.exp(0.5 * z[0])]])
+        root = np.array(
+            [
+                [1.0, 0.0, 0.0],
+                [z[1], math.exp(z[2]), 0.0],
+                [z[3], z[4], math.exp(0.5 * z[0])],
+            ]
+        )
         product: Array = root @ root.T
         return product
 
     return _fit(pairs, matrix, 5)
 
 
-def _fit(pairs: Pairs, matrix: Callable[[Array], Array], parameters: int) -> FittedEllipsoid:
+def _fit(
+    pairs: Pairs, matrix: Callable[[Array], Array], parameters: int
+) -> FittedEllipsoid:
     w = pairs.wrenches / (1.0, 1.0, LENGTH)
-    z = least_squares(lambda z: unit(w @ matrix(z)), pairs.directions, np.zeros(parameters), ridge=1e-3)
+    z = least_squares(
+        lambda z: unit(w @ matrix(z)),
+        pairs.directions,
+        np.zeros(parameters),
+        ridge=1e-3,
+    )
     shape = matrix(z)
     return FittedEllipsoid(shape / np.median(np.einsum("ni,ij,nj->n", w, shape, w)))

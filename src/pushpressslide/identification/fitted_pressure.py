@@ -1,7 +1,8 @@
-"""The exact limit surface of a pressure distribution: from statics alone, or fitted to pushes.
+"""The exact limit surface of a pressure distribution: from statics alone, or fitted to
+pushes.
 
-The height of the push enters: it moves load to the far side (docs/mechanics.md, 1.2). Source:
-docs/mechanics.md, section 1; docs/identification.md.
+The height of the push enters: it moves load to the far side (docs/mechanics.md, 1.2).
+Source: docs/mechanics.md, section 1; docs/identification.md.
 """
 
 from __future__ import annotations
@@ -19,8 +20,11 @@ from pushpressslide.mechanics.rho import rho_pole
 
 Array = NDArray[np.float64]
 
-PIN_RADIUS = 2e-3  # [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
-RIDGE = 0.5  # scatter of a direction over that of a coefficient of the log pressure; 0.3 to 2 score alike
+# [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
+PIN_RADIUS = 2e-3
+# scatter of a direction over that of a coefficient of the log pressure; 0.3 to 2 score
+# alike
+RIDGE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,29 +48,40 @@ class PressureModel:
         return PressureSamples(self.points, self.weight * self.shares, self.radii)
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3) at ``heights`` (n,) [m]."""
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3) at
+        ``heights`` (n,) [m].
+        """
         return self.slides(wrenches, heights)[0]
 
     def slides(self, wrenches: Array, heights: Array) -> tuple[Array, Array]:
-        """Return the unit directions (n, 3) and the mu N (n,) [N] that put each wrench on the surface."""
-        return slide(self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches)
+        """Return the unit directions (n, 3) and the mu N (n,) [N] that put each wrench
+        on the surface.
+        """
+        return slide(
+            self.points, self.pushed_shares(wrenches, heights), self.radii, wrenches
+        )
 
     def pushed_shares(self, wrenches: Array, heights: Array) -> Array:
-        """Return the shares of the load (m, n) under ``wrenches`` (m, 3) at ``heights`` (m,) [m].
+        """Return the shares of the load (m, n) under ``wrenches`` (m, 3) at ``heights``
+        (m,) [m].
 
-        The centre of pressure moves by h F / N; the loads change in proportion to themselves and linearly
-        over the base, down to zero. That is exact for three pins, and for an even load on springs (Winkler).
+        The centre of pressure moves by h F / N; the loads change in proportion to
+        themselves and linearly over the base, down to zero. That is exact for three
+        pins, and for an even load on springs (Winkler).
         """
         arms = self.points - self.shares @ self.points
         spread = (self.shares[:, None] * arms).T @ arms
         shift = heights[:, None] * wrenches[:, :2] / self.weight
-        pushed = self.shares * np.maximum(1.0 + shift @ np.linalg.solve(spread, arms.T), 0.0)
+        pushed = self.shares * np.maximum(
+            1.0 + shift @ np.linalg.solve(spread, arms.T), 0.0
+        )
         out: Array = pushed / pushed.sum(axis=1, keepdims=True)
         return out
 
 
 def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureModel:
-    """Return the model without a fit: ``pressure`` [N] at rest, about the centre of mass.
+    """Return the model without a fit: ``pressure`` [N] at rest, about the centre of
+    mass.
 
     The friction coefficient does not change the predicted directions.
     """
@@ -76,12 +91,14 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
-    """Return the model whose pressure and friction fit ``pairs``; ``pressure`` [N] is what statics expects.
+    """Return the model whose pressure and friction fit ``pairs``; ``pressure`` [N] is
+    what statics expects.
 
-    The pressure at rest is the expected one times the exponential of a quadratic polynomial in the position:
-    of all distributions with the fitted first and second moments the nearest to the expected one. Its five
-    coefficients are fitted to the measured directions, with a ridge toward zero. Friction is the median over
-    the pushes.
+    The pressure at rest is the expected one times the exponential of a quadratic
+    polynomial in the position: of all distributions with the fitted first and second
+    moments the nearest to the expected one. Its five coefficients are fitted to the
+    measured directions, with a ridge toward zero. Friction is the median over the
+    pushes.
     """
     expected = static_model(pressure)
     x, y = ((expected.points - pressure.cop) / rho_pole(pressure)).T
@@ -94,6 +111,8 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     def predict(coefficients: Array) -> Array:
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
-    fitted = model(least_squares(predict, pairs.directions, np.zeros(len(terms)), RIDGE))
+    fitted = model(
+        least_squares(predict, pairs.directions, np.zeros(len(terms)), RIDGE)
+    )
     levels = fitted.slides(pairs.wrenches, pairs.heights)[1]
     return replace(fitted, friction=float(np.median(levels)) / fitted.weight)

@@ -1,8 +1,10 @@
-"""Identification on the way: where the virtual axle of one contact is, what turns the object, what holds it.
+"""Identification on the way: where the virtual axle of one contact is, what turns the
+object, what holds it.
 
-From measured poses and the measured contact force alone. The axle is the point of the heading axis (x of the
-vehicle frame V, through the CoM) that does not move across it; rho follows from its distance to the centre of
-pressure (docs/mechanics.md, sections 2 and 4).
+From measured poses and the measured contact force alone. The axle is the point of the
+heading axis (x of the vehicle frame V, through the CoM) that does not move across it;
+rho follows from its distance to the centre of pressure (docs/mechanics.md, sections 2
+and 4).
 """
 
 from __future__ import annotations
@@ -13,15 +15,19 @@ from typing import NamedTuple
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.twist_path import screw
 
-WINDOW = 0.2  # [s] over which a twist is taken: short against a turn, long against the noise of poses
-MEMORY = 1.5  # [s] of turning that is remembered; what was seen stays while nothing new is
+# [s] over which a twist is taken: short against a turn, long against the noise of poses
+WINDOW = 0.2
+# [s] of turning that is remembered; what was seen stays while nothing new is
+MEMORY = 1.5
 LEAST_TURN = 0.02  # [rad/s] below which a twist says nothing about the axle
-LEAST_SPEED = 0.01  # [m/s] below which the force may be less than what slides the object
+# [m/s] below which the force may be less than what slides the object
+LEAST_SPEED = 0.01
 PRIOR = 0.003  # [rad^2/s^2] what the prediction weighs, as turning that was seen
 ENOUGH = 0.01  # [rad^2/s^2] of turning, before which nothing is said
 BOUND = 6.0  # factor about the prediction that the estimates stay within
-# share of the axle's distance by which it has to be off its prediction: the exact surface's own change with
-# the force's angle, which the prediction's user takes into account, is less
+# share of the axle's distance by which it has to be off its prediction: the exact
+# surface's own change with the force's angle, which the prediction's user takes into
+# account, is less
 OFF = 0.5
 
 
@@ -38,7 +44,8 @@ class AxleState(NamedTuple):
 
     pose: Pose2 | None = None  # X_WB at its start
     time: float = 0.0  # [s] of its start
-    force: Point = (0.0, 0.0)  # [N] summed over its ticks, along and across the heading axis
+    # [N] summed over its ticks, along and across the heading axis
+    force: Point = (0.0, 0.0)
     ticks: int = 0
     ww: float = 0.0
     vw: float = 0.0
@@ -51,45 +58,68 @@ class AxleIdentifier:
     """Least squares with forgetting about a prediction; its state goes in and out."""
 
     def __init__(
-        self, yaw: float, predicted: Identified, lever: float, stiffness: float | None = None
+        self,
+        yaw: float,
+        predicted: Identified,
+        lever: float,
+        stiffness: float | None = None,
     ) -> None:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
-        ``lever`` [m] is the contact's signed distance ahead of the centre of pressure along that axis. The
-        force at an angle from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given.
+        ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
+        along that axis. The force at an angle from it is drag / sqrt(1 + stiffness
+        sin^2); (d / rho)^2 if not given.
         """
         self._axis = (math.cos(yaw), math.sin(yaw))
         self._predicted = predicted
         self._sign = math.copysign(1.0, lever)
-        self._stiffness = abs(lever) / predicted.reach if stiffness is None else stiffness
+        self._stiffness = (
+            abs(lever) / predicted.reach if stiffness is None else stiffness
+        )
 
-    def step(self, state: AxleState, time: float, X_WB: Pose2, force: Point) -> AxleState:
-        """Return the next state; ``force`` [N] is the tip's on the object, along the support, in B."""
+    def step(
+        self, state: AxleState, time: float, X_WB: Pose2, force: Point
+    ) -> AxleState:
+        """Return the next state; ``force`` [N] is the tip's on the object, along the
+        support, in B.
+        """
         if state.pose is None:
             return state._replace(pose=X_WB, time=time, force=(0.0, 0.0), ticks=0)
-        (ex, ey), (sum_e, sum_t) = self._axis, state.force
-        sum_e, sum_t = sum_e + force[0] * ex + force[1] * ey, sum_t + force[1] * ex - force[0] * ey
-        span, ticks = time - state.time, state.ticks + 1
+        ex, ey = self._axis
+        sum_e, sum_t = state.force
+        sum_e = sum_e + force[0] * ex + force[1] * ey
+        sum_t = sum_t + force[1] * ex - force[0] * ey
+        span = time - state.time
+        ticks = state.ticks + 1
         if span < WINDOW:
             return state._replace(force=(sum_e, sum_t), ticks=ticks)
         vx, vy, w = (value / span for value in screw(state.pose, X_WB))
-        along, across = vx * ex + vy * ey, vy * ex - vx * ey
+        along = vx * ex + vy * ey
+        across = vy * ex - vx * ey
         keep = math.exp(-span / MEMORY)
-        ww, vw, fw, gg, drag = state.ww, state.vw, state.fw, state.gg, state.drag
+        ww = state.ww
+        vw = state.vw
+        fw = state.fw
+        gg = state.gg
+        drag = state.drag
         size = math.hypot(sum_e, sum_t)
         if abs(w) > LEAST_TURN and size > 0.0:
-            ww, vw = keep * ww + w * w, keep * vw - across * w
+            ww = keep * ww + w * w
+            vw = keep * vw - across * w
             # reach w f_e = f_t v_e
             turned = w * sum_e / size
-            fw, gg = keep * fw + self._sign * sum_t / size * along * turned, keep * gg + turned * turned
+            fw = keep * fw + self._sign * sum_t / size * along * turned
+            gg = keep * gg + turned * turned
         if math.hypot(along, across) > LEAST_SPEED and size > 0.0:
-            level = size / ticks * math.sqrt(1.0 + self._stiffness * (sum_t / size) ** 2)
+            level = (
+                size / ticks * math.sqrt(1.0 + self._stiffness * (sum_t / size) ** 2)
+            )
             drag = level if drag is None else keep * drag + (1.0 - keep) * level
         return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Return the estimates, within bounds of the prediction; None while they do not contradict it, or
-        rest on too little turning.
+        """Return the estimates, within bounds of the prediction; None while they do not
+        contradict it, or rest on too little turning.
         """
         axle, reach, drag = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
@@ -99,5 +129,7 @@ class AxleIdentifier:
         return Identified(
             min(max(seen, axle - BOUND * reach), axle + BOUND * reach),
             min(max(turning, reach / BOUND), reach * BOUND),
-            drag if state.drag is None else min(max(state.drag, drag / BOUND), drag * BOUND),
+            drag
+            if state.drag is None
+            else min(max(state.drag, drag / BOUND), drag * BOUND),
         )

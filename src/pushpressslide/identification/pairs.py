@@ -1,7 +1,8 @@
-"""Pairs of wrench and motion, from recorded pushes; the conventions are those of the logs.
+"""Pairs of wrench and motion, from recorded pushes; the conventions are those of the
+logs.
 
-Source: docs/identification.md. All in the body frame B: origin at the projected centre of mass, axes of the
-object as tracked.
+Source: docs/identification.md. All in the body frame B: origin at the projected centre
+of mass, axes of the object as tracked.
 """
 
 from __future__ import annotations
@@ -18,11 +19,14 @@ from pushpressslide.identification.recordings import RecordedPush
 
 Array = NDArray[np.float64]
 
-LENGTH = 0.05  # [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH w), unit
+# [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH
+# w), unit
+LENGTH = 0.05
 FREE_SHARE = 0.3  # of the samples in contact, the first, that are left out
 LEAST_FORCE = 0.2  # [N] mean; a push with less has not touched
 LEAST_MOTION = 1e-3  # [m] of (x, y, LENGTH yaw); a push with less gives no direction
-# From the force on the sensor, in its frame, to that on the object, in the frame of the tool.
+# From the force on the sensor, in its frame, to that on the object, in the frame of the
+# tool.
 TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
 
 
@@ -30,8 +34,10 @@ TOOL_FROM_SENSOR = -math.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
 class Pairs:
     """n pushes, one row each."""
 
-    wrenches: Array  # (n, 3) mean fx, fy [N], tau [N m] of the probe on the object about the CoM
-    twists: Array  # (n, 3) displacement x, y [m] of the CoM, yaw [rad], in the axes half-way
+    # (n, 3) mean fx, fy [N], tau [N m] of the probe on the object about the CoM
+    wrenches: Array
+    # (n, 3) displacement x, y [m] of the CoM, yaw [rad], in the axes half-way
+    twists: Array
     contacts: Array  # (n, 2) [m] mean position of the tip in B
     heights: Array  # (n,) [m] of the tip above the object's base
 
@@ -39,7 +45,12 @@ class Pairs:
         return len(self.wrenches)
 
     def __getitem__(self, rows: NDArray[np.intp]) -> Pairs:
-        return Pairs(self.wrenches[rows], self.twists[rows], self.contacts[rows], self.heights[rows])
+        return Pairs(
+            self.wrenches[rows],
+            self.twists[rows],
+            self.contacts[rows],
+            self.heights[rows],
+        )
 
     @property
     def directions(self) -> Array:
@@ -53,12 +64,16 @@ def unit(rows: Array) -> Array:
     return out
 
 
-def measured_pairs(pushes: Sequence[RecordedPush], center_of_mass: Point) -> tuple[Pairs, list[str]]:
-    """Return the pairs of all pushes that give one, and for each of the others why it does not.
+def measured_pairs(
+    pushes: Sequence[RecordedPush], center_of_mass: Point
+) -> tuple[Pairs, list[str]]:
+    """Return the pairs of all pushes that give one, and for each of the others why it
+    does not.
 
     ``center_of_mass`` [m] in the object's tracked frame.
     """
-    rows, refused = [], []
+    rows = []
+    refused = []
     for number, push in enumerate(pushes, 1):
         row = _measured(push, center_of_mass)
         if isinstance(row, str):
@@ -70,7 +85,9 @@ def measured_pairs(pushes: Sequence[RecordedPush], center_of_mass: Point) -> tup
 
 
 def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
-    """Return fx, fy, tau, dx, dy, yaw, contact x, y and height of one push, or why there is none."""
+    """Return fx, fy, tau, dx, dy, yaw, contact x, y and height of one push, or why
+    there is none.
+    """
     if not len(push.forces) or not len(push.probe):
         return "no force or probe samples"
     yaw = float(_yaw(push.before[3:]))
@@ -87,9 +104,12 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     first, last = push.forces[touching[[0, -1]], 0]
     kept = touching[int(FREE_SHARE * len(touching)) :]
     time = push.forces[kept, 0]
-    way = (time - first) / max(last - first, 1e-9)  # of the object between its two poses
+    # of the object between its two poses
+    way = (time - first) / max(last - first, 1e-9)
     probe_yaw = np.interp(time, push.probe[:, 0], np.unwrap(_yaw(push.probe[:, 4:])))
-    tip = np.stack([np.interp(time, push.probe[:, 0], push.probe[:, i]) for i in (1, 2)], axis=1)
+    tip = np.stack(
+        [np.interp(time, push.probe[:, 0], push.probe[:, i]) for i in (1, 2)], axis=1
+    )
     object_yaw = yaw + way * turn
     contact = _rotated(tip - start - way[:, None] * shift, -object_yaw)
     on_object = _rotated(force[kept] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
@@ -114,6 +134,8 @@ def _yaw(quaternion: Array) -> Array:
 
 
 def _rotated(vectors: Array, angle: Array | float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[..., 0], vectors[..., 1]
+    c = np.cos(angle)
+    s = np.sin(angle)
+    x = vectors[..., 0]
+    y = vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -1,7 +1,8 @@
-"""Sets of recorded pushes: what was pushed, on which pins, and the pairs of wrench and motion.
+"""Sets of recorded pushes: what was pushed, on which pins, and the pairs of wrench and
+motion.
 
-The object is the aluminium prism of the published sets (docs/identification.md); a folder's name gives the
-pins that it stands on.
+The object is the aluminium prism of the published sets (docs/identification.md); a
+folder's name gives the pins that it stands on.
 """
 
 from __future__ import annotations
@@ -13,13 +14,22 @@ from pathlib import Path
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.pose import Point
 from pushpressslide.identification.pairs import Pairs, measured_pairs
-from pushpressslide.identification.recordings import Recording, find_recordings, read_recording
-from pushpressslide.mechanics.pressure import PressureSamples, pin_pressure, polygon_pressure
+from pushpressslide.identification.recordings import (
+    Recording,
+    find_recordings,
+    read_recording,
+)
+from pushpressslide.mechanics.pressure import (
+    PressureSamples,
+    pin_pressure,
+    polygon_pressure,
+)
 from pushpressslide.mechanics.punch import punch_pressure
 
 GRAVITY = 9.81  # [m/s^2]
 MASS = 1.5  # [kg] of the prism
-BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))  # [m] its base, in the tracked frame: origin at the right angle
+# [m] its base, in the tracked frame: origin at the right angle
+BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))
 CENTER_OF_MASS = (0.05, 0.05)  # [m] in the tracked frame
 LEAST_PUSHES = 4  # that fit and test need
 
@@ -30,7 +40,8 @@ class PushSet:
 
     name: str
     recordings: tuple[Recording, ...]
-    pins: tuple[Point, ...]  # [m] in B, the frame at the CoM; none: the whole base touches
+    # [m] in B, the frame at the CoM; none: the whole base touches
+    pins: tuple[Point, ...]
     pairs: Pairs
     refused: tuple[str, ...]  # pushes that give no pair, and why
 
@@ -45,22 +56,30 @@ class PushSet:
         return tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in BASE)
 
     def static_pressure(self) -> PressureSamples:
-        """Return the load at rest [N] in B: on the pins by statics, else that of a rigid face."""
+        """Return the load at rest [N] in B: on the pins by statics, else that of a
+        rigid face.
+        """
         if self.pins:
             return pin_pressure(self.pins, (0.0, 0.0), self.weight)
         return punch_pressure(self.base, self.weight, (0.0, 0.0), resolution=3)
 
     def uniform_pressure(self) -> PressureSamples | None:
         """Return the load at rest [N] in B, spread evenly; None on pins."""
-        return None if self.pins else polygon_pressure(self.base, self.weight, resolution=6)
+        return (
+            None
+            if self.pins
+            else polygon_pressure(self.base, self.weight, resolution=6)
+        )
 
 
 def load_sets(
     data: Path, progress: Callable[[float, float], None] | None = None
 ) -> tuple[list[PushSet], list[Path]]:
-    """Return one set for each folder with logs at or below ``data``, and the text files that are no logs.
+    """Return one set for each folder with logs at or below ``data``, and the text files
+    that are no logs.
 
-    Raises PushPressSlideError for a log that cannot be read, or a set with fewer than ``LEAST_PUSHES``.
+    Raises PushPressSlideError for a log that cannot be read, or a set with fewer than
+    ``LEAST_PUSHES``.
     """
     logs, others = find_recordings(data)
     read: dict[Path, list[Recording]] = {}
@@ -69,16 +88,22 @@ def load_sets(
         if progress is not None:
             progress(done, len(logs))
     names = _names(list(read))
-    return [_push_set(names[folder], folder, found) for folder, found in read.items()], others
+    return [
+        _push_set(names[folder], folder, found) for folder, found in read.items()
+    ], others
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm]; none for any other name."""
+    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm]; none for any
+    other name.
+    """
     try:
         numbers = [1e-3 * float(word) for word in name.split("_")]
     except ValueError:
         return ()
-    return tuple(zip(numbers[:3], numbers[3:], strict=True)) if len(numbers) == 6 else ()
+    return (
+        tuple(zip(numbers[:3], numbers[3:], strict=True)) if len(numbers) == 6 else ()
+    )
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:
@@ -98,7 +123,10 @@ def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
             f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; "
             f"at least {LEAST_PUSHES} are needed"
         )
-    pins = tuple((x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1]) for x, y in pins_of_name(folder.name))
+    pins = tuple(
+        (x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1])
+        for x, y in pins_of_name(folder.name)
+    )
     made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused))
     try:
         made.static_pressure()

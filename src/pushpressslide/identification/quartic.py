@@ -1,7 +1,8 @@
 """A convex polynomial of fourth order, which needs nothing known of the support.
 
-After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar sliding", ICRA 2016;
-here as a sum of fourth powers with coefficients >= 0, which is convex without a condition.
+After Zhou, Paolini, Bagnell, Mason, "A convex polynomial force-motion model for planar
+sliding", ICRA 2016; here as a sum of fourth powers with coefficients >= 0, which is
+convex without a condition.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from pushpressslide.identification.pairs import LENGTH, Pairs, unit
 
 Array = NDArray[np.float64]
 
-POWERS = 60  # spread evenly over the half sphere; 15 would span all quartics, if all were allowed
+# spread evenly over the half sphere; 15 would span all quartics, if all were allowed
+POWERS = 60
 RIDGE = 0.3  # toward the sphere; values from 0.1 to 0.5 predict alike
-LEVEL_WEIGHT = 0.1  # of H = 1 at the measured wrenches, beside the directions: friction scatters
+# of H = 1 at the measured wrenches, beside the directions: friction scatters
+LEVEL_WEIGHT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,15 +34,21 @@ class FittedQuartic:
     rho: float  # [m] of the one-parameter ellipsoid
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3); heights play no part."""
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3);
+        heights play no part.
+        """
         along = wrenches / (1.0, 1.0, self.rho) @ self.axes.T
-        return unit((along**3 * self.coefficients) @ self.axes * (1.0, 1.0, LENGTH / self.rho))
+        return unit(
+            (along**3 * self.coefficients) @ self.axes * (1.0, 1.0, LENGTH / self.rho)
+        )
 
 
 def fit_quartic(pairs: Pairs) -> FittedQuartic:
-    """Return the sum of fourth powers whose directions are nearest to the measured ones.
+    """Return the sum of fourth powers whose directions are nearest to the measured
+    ones.
 
-    Non-negative least squares of directions and levels, with a ridge toward the sphere in (fx, fy, tau/rho).
+    Non-negative least squares of directions and levels, with a ridge toward the sphere
+    in (fx, fy, tau/rho).
     """
     from scipy import optimize
 
@@ -48,8 +57,10 @@ def fit_quartic(pairs: Pairs) -> FittedQuartic:
     typical = float(np.median(np.linalg.norm(w, axis=1)))
     axes = _half_sphere(POWERS)
     along = w @ axes.T / typical
-    gradients = 4.0 * along[:, None, :] ** 3 * (axes * (1.0, 1.0, LENGTH / rho)).T  # (n, 3, k)
-    sphere = np.full(POWERS, 5.0 / POWERS)  # the mean of (a . u)^4 over unit vectors is 1/5
+    # (n, 3, k)
+    gradients = 4.0 * along[:, None, :] ** 3 * (axes * (1.0, 1.0, LENGTH / rho)).T
+    # the mean of (a . u)^4 over unit vectors is 1/5
+    sphere = np.full(POWERS, 5.0 / POWERS)
     measured = pairs.directions
 
     def residuals(c: Array) -> tuple[Array, Array]:
@@ -60,12 +71,20 @@ def fit_quartic(pairs: Pairs) -> FittedQuartic:
         across = (gradients - e * (e * gradients).sum(1, keepdims=True)) / size
         level = LEVEL_WEIGHT * along**4
         value = np.concatenate(
-            [(e[:, :, 0] - measured).ravel(), level @ c - LEVEL_WEIGHT, RIDGE * (c - sphere)]
+            [
+                (e[:, :, 0] - measured).ravel(),
+                level @ c - LEVEL_WEIGHT,
+                RIDGE * (c - sphere),
+            ]
         )
-        return value, np.vstack([across.reshape(-1, POWERS), level, RIDGE * np.eye(POWERS)])
+        return value, np.vstack(
+            [across.reshape(-1, POWERS), level, RIDGE * np.eye(POWERS)]
+        )
 
-    c, (value, slope) = sphere, residuals(sphere)
-    for _ in range(30):  # Gauss-Newton; each step is linear and non-negative, and is halved until it gains
+    c = sphere
+    value, slope = residuals(sphere)
+    # Gauss-Newton; each step is linear and non-negative, and is halved until it gains
+    for _ in range(30):
         step = optimize.nnls(slope, slope @ c - value)[0] - c
         length = 1.0
         while length > 1e-3:
@@ -76,7 +95,9 @@ def fit_quartic(pairs: Pairs) -> FittedQuartic:
         else:
             break
         gain = 1.0 - (new_value @ new_value) / (value @ value)
-        c, value, slope = c + length * step, new_value, new_slope
+        c = c + length * step
+        value = new_value
+        slope = new_slope
         if gain < 1e-4:
             break
     return FittedQuartic(axes, c, rho)

@@ -1,7 +1,8 @@
-"""Reader of recorded pushes: the text logs of the MLab_EXP repository (Zhou et al., ICRA 2016).
+"""Reader of recorded pushes: the text logs of the MLab_EXP repository (Zhou et al.,
+ICRA 2016).
 
-One log holds N pushes: poses of the object before and after, forces and poses of the probe on the way. The
-format is described in docs/identification.md.
+One log holds N pushes: poses of the object before and after, forces and poses of the
+probe on the way. The format is described in docs/identification.md.
 """
 
 from __future__ import annotations
@@ -41,16 +42,17 @@ class Recording:
     """One log file."""
 
     path: Path
-    announced: int  # pushes that the first line speaks of; a session that was broken off holds fewer
+    # pushes that the first line speaks of; a session that was broken off holds fewer
+    announced: int
     pushes: tuple[RecordedPush, ...]
 
 
 def read_recording(path: Path) -> Recording:
     """Return the pushes of a log; blank lines are passed over.
 
-    The recorder writes the number of pushes first and each push when it is done, so a log may hold fewer
-    whole pushes than its first line says. Raises PushPressSlideError, with the line and what belongs there,
-    for anything else.
+    The recorder writes the number of pushes first and each push when it is done, so a
+    log may hold fewer whole pushes than its first line says. Raises
+    PushPressSlideError, with the line and what belongs there, for anything else.
     """
     rows = _rows(path)
     if not rows:
@@ -62,7 +64,10 @@ def read_recording(path: Path) -> Recording:
         before, after = _block(path, rows, at, 2, POSE)
         at += 2
         blocks = []
-        for what, form in (("the number of force samples", FORCE), ("the number of probe samples", PROBE)):
+        for what, form in (
+            ("the number of force samples", FORCE),
+            ("the number of probe samples", PROBE),
+        ):
             count = _count(path, rows, at, what)
             blocks.append(_block(path, rows, at + 1, count, form))
             at += 1 + count
@@ -72,27 +77,37 @@ def read_recording(path: Path) -> Recording:
         after[:3] *= MM
         pushes.append(RecordedPush(before, after, forces, probe))
     if not pushes:
-        raise PushPressSlideError(f"{path}: holds no push; expected {announced} after line {rows[0][0]}")
+        raise PushPressSlideError(
+            f"{path}: holds no push; expected {announced} after line {rows[0][0]}"
+        )
     return Recording(path, announced, tuple(pushes))
 
 
 def find_recordings(data: Path) -> tuple[list[Path], list[Path]]:
-    """Return the logs in ``data``, a log or a folder with logs at any depth, and the texts that are none.
+    """Return the logs in ``data``, a log or a folder with logs at any depth, and the
+    texts that are none.
 
-    In a folder every .txt file counts whose first line is a number, but for the recorder's lists of commanded
-    pushes ("pushaction"). Raises PushPressSlideError where there is no log.
+    In a folder every .txt file counts whose first line is a number, but for the
+    recorder's lists of commanded pushes ("pushaction"). Raises PushPressSlideError
+    where there is no log.
     """
     if data.is_file():
         return [data], []
     if not data.is_dir():
         raise PushPressSlideError(
-            f"{data}: there is no such file or folder; give a log of pushes, or a folder"
+            f"{data}: there is no such file or folder; give a log of pushes, or a "
+            "folder"
         )
     texts = sorted(path for path in data.rglob("*.txt") if path.is_file())
-    logs = [path for path in texts if "pushaction" not in path.name and _starts_with_a_number(path)]
+    logs = [
+        path
+        for path in texts
+        if "pushaction" not in path.name and _starts_with_a_number(path)
+    ]
     if not logs:
         raise PushPressSlideError(
-            f"{data}: holds no log of pushes; expected .txt files, here or in its folders"
+            f"{data}: holds no log of pushes; expected .txt files, here or in its "
+            "folders"
         )
     return logs, [path for path in texts if path not in set(logs)]
 
@@ -107,16 +122,26 @@ def _rows(path: Path) -> list[Row]:
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise PushPressSlideError(f"{path}: cannot be read ({error.strerror})") from None
+        raise PushPressSlideError(
+            f"{path}: cannot be read ({error.strerror})"
+        ) from None
     except UnicodeDecodeError:
-        raise PushPressSlideError(f"{path}: is not text; expected a log of pushes") from None
-    return [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+        raise PushPressSlideError(
+            f"{path}: is not text; expected a log of pushes"
+        ) from None
+    return [
+        (number, line)
+        for number, line in enumerate(text.split("\n"), 1)
+        if line.strip()
+    ]
 
 
 def _wrong(path: Path, row: Row, expected: str) -> PushPressSlideError:
     text = row[1].strip()
     shown = repr(text if len(text) <= 60 else text[:57] + "...")
-    return PushPressSlideError(f"{path}: line {row[0]}: {shown} is not allowed; expected {expected}")
+    return PushPressSlideError(
+        f"{path}: line {row[0]}: {shown} is not allowed; expected {expected}"
+    )
 
 
 def _ended(path: Path, rows: Sequence[Row], expected: str) -> PushPressSlideError:
@@ -135,7 +160,9 @@ def _count(path: Path, rows: Sequence[Row], at: int, what: str) -> int:
 
 
 def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> Array:
-    """Return ``count`` lines of numbers as an array; the first number of ``form`` says how many in each."""
+    """Return ``count`` lines of numbers as an array; the first number of ``form`` says
+    how many in each.
+    """
     width = int(form[0])
     lines = rows[at : at + count]
     if len(lines) < count:
@@ -144,12 +171,16 @@ def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> A
         return np.zeros((0, width))
     values = _numbers(lines)
     if not _fits(values, width):
-        raise _wrong(path, next(row for row in lines if not _fits(_numbers([row]), width)), form)
+        raise _wrong(
+            path, next(row for row in lines if not _fits(_numbers([row]), width)), form
+        )
     return values
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """Return the lines as rows of numbers; without columns if they are not numbers, or unequally many."""
+    """Return the lines as rows of numbers; without columns if they are not numbers, or
+    unequally many.
+    """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)
     except ValueError:
@@ -161,4 +192,6 @@ def _fits(values: Array, width: int) -> bool:
         return False
     if width == 3:
         return True
-    return bool((np.abs(np.linalg.norm(values[:, -4:], axis=1) - 1.0) < NORM_TOLERANCE).all())
+    return bool(
+        (np.abs(np.linalg.norm(values[:, -4:], axis=1) - 1.0) < NORM_TOLERANCE).all()
+    )

@@ -1,4 +1,6 @@
-"""What is identified from a set of pushes, and how well models predict pushes they were not fitted to."""
+"""What is identified from a set of pushes, and how well models predict pushes they were
+not fitted to.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.identification.ellipsoid import FittedEllipsoid, fit_full, fit_one_parameter
-from pushpressslide.identification.fitted_pressure import PressureModel, fit_pressure, static_model
+from pushpressslide.identification.ellipsoid import (
+    FittedEllipsoid,
+    fit_full,
+    fit_one_parameter,
+)
+from pushpressslide.identification.fitted_pressure import (
+    PressureModel,
+    fit_pressure,
+    static_model,
+)
 from pushpressslide.identification.fitting import SlidingModel
 from pushpressslide.identification.pairs import Pairs, unit
 from pushpressslide.identification.push_sets import PushSet
@@ -27,7 +37,9 @@ class Score:
 
     errors: Array  # (s, t) [rad] angle between predicted and measured direction
     mean_directions: (
-        Array  # (n, 3) unit: mean held-out prediction of each push; NaN where it was never held out
+        # (n, 3) unit: mean held-out prediction of each push; NaN where it was never
+        # held out
+        Array
     )
 
     @property
@@ -52,11 +64,17 @@ class Identification:
 
 
 def identified(
-    push_set: PushSet, fit_share: float, splits: int, seed: int, progress: Progress | None = None
+    push_set: PushSet,
+    fit_share: float,
+    splits: int,
+    seed: int,
+    progress: Progress | None = None,
 ) -> Identification:
-    """Return the models of a set, fitted to all of its pushes, and the scores of models fitted to parts.
+    """Return the models of a set, fitted to all of its pushes, and the scores of models
+    fitted to parts.
 
-    ``splits`` random parts with ``fit_share`` of the pushes each; the same seed gives the same parts.
+    ``splits`` random parts with ``fit_share`` of the pushes each; the same seed gives
+    the same parts.
     """
     pairs = push_set.pairs
     parts = random_splits(len(pairs), fit_share, splits, seed)
@@ -67,7 +85,8 @@ def identified(
 
 def fits_of(push_set: PushSet) -> dict[str, Fit]:
     """Return every model by its name, as a function that fits it to pairs."""
-    expected, uniform = push_set.static_pressure(), push_set.uniform_pressure()
+    expected = push_set.static_pressure()
+    uniform = push_set.uniform_pressure()
     fits: dict[str, Fit] = {
         "ellipsoid": fit_one_parameter,
         "full_ellipsoid": fit_full,
@@ -80,8 +99,12 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
     return fits
 
 
-def random_splits(n: int, fit_share: float, splits: int, seed: int) -> list[tuple[Rows, Rows]]:
-    """Return ``splits`` random parts of n pushes: rows to fit, rows to test; at least one in each."""
+def random_splits(
+    n: int, fit_share: float, splits: int, seed: int
+) -> list[tuple[Rows, Rows]]:
+    """Return ``splits`` random parts of n pushes: rows to fit, rows to test; at least
+    one in each.
+    """
     generator = np.random.default_rng(seed)
     cut = min(max(round(fit_share * n), 1), n - 1)
     orders = [generator.permutation(n) for _ in range(splits)]
@@ -94,15 +117,18 @@ def score(
     splits: list[tuple[Rows, Rows]],
     progress: Progress | None = None,
 ) -> dict[str, Score]:
-    """Return the score of each model, fitted to the first and tested on the second rows of each split.
+    """Return the score of each model, fitted to the first and tested on the second rows
+    of each split.
 
-    Of the test pushes a model is given the wrench and the height of the contact, and no more.
+    Of the test pushes a model is given the wrench and the height of the contact, and no
+    more.
     """
     measured = pairs.directions
     errors: dict[str, list[Array]] = {name: [] for name in fits}
     sums = {name: np.zeros((len(pairs), 3)) for name in fits}
     for done, (fitted, held_out) in enumerate(splits, 1):
-        to_fit, to_test = pairs[fitted], pairs[held_out]
+        to_fit = pairs[fitted]
+        to_test = pairs[held_out]
         for name, fit in fits.items():
             predicted = fit(to_fit).directions(to_test.wrenches, to_test.heights)
             errors[name].append(angles(predicted, measured[held_out]))

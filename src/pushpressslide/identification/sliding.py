@@ -1,6 +1,8 @@
-"""The exact limit surface for many wrenches at once, each with its own loads. Arrays in, arrays out.
+"""The exact limit surface for many wrenches at once, each with its own loads. Arrays
+in, arrays out.
 
-Source: docs/mechanics.md, section 1; ``mechanics.limit_surface.exact_twist_direction`` is the single call.
+Source: docs/mechanics.md, section 1; ``mechanics.limit_surface.exact_twist_direction``
+is the single call.
 """
 
 from __future__ import annotations
@@ -13,13 +15,17 @@ from pushpressslide.identification.pairs import LENGTH, unit
 Array = NDArray[np.float64]
 
 
-def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[Array, Array]:
-    """Return unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each wrench on the surface.
+def slide(
+    points: Array, shares: Array, radii: Array, wrenches: Array
+) -> tuple[Array, Array]:
+    """Return unit directions (m, 3) of sliding, and the mu N (m,) [N] that put each
+    wrench on the surface.
 
-    ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, of the loads; ``shares`` (m, n) of the total load for
-    each wrench; ``wrenches`` (m, 3) [N, N m], not zero. All about the origin, directions as in ``Pairs``.
-    The direction has the least friction power among those with unit power of the wrench; Newton steps with a
-    line search, all wrenches at a time.
+    ``points`` (n, 2) [m] and ``radii`` (n,) [m], > 0, of the loads; ``shares`` (m, n)
+    of the total load for each wrench; ``wrenches`` (m, 3) [N, N m], not zero. All about
+    the origin, directions as in ``Pairs``. The direction has the least friction power
+    among those with unit power of the wrench; Newton steps with a line search, all
+    wrenches at a time.
     """
     x, y = points.T / LENGTH
     radii_squared = (radii / LENGTH) ** 2
@@ -29,14 +35,18 @@ def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[
     basis = _basis(target)
 
     def speeds(nu: Array) -> tuple[Array, Array, Array]:
-        px, py = nu[:, :1] - nu[:, 2:] * y, nu[:, 1:2] + nu[:, 2:] * x
+        px = nu[:, :1] - nu[:, 2:] * y
+        py = nu[:, 1:2] + nu[:, 2:] * x
         return px, py, np.sqrt(px**2 + py**2 + radii_squared * nu[:, 2:] ** 2)
 
     nu = target
     power = (shares * speeds(nu)[2]).sum(1)
     for _ in range(60):
         px, py, speed = speeds(nu)
-        units = np.stack([px, py, x * py - y * px + radii_squared * nu[:, 2:]], axis=2) / speed[:, :, None]
+        units = (
+            np.stack([px, py, x * py - y * px + radii_squared * nu[:, 2:]], axis=2)
+            / speed[:, :, None]
+        )
         gradient = (shares[:, None] @ units)[:, 0]
         k = shares / speed
         hessian = -(k[:, :, None] * units).transpose(0, 2, 1) @ units
@@ -47,7 +57,11 @@ def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[
         hessian[:, [1, 2], [2, 1]] += (k @ x)[:, None]
         slopes = (gradient[:, None] @ basis)[:, 0]
         curvature = basis.transpose(0, 2, 1) @ hessian @ basis
-        curvature += 1e-12 * (1.0 + np.trace(curvature, axis1=1, axis2=2))[:, None, None] * np.eye(2)
+        curvature += (
+            1e-12
+            * (1.0 + np.trace(curvature, axis1=1, axis2=2))[:, None, None]
+            * np.eye(2)
+        )
         step = -np.linalg.solve(curvature, slopes[:, :, None])[:, :, 0]
         descent = (slopes * step).sum(1)
         change = (basis @ step[:, :, None])[:, :, 0]
@@ -59,14 +73,17 @@ def slide(points: Array, shares: Array, radii: Array, wrenches: Array) -> tuple[
             if not short.any():
                 break
             length[short] *= 0.5
-        nu, power = new, new_power
+        nu = new
+        power = new_power
         if np.abs(length[:, None] * change).max() < 1e-9:
             break
     return unit(nu), size / power
 
 
 def _basis(normals: Array) -> Array:
-    """Return two unit vectors across each of the unit ``normals`` (m, 3), as columns (m, 3, 2)."""
+    """Return two unit vectors across each of the unit ``normals`` (m, 3), as columns
+    (m, 3, 2).
+    """
     other = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first = unit(np.cross(normals, other))
     return np.stack([first, np.cross(normals, first)], axis=2)

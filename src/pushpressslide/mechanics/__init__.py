@@ -1,1 +1,3 @@
-"""Physics true for any mode: pressure, limit surfaces, friction, contacts. See docs/mechanics.md, 0 to 4."""
+"""Physics true for any mode: pressure, limit surfaces, friction, contacts. See
+docs/mechanics.md, 0 to 4.
+"""

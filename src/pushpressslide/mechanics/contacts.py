@@ -1,7 +1,8 @@
-"""Contact forces and the wrench they add up to, and the mobility of a contact point. Plain floats.
+"""Contact forces and the wrench they add up to, and the mobility of a contact point.
+Plain floats.
 
-Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the body frame B unless
-said otherwise.
+Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the
+body frame B unless said otherwise.
 """
 
 from __future__ import annotations
@@ -14,13 +15,18 @@ from pushpressslide.core.wrench import Wrench
 Matrix2 = tuple[tuple[float, float], tuple[float, float]]
 
 
-def wrench_of_forces(points: Sequence[Point], forces: Sequence[Point], about: Point = (0.0, 0.0)) -> Wrench:
-    """Return the wrench, moment about ``about``, of ``forces`` [N] on the object at ``points`` [m].
+def wrench_of_forces(
+    points: Sequence[Point], forces: Sequence[Point], about: Point = (0.0, 0.0)
+) -> Wrench:
+    """Return the wrench, moment about ``about``, of ``forces`` [N] on the object at
+    ``points`` [m].
 
     Raises ValueError for unequal lengths.
     """
     if len(points) != len(forces):
-        raise ValueError(f"{len(points)} points and {len(forces)} forces; need one force per point")
+        raise ValueError(
+            f"{len(points)} points and {len(forces)} forces; need one force per point"
+        )
     fx = fy = tau = 0.0
     for p, f in zip(points, forces, strict=True):
         fx += f[0]
@@ -30,11 +36,12 @@ def wrench_of_forces(points: Sequence[Point], forces: Sequence[Point], about: Po
 
 
 def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, ...]:
-    """Return the forces [N] at ``points`` [m] that add up to ``wrench``, with the least sum of squares.
+    """Return the forces [N] at ``points`` [m] that add up to ``wrench``, with the least
+    sum of squares.
 
-    An equal share of the force each, plus a turn about the mean point: f_i = F/k + g J (p_i - p_mean).
-    Friction cones are not looked at. Raises ValueError for fewer than two distinct points, which cannot give
-    every moment.
+    An equal share of the force each, plus a turn about the mean point: f_i = F/k + g J
+    (p_i - p_mean). Friction cones are not looked at. Raises ValueError for fewer than
+    two distinct points, which cannot give every moment.
     """
     k = len(points)
     if k == 0:
@@ -49,22 +56,28 @@ def least_norm_forces(points: Sequence[Point], wrench: Wrench) -> tuple[Point, .
 
 
 def contact_mobility(lever: Point, rho: float) -> Matrix2:
-    """Return G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c ~ G f on the ellipsoid.
+    """Return G = I + (J r)(J r)^T / rho^2: a contact force f moves its point with v_c ~
+    G f on the ellipsoid.
 
-    ``lever`` r [m] is the contact relative to the centre of pressure (docs/mechanics.md, section 2).
+    ``lever`` r [m] is the contact relative to the centre of pressure
+    (docs/mechanics.md, section 2).
     """
-    a, b = -lever[1] / rho, lever[0] / rho
+    a = -lever[1] / rho
+    b = lever[0] / rho
     return ((1.0 + a * a, a * b), (a * b, 1.0 + b * b))
 
 
 def velocity_of_force(lever: Point, rho: float, force: Point) -> Point:
-    """Return G f: the velocity of the contact point per unit of the CoP's velocity per force [N]."""
+    """Return G f: the velocity of the contact point per unit of the CoP's velocity per
+    force [N].
+    """
     k = cross(lever, force) / (rho * rho)
     return (force[0] - k * lever[1], force[1] + k * lever[0])
 
 
 def force_of_velocity(lever: Point, rho: float, velocity: Point) -> Point:
-    """Return G^-1 v_c, along the force that a sticking contact moving with ``velocity`` exerts.
+    """Return G^-1 v_c, along the force that a sticking contact moving with ``velocity``
+    exerts.
 
     Its length is not a force: scale it onto the limit surface.
     """

@@ -1,7 +1,9 @@
-"""How an object slides that is dragged by one force at a height: exact, many forces at a time.
+"""How an object slides that is dragged by one force at a height: exact, many forces at
+a time.
 
-Under the pressure that the drag itself moves (docs/mechanics.md, sections 1 and 1.2): unilateral and linear
-over the base, with its centre at cop + h F / N. All in the body frame B.
+Under the pressure that the drag itself moves (docs/mechanics.md, sections 1 and 1.2):
+unilateral and linear over the base, with its centre at cop + h F / N. All in the body
+frame B.
 """
 
 from __future__ import annotations
@@ -22,12 +24,16 @@ RESOLUTION = 3  # of the base: twists are right to about a percent
 COARSE = 1  # of the base that settles first
 STEPS = 18  # at most, of the iteration for pressure and twist together
 SETTLING = 4  # of them before the first Newton step for the twist
-CLOSE = 1e-3  # change of a twist in a step after which it is near enough: Newton's last step squares it
-LOWER = 1e-5  # share by which the friction's power may rise with a step, as the pressure moves
+# change of a twist in a step after which it is near enough: Newton's last step squares
+# it
+CLOSE = 1e-3
+# share by which the friction's power may rise with a step, as the pressure moves
+LOWER = 1e-5
 DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # shares of the first Newton steps for the pressure
 BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
 REST = 1e-9  # [m/s] below which a cell counts as resting, of twists of about 1 m/s
-THREE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])  # rows and columns of a symmetric matrix that are kept
+# rows and columns of a symmetric matrix that are kept
+THREE = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 FOUR = ([0, 0, 0, 0, 1, 1, 1, 2, 2, 3], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3])
 
 
@@ -35,42 +41,56 @@ FOUR = ([0, 0, 0, 0, 1, 1, 1, 2, 2, 3], [0, 1, 2, 3, 1, 2, 3, 2, 3, 3])
 class Dragged:
     """What m forces do, each of the size that slides the object."""
 
-    twists: Array  # (m, 3) of B's origin, about 1 m/s in size: only their direction counts
+    # (m, 3) of B's origin, about 1 m/s in size: only their direction counts
+    twists: Array
     shares: Array  # (m,) the force's size over mu N
 
 
 class DraggedBase:
     """The base of one object."""
 
-    def __init__(self, body: ObjectModel, shift: float, resolution: int = RESOLUTION) -> None:
-        """Prepare the base; ``shift`` h mu_s [m]: how far a drag of mu_s N moves the centre of pressure."""
+    def __init__(
+        self, body: ObjectModel, shift: float, resolution: int = RESOLUTION
+    ) -> None:
+        """Prepare the base; ``shift`` h mu_s [m]: how far a drag of mu_s N moves the
+        centre of pressure.
+        """
         if isinstance(body.shape, Cylinder):
             points, areas = quadrature.disc_rule(body.shape.radius, resolution)
         else:
             points, areas = quadrature.base_rule(body.shape.footprint, resolution)
         x, y = (points - np.array(body.center_of_mass)).T
         self._shift, self._size = shift, _radius(body)
-        self._coarser = DraggedBase(body, shift, COARSE) if resolution > COARSE else None
+        self._coarser = (
+            DraggedBase(body, shift, COARSE) if resolution > COARSE else None
+        )
         self._shares = areas / areas.sum()
         self._linear = np.stack([np.ones_like(x), x / self._size, y / self._size])
         self._moments = (self._linear[THREE[0]] * self._linear[THREE[1]]).T
-        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 + radius^2); so are the
-        # entries of its gradient
+        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 +
+        # radius^2); so are the entries of its gradient
         self._sizes = np.array([[1.0], [1.0], [self._size]])
-        self._basis = np.stack([np.ones_like(x), x, y, x * x + y * y + CELL_RADIUS**2 * areas])
+        self._basis = np.stack(
+            [np.ones_like(x), x, y, x * x + y * y + CELL_RADIUS**2 * areas]
+        )
         self._squares = (self._basis[FOUR[0]] * self._basis[FOUR[1]]).T
 
     def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
-        """Return the motion under forces along ``directions`` (m, 2), unit vectors, at ``contacts`` (m, 2).
+        """Return the motion under forces along ``directions`` (m, 2), unit vectors, at
+        ``contacts`` (m, 2).
 
-        ``cops`` (m, 2) [m] without drag; the moved ones must be inside the base. Newton steps for the
-        pressure. The twist is that of least friction power among those with unit power of the force: first
-        steps to the ellipsoid that has the friction of the last twist, each of which lowers that power, then
-        Newton's where they lower it too; those alone where a coarser base has settled first.
+        ``cops`` (m, 2) [m] without drag; the moved ones must be inside the base. Newton
+        steps for the pressure. The twist is that of least friction power among those
+        with unit power of the force: first steps to the ellipsoid that has the friction
+        of the last twist, each of which lowers that power, then Newton's where they
+        lower it too; those alone where a coarser base has settled first.
         """
-        (x, y), direction, cop = contacts.T, directions.T, cops.T
+        x, y = contacts.T
+        direction = directions.T
+        cop = cops.T
         force = np.stack([*direction, x * direction[1] - y * direction[0]])
-        one, zero = np.ones(len(directions)), np.zeros(len(directions))
+        one = np.ones(len(directions))
+        zero = np.zeros(len(directions))
         start = np.stack([*direction, zero, one, one, zero, zero])
         settled = np.zeros(len(directions), dtype=bool)
         if self._coarser is not None:
@@ -80,7 +100,11 @@ class DraggedBase:
         for rows, first in ((settled, SETTLING), (~settled, 0)):
             if rows.any():
                 found, balanced = self._slid(
-                    force[:, rows], direction[:, rows], cop[:, rows], start[:, rows], first
+                    force[:, rows],
+                    direction[:, rows],
+                    cop[:, rows],
+                    start[:, rows],
+                    first,
                 )
                 slid[:, rows] = np.where(balanced, found, math.nan)
         twists = slid[:3] / np.linalg.norm(slid[:3] * self._sizes, axis=0)
@@ -89,51 +113,75 @@ class DraggedBase:
     def _slid(
         self, force: Array, direction: Array, cop: Array, start: Array, first: int
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Return twist, share and pressure (7, m), from those to ``start`` with, and whether the pressure is
-        in balance.
+        """Return twist, share and pressure (7, m), from those to ``start`` with, and
+        whether the pressure is in balance.
         """
-        twist, share, plane = start[:3], start[3], start[4:]
-        least, sure, rows = np.full(len(share), math.inf), twist, np.arange(len(share))
-        out, balanced = np.empty_like(start), np.zeros(len(share), dtype=bool)
+        twist = start[:3]
+        share = start[3]
+        plane = start[4:]
+        least = np.full(len(share), math.inf)
+        sure = twist
+        rows = np.arange(len(share))
+        out = np.empty_like(start)
+        balanced = np.zeros(len(share), dtype=bool)
         for step in range(first, STEPS):
-            target = np.stack([np.ones(len(rows)), *((cop + self._shift * share * direction) / self._size)])
+            target = np.stack(
+                [
+                    np.ones(len(rows)),
+                    *((cop + self._shift * share * direction) / self._size),
+                ]
+            )
             for part in (1.0,) if step else DAMPED:
                 plane = plane + part * (self._plane(plane, target) - plane)
             loads = np.maximum(plane.T @ self._linear, 0.0) * self._shares
-            power, ellipsoid, newton = self._steps(loads, twist, force, step >= SETTLING)
+            power, ellipsoid, newton = self._steps(
+                loads, twist, force, step >= SETTLING
+            )
             higher = power > least * (1.0 + LOWER)
             share = np.where(higher, share, np.clip(power, 0.0, 1.0))
-            last, twist = twist, np.where(higher, sure, newton)
-            sure, least = ellipsoid, np.where(higher, math.inf, power)
-            change = np.abs((twist - last) * self._sizes).max(0) / np.linalg.norm(last * self._sizes, axis=0)
+            last = twist
+            twist = np.where(higher, sure, newton)
+            sure = ellipsoid
+            least = np.where(higher, math.inf, power)
+            change = np.abs((twist - last) * self._sizes).max(0) / np.linalg.norm(
+                last * self._sizes, axis=0
+            )
             done = (change < CLOSE) & (step > SETTLING) | (step == STEPS - 1)
             if done.any():
                 off = np.abs(loads[done] @ self._linear.T - target[:, done].T).max(1)
-                out[:, rows[done]] = np.concatenate([twist, share[None], plane])[:, done]
+                out[:, rows[done]] = np.concatenate([twist, share[None], plane])[
+                    :, done
+                ]
                 balanced[rows[done]] = off <= BALANCED
                 if done.all():
                     break
                 rows = rows[~done]
                 direction, cop, force, twist, share, least, plane, sure = (
-                    v[..., ~done] for v in (direction, cop, force, twist, share, least, plane, sure)
+                    v[..., ~done]
+                    for v in (direction, cop, force, twist, share, least, plane, sure)
                 )
         return out, balanced
 
     def _plane(self, plane: Array, target: Array) -> Array:
-        """Return the pressures (3, m) that have the load and the moments ``target`` where ``plane``
-        presses.
+        """Return the pressures (3, m) that have the load and the moments ``target``
+        where ``plane`` presses.
         """
         touching = np.where(plane.T @ self._linear > 0.0, self._shares, 0.0)
         hessian = (touching @ self._moments).T
         hessian[[0, 3, 5]] += 1e-9
         return _solved(hessian, target)
 
-    def _steps(self, loads: Array, twist: Array, force: Array, newton: bool) -> tuple[Array, Array, Array]:
-        """Return the friction's power (m,) over the force's, and the next twists (3, m), of unit power of the
-        force: the ellipsoid's, and where wanted Newton's.
+    def _steps(
+        self, loads: Array, twist: Array, force: Array, newton: bool
+    ) -> tuple[Array, Array, Array]:
+        """Return the friction's power (m,) over the force's, and the next twists (3,
+        m), of unit power of the force: the ellipsoid's, and where wanted Newton's.
         """
         vx, vy, w = twist
-        squares = np.stack([vx * vx + vy * vy, 2.0 * w * vy, -2.0 * w * vx, w * w]).T @ self._basis
+        squares = (
+            np.stack([vx * vx + vy * vy, 2.0 * w * vy, -2.0 * w * vx, w * w]).T
+            @ self._basis
+        )
         squares = np.maximum(squares, REST * REST)
         k = loads / np.sqrt(squares)
         power = (k * squares).sum(1) / (force * twist).sum(0)
@@ -143,18 +191,25 @@ class DraggedBase:
         ellipsoid /= (force * ellipsoid).sum(0)
         if not newton:
             return power, ellipsoid, ellipsoid
-        # the hessian is the ellipsoid's, less sum k q q^T / |v|^2, with the gradient of |v|^2 / 2,
-        # q = (v_x - w y, v_y + w x, r x v + w radius^2)
+        # the hessian is the ellipsoid's, less sum k q q^T / |v|^2, with the gradient of
+        # |v|^2 / 2, q = (v_x - w y, v_y + w x, r x v + w radius^2)
         n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k / squares @ self._squares).T
-        less = np.stack([
-            vx * (vx * n1 - 2.0 * w * my) + w * w * yy,
-            vx * (vy * n1 + w * mx) - w * (vy * my + w * xy),
-            vx * (vy * mx - vx * my + w * ms) - w * (vy * xy - vx * yy + w * ys),
-            vy * (vy * n1 + 2.0 * w * mx) + w * w * xx,
-            vy * (vy * mx - vx * my + w * ms) + w * (vy * xx - vx * xy + w * xs),
-            vy * vy * xx + vx * vx * yy + w * w * ss - 2.0 * (vx * vy * xy - w * (vy * xs - vx * ys)),
-        ])  # fmt: skip
-        gradient = np.stack([n * vx - ny * w, n * vy + nx * w, nx * vy - ny * vx + ns * w])
+        less = np.stack(
+            [
+                vx * (vx * n1 - 2.0 * w * my) + w * w * yy,
+                vx * (vy * n1 + w * mx) - w * (vy * my + w * xy),
+                vx * (vy * mx - vx * my + w * ms) - w * (vy * xy - vx * yy + w * ys),
+                vy * (vy * n1 + 2.0 * w * mx) + w * w * xx,
+                vy * (vy * mx - vx * my + w * ms) + w * (vy * xx - vx * xy + w * xs),
+                vy * vy * xx
+                + vx * vx * yy
+                + w * w * ss
+                - 2.0 * (vx * vy * xy - w * (vy * xs - vx * ys)),
+            ]
+        )
+        gradient = np.stack(
+            [n * vx - ny * w, n * vy + nx * w, nx * vy - ny * vx + ns * w]
+        )
         level = power * force[THREE[0]] * force[THREE[1]]
         out = 2.0 * twist - _solved(friction - less + level, gradient)
         out /= (force * out).sum(0)
@@ -165,15 +220,25 @@ def _radius(body: ObjectModel) -> float:
     """How far the base reaches from the CoM [m]."""
     if isinstance(body.shape, Cylinder):
         return math.hypot(*body.center_of_mass) + body.shape.radius
-    return max(math.dist(corner, body.center_of_mass) for corner in body.shape.footprint)
+    return max(
+        math.dist(corner, body.center_of_mass) for corner in body.shape.footprint
+    )
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """Return the solutions (3, m) for symmetric matrices (6, m), their entries in the order of THREE."""
+    """Return the solutions (3, m) for symmetric matrices (6, m), their entries in the
+    order of THREE.
+    """
     a, b, c, d, e, f = matrix
     p, q, r = right
-    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
-    D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
-    solved: Array = np.stack([A * p + B * q + C * r, B * p + D * q + E * r, C * p + E * q + F * r])
+    A = d * f - e * e
+    B = c * e - b * f
+    C = b * e - c * d
+    D = a * f - c * c
+    E = b * c - a * e
+    F = a * d - b * b
+    solved: Array = np.stack(
+        [A * p + B * q + C * r, B * p + D * q + E * r, C * p + E * q + F * r]
+    )
     solved /= a * A + b * B + c * C
     return solved

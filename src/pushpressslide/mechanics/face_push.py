@@ -1,4 +1,6 @@
-"""An object pushed on one face by a force anywhere on it, on the exact limit surface: as a car."""
+"""An object pushed on one face by a force anywhere on it, on the exact limit surface:
+as a car.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +20,16 @@ RESOLUTION = 4  # of the base: axle and curvature are right to 0.3 mm and 0.3 %
 class Turning(NamedTuple):
     """How a force turns the object."""
 
-    axle: float  # [m] ahead of the CoM along the face's normal, of the point without velocity across it
+    # [m] ahead of the CoM along the face's normal, of the point without velocity across
+    # it
+    axle: float
     curvature: float  # [1/m] of that point's path
 
 
 def on_face(face: Face, left: float) -> Point:
-    """Return the point [m] in B of a face that is ``left`` [m] of the CoM's line along the normal."""
+    """Return the point [m] in B of a face that is ``left`` [m] of the CoM's line along
+    the normal.
+    """
     n = face.normal
     return (-face.depth * n[0] - left * n[1], -face.depth * n[1] + left * n[0])
 
@@ -36,11 +42,14 @@ class Push(NamedTuple):
     slope: float  # its part to the left, per part along the normal
 
 
-def turnings(body: ObjectModel, mu: float, height: float, pushes: Sequence[Push]) -> list[Turning]:
-    """Return how each of ``pushes`` at ``height`` [m] turns the object, under the load that the push itself
-    shifts; ``mu`` of the pair object/support.
+def turnings(
+    body: ObjectModel, mu: float, height: float, pushes: Sequence[Push]
+) -> list[Turning]:
+    """Return how each of ``pushes`` at ``height`` [m] turns the object, under the load
+    that the push itself shifts; ``mu`` of the pair object/support.
 
-    Raises ValueError where the object tips, and for a force through the CoM, which does not turn it.
+    Raises ValueError where the object tips, and for a force through the CoM, which does
+    not turn it.
     """
     if any(push.left == 0.0 and push.slope == 0.0 for push in pushes):
         raise ValueError("a force through the CoM does not turn the object")
@@ -49,8 +58,14 @@ def turnings(body: ObjectModel, mu: float, height: float, pushes: Sequence[Push]
     slopes = np.array([[push.slope] for push in pushes])
     contacts = np.array([on_face(push.face, push.left) for push in pushes])
     forces = (normals + slopes * sideways) / np.hypot(1.0, slopes)
-    slid = DraggedBase(body, height * mu, RESOLUTION).slide(np.zeros_like(contacts), contacts, forces)
+    slid = DraggedBase(body, height * mu, RESOLUTION).slide(
+        np.zeros_like(contacts), contacts, forces
+    )
     if np.isnan(slid.twists).any():
         raise ValueError(f"a push at {height * 1e3:.0f} mm tips the object")
-    (along, across), w = ((slid.twists[:, :2] * v).sum(1) for v in (normals, sideways)), slid.twists[:, 2]
-    return [Turning(*of) for of in zip((-across / w).tolist(), (w / along).tolist(), strict=True)]
+    along, across = ((slid.twists[:, :2] * v).sum(1) for v in (normals, sideways))
+    w = slid.twists[:, 2]
+    return [
+        Turning(*of)
+        for of in zip((-across / w).tolist(), (w / along).tolist(), strict=True)
+    ]

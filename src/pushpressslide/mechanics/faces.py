@@ -15,18 +15,21 @@ CYLINDER_FACES = 24  # a round side is offered as this many directions
 class Face:
     """One side face; all in B, the frame at the projected centre of mass."""
 
-    index: int  # of the footprint's edge, counter-clockwise; on a cylinder, of the direction
-    # [m] the face's point nearest to the line through the CoM along the normal, corners kept clear
+    # of the footprint's edge, counter-clockwise; on a cylinder, of the direction
+    index: int
+    # [m] the face's point nearest to the line through the CoM along the normal, corners
+    # kept clear
     foot: Point
     normal: Point  # unit, inward
-    # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face is wide enough
+    # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face
+    # is wide enough
     offset: float
     depth: float  # [m] distance of the CoM from the face's line, > 0
 
 
 def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
-    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from the corners (or at a
-    short edge's middle).
+    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from
+    the corners (or at a short edge's middle).
     """
     com = body.center_of_mass
     if isinstance(body.shape, Cylinder):
@@ -34,7 +37,10 @@ def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
         for i in range(CYLINDER_FACES):
             angle = 2.0 * math.pi * i / CYLINDER_FACES
             normal = (math.cos(angle), math.sin(angle))
-            point = (-body.shape.radius * normal[0] - com[0], -body.shape.radius * normal[1] - com[1])
+            point = (
+                -body.shape.radius * normal[0] - com[0],
+                -body.shape.radius * normal[1] - com[1],
+            )
             side = turned_left(normal)
             out.append(
                 Face(
@@ -71,8 +77,14 @@ def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
 
 
 def room_ahead(body: ObjectModel, face: Face) -> float:
-    """Return the distance [m] from the CoM to the leading edge when ``face`` is pushed along its normal."""
-    com, shape = body.center_of_mass, body.shape
+    """Return the distance [m] from the CoM to the leading edge when ``face`` is pushed
+    along its normal.
+    """
+    com = body.center_of_mass
+    shape = body.shape
     if isinstance(shape, Cylinder):
         return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
-    return max((x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1] for x, y in shape.footprint)
+    return max(
+        (x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1]
+        for x, y in shape.footprint
+    )

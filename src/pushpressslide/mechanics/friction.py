@@ -1,8 +1,8 @@
-"""Friction at one contact: the cone, the motion cone, and what a contact with a prescribed velocity does.
-Plain floats.
+"""Friction at one contact: the cone, the motion cone, and what a contact with a
+prescribed velocity does. Plain floats.
 
-Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n turned by +90 degrees;
-mu is the friction of the pair end effector/object.
+Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n
+turned by +90 degrees; mu is the friction of the pair end effector/object.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ PushKind = Literal["stick", "slip_left", "slip_right", "separate"]
 
 
 def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:
-    """Return the right and left edge (f_-, f_+) = n -+ mu t of a side contact's friction cone."""
+    """Return the right and left edge (f_-, f_+) = n -+ mu t of a side contact's
+    friction cone.
+    """
     t = turned_left(normal)
     return (
         (normal[0] - mu * t[0], normal[1] - mu * t[1]),
@@ -29,26 +31,35 @@ def cone_edges(normal: Point, mu: float) -> tuple[Point, Point]:
 
 
 def cone_margin(force: Point, normal: Point, mu: float) -> float:
-    """Return mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative outside."""
+    """Return mu f_n - |f_t| [N] of a side contact: >= 0 inside the cone, negative
+    outside.
+    """
     f_n = force[0] * normal[0] + force[1] * normal[1]
     return mu * f_n - abs(cross(normal, force))
 
 
 def press_margin(force: Point, normal_force: float, mu: float) -> float:
-    """Return mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0 if it sticks."""
+    """Return mu N_i - |f| [N] of a top contact pressed with ``normal_force`` [N]: >= 0
+    if it sticks.
+    """
     return mu * normal_force - math.hypot(force[0], force[1])
 
 
 def force_angle(force: Point, axis: Point) -> float:
-    """Return the angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi, pi]."""
+    """Return the angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi,
+    pi].
+    """
     return math.atan2(cross(axis, force), axis[0] * force[0] + axis[1] * force[1])
 
 
-def motion_cone(lever: Point, rho: float, normal: Point, mu: float) -> tuple[Point, Point]:
-    """Return the right and left edge (G f_-, G f_+) of the velocities at which the contact sticks.
+def motion_cone(
+    lever: Point, rho: float, normal: Point, mu: float
+) -> tuple[Point, Point]:
+    """Return the right and left edge (G f_-, G f_+) of the velocities at which the
+    contact sticks.
 
-    ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points at the CoP its half
-    angle is tan(psi) = (1 + d^2/rho^2) mu.
+    ``lever`` [m] is the contact relative to the CoP. For a contact whose normal points
+    at the CoP its half angle is tan(psi) = (1 + d^2/rho^2) mu.
     """
     right, left = cone_edges(normal, mu)
     return velocity_of_force(lever, rho, right), velocity_of_force(lever, rho, left)
@@ -58,32 +69,46 @@ def motion_cone(lever: Point, rho: float, normal: Point, mu: float) -> tuple[Poi
 class PushOutcome:
     """What a pusher with a prescribed velocity does to a quasi-static object."""
 
-    kind: PushKind  # slip_left: the pusher slides to the left (+t) along the object's face
+    # slip_left: the pusher slides to the left (+t) along the object's face
+    kind: PushKind
     force: Point  # [N] on the object, on the limit surface; zero when separated
     twist: Twist  # of the centre of pressure
     slip_velocity: float  # [m/s] of the pusher relative to the object, along t
 
 
 def push_outcome(
-    surface: EllipsoidLimitSurface, contact: Point, normal: Point, mu: float, velocity: Point
+    surface: EllipsoidLimitSurface,
+    contact: Point,
+    normal: Point,
+    mu: float,
+    velocity: Point,
 ) -> PushOutcome:
-    """Return how the object moves when a pusher at ``contact`` [m] is driven with ``velocity`` [m/s].
+    """Return how the object moves when a pusher at ``contact`` [m] is driven with
+    ``velocity`` [m/s].
 
-    Inside the motion cone it sticks; outside, the force stays on the edge of the friction cone and the normal
-    velocity is kept; with no velocity into the object it leaves. ``normal`` is the unit inward normal.
+    Inside the motion cone it sticks; outside, the force stays on the edge of the
+    friction cone and the normal velocity is kept; with no velocity into the object it
+    leaves. ``normal`` is the unit inward normal.
     """
-    cop, rho = surface.center, surface.rho
+    cop = surface.center
+    rho = surface.rho
     approach = velocity[0] * normal[0] + velocity[1] * normal[1]
     if approach <= 0.0:
-        return PushOutcome("separate", (0.0, 0.0), Twist(0.0, 0.0, 0.0, cop), cross(normal, velocity))
+        return PushOutcome(
+            "separate", (0.0, 0.0), Twist(0.0, 0.0, 0.0, cop), cross(normal, velocity)
+        )
     lever = (contact[0] - cop[0], contact[1] - cop[1])
     mobile = force_of_velocity(lever, rho, velocity)
     kind: PushKind = "stick"
     slip = 0.0
     if cone_margin(mobile, normal, mu) < 0.0:
-        # An edge that leads away from the pusher cannot be passed by a velocity towards the object.
+        # An edge that leads away from the pusher cannot be passed by a velocity towards
+        # the object.
         right, left = motion_cone(lever, rho, normal, mu)
-        to_left = left[0] * normal[0] + left[1] * normal[1] > 0.0 and cross(left, velocity) > 0.0
+        to_left = (
+            left[0] * normal[0] + left[1] * normal[1] > 0.0
+            and cross(left, velocity) > 0.0
+        )
         kind = "slip_left" if to_left else "slip_right"
         edge = cone_edges(normal, mu)[1 if to_left else 0]
         edge_velocity = left if to_left else right

@@ -1,8 +1,10 @@
-"""The ellipsoid that touches the exact limit surface at one twist: same wrench there, same normal.
+"""The ellipsoid that touches the exact limit surface at one twist: same wrench there,
+same normal.
 
-No single ellipsoid fits everywhere (docs/mechanics.md, section 1.1); along a path of one constant twist the
-surface is needed at that twist and near it. With the wrench (F, tau) of the twist (v, w), both at one point,
-its power P = F.v + tau w and the limit f = mu N, normality leaves one ellipsoid of force axis f:
+No single ellipsoid fits everywhere (docs/mechanics.md, section 1.1); along a path of
+one constant twist the surface is needed at that twist and near it. With the wrench (F,
+tau) of the twist (v, w), both at one point, its power P = F.v + tau w and the limit f =
+mu N, normality leaves one ellipsoid of force axis f:
 
     k = f^2 / P,   v + w J c = F / k,   rho^2 = (f^2 - |F|^2) / (k w)^2
 """
@@ -21,7 +23,8 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
-LEAST_TURN = 0.01  # of the speed, at the pressure's radius: a straight motion is taken to turn so much
+# of the speed, at the pressure's radius: a straight motion is taken to turn so much
+LEAST_TURN = 0.01
 RESOLUTION = 5  # of the pressure samples
 ROUNDS = 12  # of the centre of pressure and the wrench that moves it
 FIRST = 0.5  # of the way to where the drag would move it that the first round goes
@@ -29,31 +32,43 @@ CLOSE = 1e-6  # [m] of the centre of pressure from there
 
 
 def pressures(task: Task) -> Callable[[Point], PressureSamples]:
-    """Return the pressure of unit load, as believed, under a task's object for a CoP [m] in B.
+    """Return the pressure of unit load, as believed, under a task's object for a CoP
+    [m] in B.
 
-    With a believed rho all of it is at that distance from the CoP: the exact surface is then the ellipsoid.
-    Raises ValueError, when called, for a CoP outside the base: the object tips.
+    With a believed rho all of it is at that distance from the CoP: the exact surface is
+    then the ellipsoid. Raises ValueError, when called, for a CoP outside the base: the
+    object tips.
     """
-    body, rho = task.object, task.believed.rho
+    body = task.object
+    rho = task.believed.rho
 
     def pressure_at(cop: Point) -> PressureSamples:
         if rho is None:
-            return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
+            return support_pressure(
+                body.shape, 1.0, body.center_of_mass, cop, RESOLUTION
+            )
         return PressureSamples(np.array([cop]), np.ones(1), np.array([rho]))
 
     return pressure_at
 
 
-def touching_ellipsoid(samples: PressureSamples, mu: float, twist: Twist) -> DraggedSurface:
-    """Return the ellipsoid that touches the exact surface of ``samples`` at ``twist`` (any body point).
+def touching_ellipsoid(
+    samples: PressureSamples, mu: float, twist: Twist
+) -> DraggedSurface:
+    """Return the ellipsoid that touches the exact surface of ``samples`` at ``twist``
+    (any body point).
 
-    ``mu`` is the friction of the pair object/support. Raises ValueError for a zero twist, or a pressure
-    without extent.
+    ``mu`` is the friction of the pair object/support. Raises ValueError for a zero
+    twist, or a pressure without extent.
     """
     at = twist.moved_to(samples.cop)
     arms = samples.points - samples.cop
-    radius = math.sqrt(float(samples.loads @ ((arms**2).sum(1) + samples.radii**2)) / samples.total_load)
-    speed, turn = math.hypot(at.vx, at.vy), max(abs(at.w), LEAST_TURN * math.hypot(at.vx, at.vy) / radius)
+    radius = math.sqrt(
+        float(samples.loads @ ((arms**2).sum(1) + samples.radii**2))
+        / samples.total_load
+    )
+    speed = math.hypot(at.vx, at.vy)
+    turn = max(abs(at.w), LEAST_TURN * math.hypot(at.vx, at.vy) / radius)
     if not max(speed, turn) > 0.0:
         raise ValueError("a zero twist; some direction of sliding is needed")
     w = math.copysign(turn, at.w)
@@ -73,21 +88,28 @@ def dragged_ellipsoid(
     twist: Twist,
     shift: Callable[[Wrench], Point],
 ) -> tuple[DraggedSurface, Point]:
-    """Return the ellipsoid of ``touching_ellipsoid`` under the load that the drag itself moves, and the moved
-    centre of pressure [m].
+    """Return the ellipsoid of ``touching_ellipsoid`` under the load that the drag
+    itself moves, and the moved centre of pressure [m].
 
-    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p; ``load`` [N] is the true
-    total, ``cop`` [m] the CoP without drag; ``shift(wrench)`` [m] is how far the forces that give a wrench
-    move it. Raises ValueError where it leaves the base: the object tips.
+    ``pressure_at(p)`` gives the distribution, of any total load, whose CoP is p;
+    ``load`` [N] is the true total, ``cop`` [m] the CoP without drag; ``shift(wrench)``
+    [m] is how far the forces that give a wrench move it. Raises ValueError where it
+    leaves the base: the object tips.
     """
-    # By the secant method in complex numbers: the twist's turn makes of an offset of the centre of pressure a
-    # shift that is turned and scaled, which is what a complex factor does.
-    at, step, before = complex(*cop), 0j, 0j
+    # By the secant method in complex numbers: the twist's turn makes of an offset of
+    # the centre of pressure a shift that is turned and scaled, which is what a complex
+    # factor does.
+    at = complex(*cop)
+    step = 0j
+    before = 0j
     for _ in range(ROUNDS):
-        surface = touching_ellipsoid(pressure_at((at.real, at.imag)).scaled_to(load), mu, twist)
+        surface = touching_ellipsoid(
+            pressure_at((at.real, at.imag)).scaled_to(load), mu, twist
+        )
         off = complex(*cop) + complex(*shift(surface.wrench(twist))) - at
         if abs(off) < CLOSE:
             break
         step = off * step / (before - off) if step and before != off else FIRST * off
-        at, before = at + step, off
+        at = at + step
+        before = off
     return surface, (at.real, at.imag)

@@ -1,8 +1,8 @@
-"""One tip pressed on top of an object and dragged along: how it moves, and where its virtual axle is, exact,
-without the contact's height, and as the paper has it.
+"""One tip pressed on top of an object and dragged along: how it moves, and where its
+virtual axle is, exact, without the contact's height, and as the paper has it.
 
-Source: docs/mechanics.md, sections 1.2, 2, 4 and 4.1. Force angles are from the heading axis, which leads
-from the CoM through the centre of pressure (CoP) to the contact.
+Source: docs/mechanics.md, sections 1.2, 2, 4 and 4.1. Force angles are from the heading
+axis, which leads from the CoM through the centre of pressure (CoP) to the contact.
 """
 
 from __future__ import annotations
@@ -17,18 +17,23 @@ from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.rho import rho_straight
 from pushpressslide.mechanics.top import room_inside
-from pushpressslide.mechanics.virtual_axle import axle_with_height, dragged_twist, turned
+from pushpressslide.mechanics.virtual_axle import (
+    axle_with_height,
+    dragged_twist,
+    turned,
+)
 
 GRAVITY = 9.81  # [m/s^2]
 PAPER_C = 0.6  # c of a uniform contact, as the paper takes it
-PLANNED = 4  # resolution of the pressure for planning: enough for twists within a percent
+# resolution of the pressure for planning: enough for twists within a percent
+PLANNED = 4
 STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding is used
 
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """A press on an object on a table. Raises ValueError for no load, or a contact at the CoM, where the
-    object only translates.
+    """A press on an object on a table. Raises ValueError for no load, or a contact at
+    the CoM, where the object only translates.
     """
 
     body: ObjectModel
@@ -70,7 +75,9 @@ class Press:
 
     @property
     def half_diagonal(self) -> float:
-        """r0 [m]: half the diagonal of a rectangle, the radius of a cylinder; the paper's length."""
+        """r0 [m]: half the diagonal of a rectangle, the radius of a cylinder; the
+        paper's length.
+        """
         shape = self.body.shape
         if isinstance(shape, Cylinder):
             return shape.radius
@@ -83,75 +90,103 @@ class Press:
         return turned(self.axis, angle)
 
     def pressure(self, cop: Point, resolution: int = 8) -> PressureSamples:
-        """Return the pressure under the object, unit load, whose centre is ``cop`` [m] in B."""
-        return support_pressure(self.body.shape, 1.0, self.body.center_of_mass, cop, resolution)
+        """Return the pressure under the object, unit load, whose centre is ``cop`` [m]
+        in B.
+        """
+        return support_pressure(
+            self.body.shape, 1.0, self.body.center_of_mass, cop, resolution
+        )
 
     def room(self, angle: float) -> float:
-        """Return how far the CoP stays inside the base under drag at ``angle`` [rad], in half widths; < 0: it
-        tips.
+        """Return how far the CoP stays inside the base under drag at ``angle`` [rad],
+        in half widths; < 0: it tips.
         """
         u = self.along(angle)
-        return room_inside(self.body, (self.cop[0] + self.shift * u[0], self.cop[1] + self.shift * u[1]))
+        return room_inside(
+            self.body,
+            (self.cop[0] + self.shift * u[0], self.cop[1] + self.shift * u[1]),
+        )
 
     def twist(self, angle: float) -> Twist:
-        """Return the twist of B's origin under a force at ``angle`` [rad], on the exact surface; only its
-        direction counts. Raises ValueError where the object tips.
+        """Return the twist of B's origin under a force at ``angle`` [rad], on the exact
+        surface; only its direction counts. Raises ValueError where the object tips.
         """
         height = self.body.shape.height
-        return dragged_twist(self._coarse, self.friction, self.cop, self.contact, height, self.along(angle))
+        return dragged_twist(
+            self._coarse,
+            self.friction,
+            self.cop,
+            self.contact,
+            height,
+            self.along(angle),
+        )
 
     def _coarse(self, cop: Point) -> PressureSamples:
         return self.pressure(cop, PLANNED)
 
     def axle(self, angle: float, height: float | None = None) -> float:
-        """Return the virtual axle under a force at ``angle`` [rad]: its coordinate [m] on the heading axis, 0
-        at the CoM.
+        """Return the virtual axle under a force at ``angle`` [rad]: its coordinate [m]
+        on the heading axis, 0 at the CoM.
 
-        On the exact surface, the contact at ``height`` [m] above the support; None: on top of the object, 0:
-        as if the force acted in the support's plane. Raises ValueError where the object tips.
+        On the exact surface, the contact at ``height`` [m] above the support; None: on
+        top of the object, 0: as if the force acted in the support's plane. Raises
+        ValueError where the object tips.
         """
         height = self.body.shape.height if height is None else height
-        at = axle_with_height(self.pressure, self.friction, self.cop, self.contact, height, angle)
+        at = axle_with_height(
+            self.pressure, self.friction, self.cop, self.contact, height, angle
+        )
         return at[0] * self.axis[0] + at[1] * self.axis[1]
 
     def steered(self, angle: float, backward: bool) -> tuple[float, float]:
-        """Return where the virtual axle is on the heading axis, ahead of the CoP [m], and the tan(force
-        angle) per curvature there [m], both of the mean of forces to the left and to the right.
+        """Return where the virtual axle is on the heading axis, ahead of the CoP [m],
+        and the tan(force angle) per curvature there [m], both of the mean of forces to
+        the left and to the right.
 
-        ``angle`` in [0, pi/2) from the direction of motion: along the axis, or ``backward`` against it. Near
-        zero exact to first order: x_cop +- h mu - rho_x^2 / d. Raises ValueError where the object tips.
+        ``angle`` in [0, pi/2) from the direction of motion: along the axis, or
+        ``backward`` against it. Near zero exact to first order: x_cop +- h mu - rho_x^2
+        / d. Raises ValueError where the object tips.
         """
         sign = -1.0 if backward else 1.0
         if angle < STRAIGHT:
-            e, shift = self.axis, sign * self.shift
+            e = self.axis
+            shift = sign * self.shift
             at = (self.cop[0] + shift * e[0], self.cop[1] + shift * e[1])
             reach = rho_straight(self._coarse(at), e) ** 2 / self.lever
             return shift - reach, reach
-        (ex, ey), ahead, reach = self.axis, 0.0, 0.0
+        ex, ey = self.axis
+        ahead = 0.0
+        reach = 0.0
         for side in (angle, -angle):
             twist = self.twist(math.pi - side if backward else side).moved_to(self.cop)
-            along, across = twist.vx * ex + twist.vy * ey, ex * twist.vy - ey * twist.vx
+            along = twist.vx * ex + twist.vy * ey
+            across = ex * twist.vy - ey * twist.vx
             ahead -= 0.5 * across / twist.w
             reach += 0.5 * math.tan(side) * sign * along / twist.w
         return ahead, reach
 
     def pivot(self, left: bool) -> Point:
-        """Return the point of B [m] that stays where it is under a force across the axis, to the left or to
-        the right of the contact; the drag's height moves it off the axis. Raises ValueError where it tips.
+        """Return the point of B [m] that stays where it is under a force across the
+        axis, to the left or to the right of the contact; the drag's height moves it off
+        the axis. Raises ValueError where it tips.
         """
         twist = self.twist(0.5 * math.pi if left else -0.5 * math.pi)
         return (-twist.vy / twist.w, twist.vx / twist.w)
 
     def paper_distance(self, c: float = PAPER_C) -> float:
-        """Return (c r0)^2 / d [m], the paper's distance from the centre of pressure to the axle."""
+        """Return (c r0)^2 / d [m], the paper's distance from the centre of pressure to
+        the axle.
+        """
         return (c * self.half_diagonal) ** 2 / self.lever
 
     def paper_axle(self, c: float = PAPER_C) -> float:
-        """Return the virtual axle [m] by the paper's formula: the same for every force and height."""
+        """Return the virtual axle [m] by the paper's formula: the same for every force
+        and height.
+        """
         return math.hypot(*self.cop) - self.paper_distance(c)
 
     def paper_printed(self, c: float = PAPER_C) -> float:
-        """Return the distance from the CoM [m] as the paper adds it up: as if the axle, the centre of
-        pressure and the CoM came in this order.
+        """Return the distance from the CoM [m] as the paper adds it up: as if the axle,
+        the centre of pressure and the CoM came in this order.
         """
         return math.hypot(*self.cop) + self.paper_distance(c)

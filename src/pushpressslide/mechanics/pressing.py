@@ -9,24 +9,39 @@ import math
 
 from pushpressslide.core.pose import Point
 
-USES = (0.7, 0.8, 0.9, 0.96)  # shares of the press's friction that a motion may take, the best first
+# shares of the press's friction that a motion may take, the best first
+USES = (0.7, 0.8, 0.9, 0.96)
 MOST_USE = USES[-1]
 LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
 
 
 def friction_use(
-    load: float, weight: float, mu_support: float, mu_contact: float, pushed: float = 0.0
+    load: float,
+    weight: float,
+    mu_support: float,
+    mu_contact: float,
+    pushed: float = 0.0,
 ) -> float:
-    """Return what straight sliding takes of the press's friction: (mu_s (N_o + N_a) + pushed) / (mu_a N_a);
-    below 1 it sticks. ``pushed`` [N]: the drag of a body that the object pushes.
+    """Return what straight sliding takes of the press's friction: (mu_s (N_o + N_a) +
+    pushed) / (mu_a N_a); below 1 it sticks. ``pushed`` [N]: the drag of a body that the
+    object pushes.
     """
-    return (mu_support * (weight + load) + pushed) / (mu_contact * load) if load > 0.0 else math.inf
+    return (
+        (mu_support * (weight + load) + pushed) / (mu_contact * load)
+        if load > 0.0
+        else math.inf
+    )
 
 
 def least_load(
-    weight: float, mu_support: float, mu_contact: float, use: float = 1.0, pushed: float = 0.0
+    weight: float,
+    mu_support: float,
+    mu_contact: float,
+    use: float = 1.0,
+    pushed: float = 0.0,
 ) -> float:
-    """Return the least press N_a [N] that drags in every direction with ``use`` of its friction.
+    """Return the least press N_a [N] that drags in every direction with ``use`` of its
+    friction.
 
     (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
     """
@@ -42,25 +57,37 @@ def press_loads(
     wanted: float | None = None,
     pushed: float = 0.0,
 ) -> tuple[str | None, list[float]]:
-    """Return what stands against any press of up to ``most`` [N], and the loads [N] to try, the safest first;
-    ``wanted`` [N] is the only one where it is given. ``pushed`` [N]: that of a body that the object pushes.
+    """Return what stands against any press of up to ``most`` [N], and the loads [N] to
+    try, the safest first; ``wanted`` [N] is the only one where it is given. ``pushed``
+    [N]: that of a body that the object pushes.
     """
     if wanted is None:
-        loads = [max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed)) for use in USES]
+        loads = [
+            max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
+            for use in USES
+        ]
         if loads[-1] <= most:
             return None, sorted({load for load in loads if load <= most}, reverse=True)
         if mu_contact <= mu_support:
             why = f"contact friction {mu_contact:g} must exceed the support's, {mu_support:g}: no press drags"
             return why, []
-        return f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N", []
+        return (
+            f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N",
+            [],
+        )
     if wanted > most:
-        return f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N", []
+        return (
+            f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N",
+            [],
+        )
     use = friction_use(wanted, weight, mu_support, mu_contact, pushed)
     if use > MOST_USE:
         needed = use * mu_contact / MOST_USE
         return (
-            f"pressed with {wanted:g} N the tip slips before the object: straight sliding takes {use:.2f} of "
-            f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, needed {needed:.3f}"
+            f"pressed with {wanted:g} N the tip slips before the object: straight "
+            f"sliding takes {use:.2f} of "
+            f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, "
+            f"needed {needed:.3f}"
         ), []
     return None, [wanted]
 

@@ -1,7 +1,8 @@
-"""Pressure between object and support: total load, centre of pressure (CoP), distributions as samples.
+"""Pressure between object and support: total load, centre of pressure (CoP),
+distributions as samples.
 
-Source: docs/mechanics.md, section 1.2. All points are in one planar frame, the body frame B unless said
-otherwise.
+Source: docs/mechanics.md, section 1.2. All points are in one planar frame, the body
+frame B unless said otherwise.
 """
 
 from __future__ import annotations
@@ -19,13 +20,15 @@ from pushpressslide.mechanics import quadrature
 
 Array = NDArray[np.float64]
 
-# Torsional radius of a square cell over the root of its area: keeps the cell's second moment, 1 / sqrt(12).
+# Torsional radius of a square cell over the root of its area: keeps the cell's second
+# moment, 1 / sqrt(12).
 CELL_RADIUS = 1.0 / math.sqrt(12.0)
 
 
 @dataclass(frozen=True, eq=False)
 class PressureSamples:
-    """A pressure distribution as n point loads; three pins are ``PressureSamples(points, loads)`` directly.
+    """A pressure distribution as n point loads; three pins are
+    ``PressureSamples(points, loads)`` directly.
 
     Raises ValueError for wrong shapes, negative or non-finite loads, or no load at all.
     """
@@ -49,11 +52,18 @@ class PressureSamples:
             or radii.shape != loads.shape
         ):
             raise ValueError(
-                f"points {points.shape}, loads {loads.shape}, radii {radii.shape}: need (n, 2), (n,) and (n,)"
+                f"points {points.shape}, loads {loads.shape}, radii {radii.shape}: "
+                "need (n, 2), (n,) and (n,)"
             )
-        finite = np.isfinite(points).all() and np.isfinite(loads).all() and np.isfinite(radii).all()
+        finite = (
+            np.isfinite(points).all()
+            and np.isfinite(loads).all()
+            and np.isfinite(radii).all()
+        )
         if not finite or (loads < 0.0).any() or not loads.sum() > 0.0:
-            raise ValueError("points and loads must be finite, loads >= 0, and their sum > 0")
+            raise ValueError(
+                "points and loads must be finite, loads >= 0, and their sum > 0"
+            )
         for name, value in (("points", points), ("loads", loads), ("radii", radii)):
             value.setflags(write=False)
             object.__setattr__(self, name, value)
@@ -71,7 +81,9 @@ class PressureSamples:
 
     def scaled_to(self, load: float) -> PressureSamples:
         """Return the same distribution with another total ``load`` [N]."""
-        return PressureSamples(self.points, self.loads * (load / self.total_load), self.radii)
+        return PressureSamples(
+            self.points, self.loads * (load / self.total_load), self.radii
+        )
 
     def translated(self, shift: Point) -> PressureSamples:
         """Return the distribution moved by ``shift`` [m]."""
@@ -79,7 +91,9 @@ class PressureSamples:
 
 
 def total_load(own_load: float, normals: Sequence[float]) -> float:
-    """Return N = N_o + sum N_i [N]: the object's own load on the support and the presses from above."""
+    """Return N = N_o + sum N_i [N]: the object's own load on the support and the
+    presses from above.
+    """
     return own_load + sum(normals)
 
 
@@ -91,16 +105,19 @@ def center_of_pressure(
     forces: Sequence[Point] = (),
     heights: Sequence[float] = (),
 ) -> Point:
-    """Return p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m] (docs/mechanics.md, 1.2).
+    """Return p_cop = (N_o p_o + sum N_i p_i + sum h_i F_i) / N [m] (docs/mechanics.md,
+    1.2).
 
-    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall), ``normals`` [N] press at
-    ``points`` [m], horizontal ``forces`` [N] act on the object at ``heights`` [m] above the support: of side
-    pushes, of presses, and on a wall the weight at the height of the centre of mass. Raises ValueError for
-    unequal lengths or a load <= 0.
+    ``own_load`` [N] acts at ``own_point`` [m] (the centre of mass; 0 on a wall),
+    ``normals`` [N] press at ``points`` [m], horizontal ``forces`` [N] act on the object
+    at ``heights`` [m] above the support: of side pushes, of presses, and on a wall the
+    weight at the height of the centre of mass. Raises ValueError for unequal lengths or
+    a load <= 0.
     """
     if len(normals) != len(points) or len(forces) != len(heights):
         raise ValueError(
-            f"{len(normals)} normals, {len(points)} points, {len(forces)} forces, {len(heights)} heights: "
+            f"{len(normals)} normals, {len(points)} points, {len(forces)} forces, "
+            f"{len(heights)} heights: "
             "one point per normal and one height per force"
         )
     load = total_load(own_load, normals)
@@ -117,20 +134,29 @@ def center_of_pressure(
     return (x / load, y / load)
 
 
-def _cells(points: Array, areas: Array, pressures: Array, load: float) -> PressureSamples:
+def _cells(
+    points: Array, areas: Array, pressures: Array, load: float
+) -> PressureSamples:
     loads = areas * np.maximum(pressures, 0.0)
-    return PressureSamples(points, loads * (load / loads.sum()), CELL_RADIUS * np.sqrt(areas))
+    return PressureSamples(
+        points, loads * (load / loads.sum()), CELL_RADIUS * np.sqrt(areas)
+    )
 
 
 def polygon_pressure(
-    polygon: Sequence[Point], load: float = 1.0, cop: Point | None = None, resolution: int = 12
+    polygon: Sequence[Point],
+    load: float = 1.0,
+    cop: Point | None = None,
+    resolution: int = 12,
 ) -> PressureSamples:
-    """Return the unilateral linear (Winkler) pressure on a convex ``polygon`` with the given CoP.
+    """Return the unilateral linear (Winkler) pressure on a convex ``polygon`` with the
+    given CoP.
 
-    Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for ``cop`` None or at the
-    centroid, linear over the whole face for a CoP near it, with the far side lifted beyond
-    (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24 ``resolution``^2 samples, exact for moments up to
-    the third. Raises ValueError for a CoP outside the polygon.
+    Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for
+    ``cop`` None or at the centroid, linear over the whole face for a CoP near it, with
+    the far side lifted beyond (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24
+    ``resolution``^2 samples, exact for moments up to the third. Raises ValueError for a
+    CoP outside the polygon.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
     corners = quadrature.base(outline)
@@ -142,47 +168,67 @@ def polygon_pressure(
         points, areas = quadrature.base_rule(outline, resolution)
         return _cells(points, areas, whole[0] + points @ whole[1], load)
     a, b = quadrature.linear_pressure(corners, np.array(cop, dtype=np.float64))
-    points, areas = quadrature.polygon_rule(quadrature.clipped(corners, a, b), resolution)
+    points, areas = quadrature.polygon_rule(
+        quadrature.clipped(corners, a, b), resolution
+    )
     return _cells(points, areas, a + points @ b, load)
 
 
 def rectangle_pressure(
-    length: float, width: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
+    length: float,
+    width: float,
+    load: float = 1.0,
+    cop: Point = (0.0, 0.0),
+    resolution: int = 12,
 ) -> PressureSamples:
-    """Return the Winkler pressure of a ``length`` x ``width`` rectangle [m] about the origin.
+    """Return the Winkler pressure of a ``length`` x ``width`` rectangle [m] about the
+    origin.
 
-    Its CoP is ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| > length/6 (docs/mechanics.md,
+    Its CoP is ``cop`` [m]. For a CoP (x_c, 0) the far side lifts when |x_c| > length/6
+    (docs/mechanics.md,
     1.2).
     """
-    a, b = 0.5 * length, 0.5 * width
+    a = 0.5 * length
+    b = 0.5 * width
     return polygon_pressure(((-a, -b), (a, -b), (a, b), (-a, b)), load, cop, resolution)
 
 
 def disc_pressure(
     radius: float, load: float = 1.0, cop: Point = (0.0, 0.0), resolution: int = 12
 ) -> PressureSamples:
-    """Return the Winkler pressure of a disc of ``radius`` [m] centred at the origin with CoP ``cop`` [m].
+    """Return the Winkler pressure of a disc of ``radius`` [m] centred at the origin
+    with CoP ``cop`` [m].
 
-    The whole face is in contact for |cop| <= radius/4; beyond, the disc is integrated as a 64-sided polygon
-    of equal second moment. Raises ValueError for a CoP outside the disc.
+    The whole face is in contact for |cop| <= radius/4; beyond, the disc is integrated
+    as a 64-sided polygon of equal second moment. Raises ValueError for a CoP outside
+    the disc.
     """
     if not radius > 0.0:
         raise ValueError(f"radius {radius} m; must be > 0")
     if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
         points, areas = quadrature.disc_rule(radius, resolution)
-        return _cells(points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop)), load)
+        return _cells(
+            points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop)), load
+        )
     n = 64
     step = 2.0 * math.pi / n
-    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s) (2 + cos(s)) / (3 s).
+    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
+    # (2 + cos(s)) / (3 s).
     corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
-    polygon = tuple((corner * math.cos(i * step), corner * math.sin(i * step)) for i in range(n))
+    polygon = tuple(
+        (corner * math.cos(i * step), corner * math.sin(i * step)) for i in range(n)
+    )
     return polygon_pressure(polygon, load, cop, resolution)
 
 
-def pin_pressure(points: Sequence[Point], cop: Point, load: float = 1.0) -> PressureSamples:
-    """Return the loads on three pins at ``points`` [m] whose centre of pressure is ``cop`` [m].
+def pin_pressure(
+    points: Sequence[Point], cop: Point, load: float = 1.0
+) -> PressureSamples:
+    """Return the loads on three pins at ``points`` [m] whose centre of pressure is
+    ``cop`` [m].
 
-    Raises ValueError if there are not three, they are in one line, or the CoP is outside their triangle.
+    Raises ValueError if there are not three, they are in one line, or the CoP is
+    outside their triangle.
     """
     if len(points) != 3:
         raise ValueError(f"{len(points)} pins; the loads are determined for exactly 3")
@@ -191,8 +237,12 @@ def pin_pressure(points: Sequence[Point], cop: Point, load: float = 1.0) -> Pres
         raise ValueError("the three pins are in one line; they must span a triangle")
     shares = np.linalg.solve(system, np.array([cop[0], cop[1], 1.0]))
     if shares.min() < -1e-12:
-        raise ValueError(f"centre of pressure {cop} is outside the triangle of the pins")
-    return PressureSamples(np.array(points, dtype=np.float64), load * np.maximum(shares, 0.0))
+        raise ValueError(
+            f"centre of pressure {cop} is outside the triangle of the pins"
+        )
+    return PressureSamples(
+        np.array(points, dtype=np.float64), load * np.maximum(shares, 0.0)
+    )
 
 
 def support_pressure(
@@ -202,12 +252,14 @@ def support_pressure(
     cop: Point = (0.0, 0.0),
     resolution: int = 12,
 ) -> PressureSamples:
-    """Return the pressure under a shape, as samples in the body frame B (origin: the projected CoM).
+    """Return the pressure under a shape, as samples in the body frame B (origin: the
+    projected CoM).
 
-    ``center_of_mass`` [m] is given in the shape's frame G (``ObjectModel.center_of_mass``), ``cop`` [m] in B:
-    (0, 0) for the object at rest, moved by presses and by pushes at a height. The distribution is unilateral
-    linear with total ``load`` [N]; it is uniform where the CoP is the centroid of the base. Raises ValueError
-    for a CoP outside the base.
+    ``center_of_mass`` [m] is given in the shape's frame G
+    (``ObjectModel.center_of_mass``), ``cop`` [m] in B: (0, 0) for the object at rest,
+    moved by presses and by pushes at a height. The distribution is unilateral linear
+    with total ``load`` [N]; it is uniform where the CoP is the centroid of the base.
+    Raises ValueError for a CoP outside the base.
     """
     cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
     if isinstance(shape, Cylinder):

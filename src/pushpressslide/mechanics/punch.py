@@ -1,9 +1,10 @@
 """Pressure under a rigid flat face on an elastic support: highest at the rim.
 
-The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson, "Contact Mechanics",
-1985, section 3.4 and 5.9): the load settles so that the support sinks as a plane under the whole face, each
-load sinking it by 1/distance. The elastic constants do not matter. A face that is harder than its support
-comes near it, and measured pushes of one agree (docs/identification.md).
+The contact problem of a rigid punch on an elastic half-space (Boussinesq; Johnson,
+"Contact Mechanics", 1985, section 3.4 and 5.9): the load settles so that the support
+sinks as a plane under the whole face, each load sinking it by 1/distance. The elastic
+constants do not matter. A face that is harder than its support comes near it, and
+measured pushes of one agree (docs/identification.md).
 """
 
 from __future__ import annotations
@@ -19,13 +20,16 @@ from pushpressslide.mechanics.pressure import CELL_RADIUS, PressureSamples
 
 
 def punch_pressure(
-    polygon: Sequence[Point], load: float = 1.0, cop: Point | None = None, resolution: int = 4
+    polygon: Sequence[Point],
+    load: float = 1.0,
+    cop: Point | None = None,
+    resolution: int = 4,
 ) -> PressureSamples:
     """Return the pressure of a rigid, frictionless face on an elastic half-space.
 
-    Convex ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default the centroid. About
-    24 ``resolution``^2 samples; rho is then about 1 % low. Raises ValueError for a CoP so far out that an
-    edge would lift.
+    Convex ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default
+    the centroid. About 24 ``resolution``^2 samples; rho is then about 1 % low. Raises
+    ValueError for a CoP so far out that an edge would lift.
     """
     corners = quadrature.as_polygon(polygon)
     points, areas = quadrature.polygon_rule(corners, resolution)
@@ -43,6 +47,7 @@ def punch_pressure(
     loads = np.linalg.solve(system, np.append(np.zeros(n), (1.0, 0.0, 0.0)))[:n]
     if loads.min() < 0.0:
         raise ValueError(
-            f"centre of pressure ({center[0]:.4g}, {center[1]:.4g}) m lifts an edge of the rigid face"
+            f"centre of pressure ({center[0]:.4g}, {center[1]:.4g}) m lifts an edge of "
+            "the rigid face"
         )
     return PressureSamples(points, load * loads, CELL_RADIUS * np.sqrt(areas))

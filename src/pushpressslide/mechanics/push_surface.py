@@ -1,4 +1,6 @@
-"""The limit surface of an object that is pushed from its sides at one height, near one twist."""
+"""The limit surface of an object that is pushed from its sides at one height, near one
+twist.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,12 @@ GRAVITY = 9.81  # [m/s^2]
 
 @lru_cache(maxsize=16)
 def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
-    """Return the ellipsoid that touches the exact surface at ``twist`` (any body point), as believed.
+    """Return the ellipsoid that touches the exact surface at ``twist`` (any body
+    point), as believed.
 
-    Its centre of pressure goes along with the force, as pushes at ``height`` [m] move it (docs/mechanics.md,
-    section 1.2). Raises ValueError for a zero twist, and where the object tips.
+    Its centre of pressure goes along with the force, as pushes at ``height`` [m] move
+    it (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and where
+    the object tips.
     """
     belief = task.believed
     load = belief.mass * GRAVITY

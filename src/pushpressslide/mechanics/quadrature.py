@@ -1,4 +1,6 @@
-"""Quadrature over convex polygons and discs, and the linear unilateral pressure with a given centre."""
+"""Quadrature over convex polygons and discs, and the linear unilateral pressure with a
+given centre.
+"""
 
 from __future__ import annotations
 
@@ -13,28 +15,43 @@ from pushpressslide.core.pose import Point
 
 Array = NDArray[np.float64]
 
-# Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973): (barycentric coordinate,
-# weight).
+# Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
+# (barycentric coordinate, weight).
 _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
 
 
 def as_polygon(corners: Sequence[Point]) -> Array:
-    """Return the corners as an array (n, 2); raises ValueError unless convex and counter-clockwise."""
+    """Return the corners as an array (n, 2); raises ValueError unless convex and
+    counter-clockwise.
+    """
     polygon = np.array(corners, dtype=np.float64)
-    if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3 or not np.isfinite(polygon).all():
-        raise ValueError(f"polygon of shape {polygon.shape}; need at least 3 finite corners (x, y)")
+    if (
+        polygon.ndim != 2
+        or polygon.shape[1] != 2
+        or len(polygon) < 3
+        or not np.isfinite(polygon).all()
+    ):
+        raise ValueError(
+            f"polygon of shape {polygon.shape}; need at least 3 finite corners (x, y)"
+        )
     edges = np.roll(polygon, -1, axis=0) - polygon
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     size = float(np.abs(edges).max())
-    if size == 0.0 or turns.min() < -1e-12 * size**2 or not moments(polygon)[0] > 1e-12 * size**2:
+    if (
+        size == 0.0
+        or turns.min() < -1e-12 * size**2
+        or not moments(polygon)[0] > 1e-12 * size**2
+    ):
         raise ValueError("polygon must be convex, counter-clockwise, and have an area")
     return polygon
 
 
 @lru_cache(maxsize=64)
 def base(corners: tuple[Point, ...]) -> Array:
-    """Return ``as_polygon`` of an object's outline, which is asked for again and again; read-only."""
+    """Return ``as_polygon`` of an object's outline, which is asked for again and again;
+    read-only.
+    """
     polygon = as_polygon(corners)
     polygon.setflags(write=False)
     return polygon
@@ -51,15 +68,21 @@ def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array
 
 @lru_cache(maxsize=64)
 def _base_moments(corners: tuple[Point, ...]) -> tuple[float, Array, Array]:
-    """Return area, centroid (2,), and the inverse (2, 2) of the second moments about it."""
+    """Return area, centroid (2,), and the inverse (2, 2) of the second moments about
+    it.
+    """
     area, first, second = moments(base(corners))
     center = first / area
     inverse = np.linalg.inv(second - area * np.outer(center, center)).astype(np.float64)
     return area, center, inverse
 
 
-def whole_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array] | None:
-    """Return (a, b) of ``linear_pressure`` where it presses everywhere on the outline, else None."""
+def whole_pressure(
+    corners: tuple[Point, ...], cop: Point
+) -> tuple[float, Array] | None:
+    """Return (a, b) of ``linear_pressure`` where it presses everywhere on the outline,
+    else None.
+    """
     area, center, inverse = _base_moments(corners)
     b: Array = inverse @ (np.array(cop) - center)
     a = 1.0 / area - float(b @ center)
@@ -67,17 +90,26 @@ def whole_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array
 
 
 def moments(polygon: Array) -> tuple[float, Array, Array]:
-    """Return area, first moments (2,) and second moments (2, 2) about the origin, exactly."""
-    p, q = polygon, np.roll(polygon, -1, axis=0)
+    """Return area, first moments (2,) and second moments (2, 2) about the origin,
+    exactly.
+    """
+    p = polygon
+    q = np.roll(polygon, -1, axis=0)
     turn = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
     s = p + q
     first = turn @ s / 6.0
-    outer = s[:, :, None] * s[:, None, :] + p[:, :, None] * p[:, None, :] + q[:, :, None] * q[:, None, :]
+    outer = (
+        s[:, :, None] * s[:, None, :]
+        + p[:, :, None] * p[:, None, :]
+        + q[:, :, None] * q[:, None, :]
+    )
     return float(turn.sum()) / 2.0, first, np.tensordot(turn, outer, axes=1) / 24.0
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
-    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2); m = 0 if there is none."""
+    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2); m =
+    0 if there is none.
+    """
     values = a + polygon @ b
     if values.min() >= 0.0:
         return polygon
@@ -93,26 +125,32 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
 
 
 def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
-    """Return (a, b) of the pressure max(0, a + b . r) with unit integral and its centre at ``cop`` (2,).
+    """Return (a, b) of the pressure max(0, a + b . r) with unit integral and its centre
+    at ``cop`` (2,).
 
-    The solution minimises the convex function half the integral of max(0, a + b . r)^2, less a + b . cop;
-    damped Newton steps on it, in coordinates scaled to the polygon. Raises ValueError for a CoP on or outside
-    the outline.
+    The solution minimises the convex function half the integral of max(0, a + b . r)^2,
+    less a + b . cop; damped Newton steps on it, in coordinates scaled to the polygon.
+    Raises ValueError for a CoP on or outside the outline.
     """
     edges = np.roll(polygon, -1, axis=0) - polygon
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     kept = lengths > 0.0
     to_cop = cop - polygon
-    inside = (edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0])[kept] / lengths[kept]
+    inside = (edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0])[kept] / lengths[
+        kept
+    ]
     size = float(lengths.max())
     if not inside.min() > 1e-4 * size:
         raise ValueError(
-            f"centre of pressure ({cop[0]:.4g}, {cop[1]:.4g}) m is {inside.min():.3g} m inside the outline "
+            f"centre of pressure ({cop[0]:.4g}, {cop[1]:.4g}) m is {inside.min():.3g} "
+            "m inside the outline "
             f"of the base; it must be at least {1e-4 * size:.2g} m inside"
         )
     area, first, _ = moments(polygon)
-    center, scale = first / area, math.sqrt(area)
-    local, target = (polygon - center) / scale, np.append(1.0, (cop - center) / scale)
+    center = first / area
+    scale = math.sqrt(area)
+    local = (polygon - center) / scale
+    target = np.append(1.0, (cop - center) / scale)
 
     def evaluate(x: Array) -> tuple[float, Array, Array]:
         patch = clipped(local, float(x[0]), x[1:])
@@ -129,10 +167,12 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
         if np.abs(gradient).max() < 1e-13:
             break
         step = np.linalg.solve(hessian + 1e-14 * np.eye(3), -gradient)
-        t, slope = 1.0, float(gradient @ step)
+        t = 1.0
+        slope = float(gradient @ step)
         while t > 1e-9:
             new_value, new_gradient, new_hessian = evaluate(x + t * step)
-            # Near the end the value is below its own round-off; there the gradient decides.
+            # Near the end the value is below its own round-off; there the gradient
+            # decides.
             if (
                 new_value <= value + 1e-4 * t * slope
                 or np.abs(new_gradient).max() < 0.5 * np.abs(gradient).max()
@@ -141,22 +181,29 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
             t *= 0.5
         else:
             break
-        x, value, gradient, hessian = x + t * step, new_value, new_gradient, new_hessian
+        x = x + t * step
+        value = new_value
+        gradient = new_gradient
+        hessian = new_hessian
     b = x[1:] / scale
     return float(x[0] - b @ center) / area, b / area
 
 
 def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
-    """Return points (m, 2) and areas (m,) of a rule over a convex polygon, exact to degree 4.
+    """Return points (m, 2) and areas (m,) of a rule over a convex polygon, exact to
+    degree 4.
 
-    A fan of triangles about the centroid, each cut into equal parts so that there are about 4
-    ``resolution``^2 of them in all, six points each.
+    A fan of triangles about the centroid, each cut into equal parts so that there are
+    about 4 ``resolution``^2 of them in all, six points each.
     """
     area, first, _ = moments(polygon)
     center = first / area
-    p, q = polygon, np.roll(polygon, -1, axis=0)
+    p = polygon
+    q = np.roll(polygon, -1, axis=0)
     cuts = max(1, round(resolution * math.sqrt(4.0 / len(polygon))))
-    rule = np.array([(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE])
+    rule = np.array(
+        [(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE]
+    )
     rule = np.vstack([rule, [(g, g, 1 - 2 * g) for g, _ in _RULE]])
     weights = np.array([w for _, w in _RULE] * 3)
     parts = []
@@ -167,22 +214,31 @@ def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
                 parts.append(((i + 1, j + 1), (i, j + 1), (i + 1, j)))
     local = (rule @ np.array(parts, dtype=np.float64) / cuts).reshape(-1, 2)
     share = np.tile(weights / cuts**2, len(parts))
-    to_p, to_q = p - center, q - center
+    to_p = p - center
+    to_q = q - center
     triangle = 0.5 * (to_p[:, 0] * to_q[:, 1] - to_p[:, 1] * to_q[:, 0])
-    points = center + local[None, :, :1] * to_p[:, None] + local[None, :, 1:] * to_q[:, None]
+    points = (
+        center + local[None, :, :1] * to_p[:, None] + local[None, :, 1:] * to_q[:, None]
+    )
     areas = triangle[:, None] * share[None, :]
     kept = areas.ravel() > 0.0
     return points.reshape(-1, 2)[kept], areas.ravel()[kept]
 
 
 def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
-    """Return points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss points on rings."""
-    rings, spokes = 2 * resolution, 6 * resolution
-    k = np.arange(1.0, rings)  # Golub and Welsch (1969), without the import of NumPy's polynomials
+    """Return points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss
+    points on rings.
+    """
+    rings = 2 * resolution
+    spokes = 6 * resolution
+    # Golub and Welsch (1969), without the import of NumPy's polynomials
+    k = np.arange(1.0, rings)
     nodes, vectors = np.linalg.eigh(np.diag(k / np.sqrt(4.0 * k * k - 1.0), -1))
     weights = 2.0 * vectors[0] ** 2
     r = 0.5 * radius * (nodes + 1.0)
-    angle = (np.arange(spokes)[None, :] + 0.5 * (np.arange(rings) % 2)[:, None]) * (2.0 * math.pi / spokes)
+    angle = (np.arange(spokes)[None, :] + 0.5 * (np.arange(rings) % 2)[:, None]) * (
+        2.0 * math.pi / spokes
+    )
     points = np.stack([r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)], axis=-1)
     areas = np.repeat(0.5 * radius * weights * r * (2.0 * math.pi / spokes), spokes)
     return points.reshape(-1, 2), areas

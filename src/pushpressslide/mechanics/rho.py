@@ -1,7 +1,8 @@
-"""The length rho of the ellipsoid (its semi-axes are mu N and mu N rho), from a pressure distribution.
+"""The length rho of the ellipsoid (its semi-axes are mu N and mu N rho), from a
+pressure distribution.
 
-Source: docs/mechanics.md, section 1.1. No single value fits: rho depends on the direction and on how tight
-the turn is.
+Source: docs/mechanics.md, section 1.1. No single value fits: rho depends on the
+direction and on how tight the turn is.
 """
 
 from __future__ import annotations
@@ -16,17 +17,20 @@ from pushpressslide.mechanics.pressure import PressureSamples
 
 
 def rho_pole(samples: PressureSamples) -> float:
-    """Return tau_max / (mu N) [m]: the mean distance of the load to the CoP, right for pure rotation."""
+    """Return tau_max / (mu N) [m]: the mean distance of the load to the CoP, right for
+    pure rotation.
+    """
     r = samples.points - np.array(samples.cop)
     distance = np.sqrt((r**2).sum(1) + samples.radii**2)
     return float(samples.loads @ distance) / samples.total_load
 
 
 def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> float:
-    """Return rho_u [m] near straight motion along ``direction``: the root of the pressure's variance along
-    it.
+    """Return rho_u [m] near straight motion along ``direction``: the root of the
+    pressure's variance along it.
 
-    Exact to first order in the turn, for any pressure. Raises ValueError for a zero direction.
+    Exact to first order in the turn, for any pressure. Raises ValueError for a zero
+    direction.
     """
     size = math.hypot(direction[0], direction[1])
     if size == 0.0:
@@ -36,11 +40,12 @@ def rho_straight(samples: PressureSamples, direction: Point = (1.0, 0.0)) -> flo
 
 
 def rho_fit(samples: PressureSamples) -> float:
-    """Return rho [m] of the ellipsoid nearest to the exact surface: least squares of H - 1.
+    """Return rho [m] of the ellipsoid nearest to the exact surface: least squares of H
+    - 1.
 
-    The force axis is held at mu N. Over 256 twists spread evenly on the sphere (vx, vy, rho_pole w). The
-    default for control: 0.95 to 0.97 of ``rho_pole`` for uniform patches. Raises ValueError for a pressure
-    without extent.
+    The force axis is held at mu N. Over 256 twists spread evenly on the sphere (vx, vy,
+    rho_pole w). The default for control: 0.95 to 0.97 of ``rho_pole`` for uniform
+    patches. Raises ValueError for a pressure without extent.
     """
     pole = rho_pole(samples)
     if pole == 0.0:
@@ -50,8 +55,14 @@ def rho_fit(samples: PressureSamples) -> float:
     height = 1.0 - 2.0 * i / n
     angle = i * (math.pi * (1.0 + math.sqrt(5.0)))
     flat = np.sqrt(1.0 - height**2)
-    twists = np.stack([flat * np.cos(angle), flat * np.sin(angle), height / pole], axis=1)
+    twists = np.stack(
+        [flat * np.cos(angle), flat * np.sin(angle), height / pole], axis=1
+    )
     wrenches = exact_wrenches(samples, 1.0 / samples.total_load, twists)
     force_squared = (wrenches[:, :2] ** 2).sum(1)
     torque_squared = wrenches[:, 2] ** 2
-    return math.sqrt(float((torque_squared**2).sum() / (torque_squared * (1.0 - force_squared)).sum()))
+    return math.sqrt(
+        float(
+            (torque_squared**2).sum() / (torque_squared * (1.0 - force_squared)).sum()
+        )
+    )

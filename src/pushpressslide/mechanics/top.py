@@ -1,4 +1,6 @@
-"""The top of an object, seen as a place to press: an upright shape's top is its base's outline. All in B."""
+"""The top of an object, seen as a place to press: an upright shape's top is its base's
+outline. All in B.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +13,22 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
 
 DIRECTIONS = 12  # from the CoM in which places are offered, from G's x axis on
-SHARES = (0.85, 0.65, 0.4)  # of the way from the CoM to the edge at which places are offered
+# of the way from the CoM to the edge at which places are offered
+SHARES = (0.85, 0.65, 0.4)
 
 
 def _edges(body: ObjectModel) -> list[tuple[float, float, float, float]]:
-    """Inward unit normal (x, y), distance of the CoM inside the edge's line, width across; polygons only."""
+    """Inward unit normal (x, y), distance of the CoM inside the edge's line, width
+    across; polygons only.
+    """
     assert not isinstance(body.shape, Cylinder)
-    com, corners = body.center_of_mass, body.shape.footprint
+    com = body.center_of_mass
+    corners = body.shape.footprint
     out = []
     for (ax, ay), (bx, by) in zip(corners, (*corners[1:], corners[0]), strict=True):
         length = math.hypot(bx - ax, by - ay)
-        nx, ny = -(by - ay) / length, (bx - ax) / length
+        nx = -(by - ay) / length
+        ny = (bx - ax) / length
         inside = (com[0] - ax) * nx + (com[1] - ay) * ny
         width = max((x - ax) * nx + (y - ay) * ny for x, y in corners)
         out.append((nx, ny, inside, width))
@@ -32,13 +39,19 @@ def inside_top(body: ObjectModel, point: Point, margin: float) -> bool:
     """Return whether ``point`` [m] is at least ``margin`` [m] inside the outline."""
     if isinstance(body.shape, Cylinder):
         com = body.center_of_mass
-        return math.hypot(point[0] + com[0], point[1] + com[1]) <= body.shape.radius - margin
-    return all(inside + point[0] * nx + point[1] * ny >= margin for nx, ny, inside, _ in _edges(body))
+        return (
+            math.hypot(point[0] + com[0], point[1] + com[1])
+            <= body.shape.radius - margin
+        )
+    return all(
+        inside + point[0] * nx + point[1] * ny >= margin
+        for nx, ny, inside, _ in _edges(body)
+    )
 
 
 def room_inside(body: ObjectModel, point: Point) -> float:
-    """Return how far ``point`` [m] is inside the outline, in half widths across the nearest edge; < 0
-    outside.
+    """Return how far ``point`` [m] is inside the outline, in half widths across the
+    nearest edge; < 0 outside.
     """
     return float(rooms_inside(body, np.array([point]))[0])
 
@@ -50,7 +63,9 @@ def rooms_inside(body: ObjectModel, points: NDArray[np.float64]) -> NDArray[np.f
         round_room: NDArray[np.float64] = 1.0 - np.hypot(x, y) / body.shape.radius
         return round_room
     nx, ny, inside, width = np.array(_edges(body)).T
-    room: NDArray[np.float64] = (2.0 * (inside + points @ np.stack([nx, ny])) / width).min(1)
+    room: NDArray[np.float64] = (
+        2.0 * (inside + points @ np.stack([nx, ny])) / width
+    ).min(1)
     return room
 
 
@@ -62,13 +77,16 @@ def half_width(body: ObjectModel) -> float:
 
 
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
-    """Return places to press [m], ``margin`` [m] inside the outline: in all directions from the CoM."""
+    """Return places to press [m], ``margin`` [m] inside the outline: in all directions
+    from the CoM.
+    """
     out = []
     for i in range(DIRECTIONS):
         angle = 2.0 * math.pi * i / DIRECTIONS
         u = (math.cos(angle), math.sin(angle))
         if isinstance(body.shape, Cylinder):
-            (cx, cy), radius = body.center_of_mass, body.shape.radius - margin
+            cx, cy = body.center_of_mass
+            radius = body.shape.radius - margin
             b = cx * u[0] + cy * u[1]
             room = b * b - cx * cx - cy * cy + radius * radius
             far = -b + math.sqrt(room) if room > 0.0 else 0.0
@@ -79,5 +97,7 @@ def top_places(body: ObjectModel, margin: float) -> list[Point]:
                 if u[0] * nx + u[1] * ny < -1e-9
             ]
             far = min(ways)
-        out += [(share * far * u[0], share * far * u[1]) for share in SHARES if far > margin]
+        out += [
+            (share * far * u[0], share * far * u[1]) for share in SHARES if far > margin
+        ]
     return out

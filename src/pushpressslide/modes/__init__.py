@@ -1,4 +1,6 @@
-"""The library of contact modes: one file per contact topology. A mode is added by adding its file here."""
+"""The library of contact modes: one file per contact topology. A mode is added by
+adding its file here.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,10 @@
-"""Mode parallel_push: two arms push one face side by side (docs/mechanics.md, section 5).
+"""Mode parallel_push: two arms push one face side by side (docs/mechanics.md, section
+5).
 
-By their normal forces alone they drive the object as a forward car of bounded curvature, its axle at the
-centre of pressure; with equal forces, as a rear-steer car. With both mixed, as the exact allocator can, they
-drive every twist of a cone: where a car would have to turn a loop, the object may go sideways.
+By their normal forces alone they drive the object as a forward car of bounded
+curvature, its axle at the centre of pressure; with equal forces, as a rear-steer car.
+With both mixed, as the exact allocator can, they drive every twist of a cone: where a
+car would have to turn a loop, the object may go sideways.
 """
 
 from __future__ import annotations
@@ -45,17 +47,24 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 ORIGIN = (0.0, 0.0)
 GRAVITY = 9.81  # [m/s^2]
-HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)  # [m] of the contacts from the CoM's line that are tried
+# [m] of the contacts from the CoM's line that are tried
+HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
-DRIVES = {"differential": ("differential",), "synchronised": ("synchronised",), "mixed": ("mixed",)}
-# in this order, where motion.vehicle is none of these: both mixed correct an error any way at once, a car
-# takes some look-aheads of straight way for it
+DRIVES = {
+    "differential": ("differential",),
+    "synchronised": ("synchronised",),
+    "mixed": ("mixed",),
+}
+# in this order, where motion.vehicle is none of these: both mixed correct an error any
+# way at once, a car takes some look-aheads of straight way for it
 EITHER = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
-SPARE, REPLAN_SPARE = math.radians(6.0), math.radians(2.0)  # inside the cone: of a plan, and of one made anew
+SPARE = math.radians(6.0)
+REPLAN_SPARE = math.radians(2.0)  # inside the cone: of a plan, and of one made anew
 KEPT = 0.9  # of the friction: what corrections may use
-LOOP_RATIO, SLACK = 1.25, 0.03  # times the straight way, and [m]: a longer path has turned a loop
+LOOP_RATIO = 1.25
+SLACK = 0.03  # times the straight way, and [m]: a longer path has turned a loop
 
 Cars = Callable[[Face, bool], dict[tuple[Contact, ...], PushedCar]]
 
@@ -73,12 +82,26 @@ class ParallelPush:
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the ways to push each face, feasible ones first, the quickest first."""
         if isinstance(task.object.shape, Cylinder):
-            return [Choice(self.name, False, "a cylinder has no flat face for two tips side by side")]
-        pushed = [f for f in faces(task.object, CORNER_CLEARANCE) if task.motion.face in (None, f.index)]
-        places = [(face, contacts) for face in pushed for contacts in _places(task, face)]
+            return [
+                Choice(
+                    self.name,
+                    False,
+                    "a cylinder has no flat face for two tips side by side",
+                )
+            ]
+        pushed = [
+            f
+            for f in faces(task.object, CORNER_CLEARANCE)
+            if task.motion.face in (None, f.index)
+        ]
+        places = [
+            (face, contacts) for face in pushed for contacts in _places(task, face)
+        ]
 
         @cache
-        def cars(face: Face, synchronised: bool) -> dict[tuple[Contact, ...], PushedCar]:
+        def cars(
+            face: Face, synchronised: bool
+        ) -> dict[tuple[Contact, ...], PushedCar]:
             contacts = [c for f, c in places if f == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
             made = pushed_cars(task, halves, contact_height(task), synchronised)
@@ -91,14 +114,25 @@ class ParallelPush:
         return followed(task, drafts, self.vehicle_frame, enough, beside)
 
     def _drafts(
-        self, task: Task, face: Face, contacts: tuple[Contact, ...], cars: Cars, judged: bool
+        self,
+        task: Task,
+        face: Face,
+        contacts: tuple[Contact, ...],
+        cars: Cars,
+        judged: bool,
     ) -> list[Choice]:
-        """Judge contacts on a face but for the arms' reach: one choice for each way to give them to arms."""
-        (left, right), height = (c.point for c in contacts), contacts[0].height
+        """Judge contacts on a face but for the arms' reach: one choice for each way to
+        give them to arms.
+        """
+        left, right = (c.point for c in contacts)
+        height = contacts[0].height
         what = f"face {face.index} at ({left[0]:.3f}, {left[1]:.3f}) and ({right[0]:.3f}, {right[1]:.3f})"
         if not judged:
-            return [Choice(self.name, True, what, contacts, time=_least_time(task, face))]
-        apart, needed = math.dist(left, right), least_distance(task)
+            return [
+                Choice(self.name, True, what, contacts, time=_least_time(task, face))
+            ]
+        apart = math.dist(left, right)
+        needed = least_distance(task)
         problem = drag_problem(task, (face,), height)
         if apart < needed:
             problem = f"contacts {apart * 1e3:.0f} mm apart, two tools need {needed * 1e3:.0f} mm"
@@ -112,36 +146,64 @@ class ParallelPush:
                 if drive == "mixed":
                     choice = self._mixed(task, contacts)
                 else:
-                    choice = self._as_car(task, cars(face, drive == "synchronised")[contacts])
+                    choice = self._as_car(
+                        task, cars(face, drive == "synchronised")[contacts]
+                    )
             except ValueError as error:
                 choice = Choice(self.name, False, str(error))
             why.append(f"{drive}: {choice.reason}")
             if choice.path is not None:
-                return self._given(task, replace(choice, reason=f"{what}, {why[-1]}"), contacts, choice.path)
+                return self._given(
+                    task,
+                    replace(choice, reason=f"{what}, {why[-1]}"),
+                    contacts,
+                    choice.path,
+                )
         return [Choice(self.name, False, f"{what}: {'; '.join(why)}", contacts)]
 
     def _given(
-        self, task: Task, choice: Choice, contacts: tuple[Contact, ...], path: MotionPath
+        self,
+        task: Task,
+        choice: Choice,
+        contacts: tuple[Contact, ...],
+        path: MotionPath,
     ) -> list[Choice]:
-        """Return one choice for each way to give the contacts to the arms, with what all drives have in
-        common.
+        """Return one choice for each way to give the contacts to the arms, with what
+        all drives have in common.
         """
-        X_VB, motion = self.vehicle_frame(choice).inverse(), task.motion
-        time = SpeedProfile(path.length, motion.speed, motion.acceleration).duration + overhead(task)
+        X_VB = self.vehicle_frame(choice).inverse()
+        motion = task.motion
+        time = SpeedProfile(
+            path.length, motion.speed, motion.acceleration
+        ).duration + overhead(task)
         common = {"speed": motion.speed, "contact_height": contacts[0].height}
         choice = replace(
-            choice, contacts=contacts, path_length=path.length, time=time,
+            choice,
+            contacts=contacts,
+            path_length=path.length,
+            time=time,
             parameters={**choice.parameters, **common},
-        )  # fmt: skip
-        poses = [path.pose(share * path.length).compose(X_VB) for share in (0.0, 0.5, 1.0)]
+        )
+        poses = [
+            path.pose(share * path.length).compose(X_VB) for share in (0.0, 0.5, 1.0)
+        ]
         ways = assignments(task.bases, [c.point for c in contacts], poses)
         if not ways:
-            return [replace(choice, feasible=False, reason=f"{choice.reason}; the arms would cross")]
+            return [
+                replace(
+                    choice,
+                    feasible=False,
+                    reason=f"{choice.reason}; the arms would cross",
+                )
+            ]
         return [replace(choice, contacts=given_to(contacts, arms)) for arms in ways]
 
     def _as_car(self, task: Task, car: PushedCar) -> Choice:
         """Return the choice to push as a car, without what all drives have in common."""
-        start, goal = (X.compose(task.object.X_GB).compose(car.X_BV) for X in (task.start, task.goal))
+        start, goal = (
+            X.compose(task.object.X_GB).compose(car.X_BV)
+            for X in (task.start, task.goal)
+        )
         curvature = task.motion.curvature_margin * car.tightest
         longest = LOOP_RATIO * math.hypot(goal.x - start.x, goal.y - start.y) + SLACK
         path = gentle_path(start, goal, curvature, longest)
@@ -152,30 +214,43 @@ class ParallelPush:
         reason = f"path {path.length:.3f} m, {used / car.tightest:.2f} of the tightest curve used"
         level = task.believed.support_friction * task.believed.mass * GRAVITY
         return Choice(
-            self.name, True, reason, path=path,
-            friction_margin=atan(task.believed.contact_friction) - atan(car.lead * used),
+            self.name,
+            True,
+            reason,
+            path=path,
+            friction_margin=atan(task.believed.contact_friction)
+            - atan(car.lead * used),
             parameters={**car.figures, "push_force": level, "curvature": curvature},
-        )  # fmt: skip
+        )
 
     def _mixed(self, task: Task, contacts: Sequence[Contact]) -> Choice:
-        """Return the choice to drive twists of the contacts' cone, without what all drives have in common."""
+        """Return the choice to drive twists of the contacts' cone, without what all
+        drives have in common.
+        """
         start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
-        direct, radius = screw(start, goal), farthest_corner(task.object)
+        direct = screw(start, goal)
+        radius = farthest_corner(task.object)
         surface = push_surface(task, contacts[0].height, Twist(*direct))
         cone = TwistCone(contacts, task.believed.contact_friction, surface)
         longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length + SLACK
         path = path_in_cone(start, goal, cone, SPARE, radius, longest)
         if path is None:
             return Choice(
-                self.name, False,
-                f"the direct way is {told(cone.angle(*direct), SPARE)}; no three twists of {longest:.2f} m",
-            )  # fmt: skip
+                self.name,
+                False,
+                f"the direct way is {told(cone.angle(*direct), SPARE)}; no three "
+                f"twists of {longest:.2f} m",
+            )
         spare = least_spare(path, cone)
         reason = f"path {path.length:.3f} m of {len(path.pieces)} twist(s), {told(spare, SPARE)}"
         return Choice(
-            self.name, True, reason, friction_margin=spare, path=path,
+            self.name,
+            True,
+            reason,
+            friction_margin=spare,
+            path=path,
             parameters={**cone.figures, "radius": radius},
-        )  # fmt: skip
+        )
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: at a car's axle, x along the pushes; else B itself."""
@@ -183,17 +258,22 @@ class ParallelPush:
         return PushedCar.remembered(figures).X_BV if "axle" in figures else Pose2()
 
     def tracker(self, plan: Plan) -> AxleTracker | HolonomicTracker:
-        """Return the law for a plan: look-ahead alignment of a car; else the holonomic one, corrected within
-        the cone of KEPT of the friction.
+        """Return the law for a plan: look-ahead alignment of a car; else the holonomic
+        one, corrected within the cone of KEPT of the friction.
         """
-        figures, motion = plan.choice.parameters, plan.task.motion
+        figures = plan.choice.parameters
+        motion = plan.task.motion
         if isinstance(plan.path, TwistPath):
             friction = KEPT * plan.task.believed.contact_friction
             cone = TwistCone.remembered(figures, plan.choice.contacts, friction)
             return HolonomicTracker(plan.X_BV, cone.surface, cone.nearest)
         car = PushedCar.remembered(figures)
-        law = LookAheadAlignment(motion.look_ahead or LOOK_AHEAD, STEERING_SHARE * car.tightest)
-        return AxleTracker(law, car.heading, car.axle, car.lead, car.rho, figures["push_force"])
+        law = LookAheadAlignment(
+            motion.look_ahead or LOOK_AHEAD, STEERING_SHARE * car.tightest
+        )
+        return AxleTracker(
+            law, car.heading, car.axle, car.lead, car.rho, figures["push_force"]
+        )
 
     def allocator(
         self,
@@ -202,8 +282,8 @@ class ParallelPush:
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Callable[[float, float, float], Allocation]:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM; ``rho`` [m] weighs torque
-        errors (default: half the distance of the contacts).
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM;
+        ``rho`` [m] weighs torque errors (default: half the distance of the contacts).
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         rho = rho if rho is not None else 0.5 * math.dist(*points)
@@ -213,10 +293,14 @@ class ParallelPush:
         """Return nothing: two contacts hold the object, wherever its axle is."""
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan for what is left of the way; None where that is not within the cone, or for a car,
-        which does not go back.
+        """Return the plan for what is left of the way; None where that is not within
+        the cone, or for a car, which does not go back.
         """
-        return self.replan(plan, X_WB, touched, math.inf) if isinstance(plan.path, TwistPath) else None
+        return (
+            self.replan(plan, X_WB, touched, math.inf)
+            if isinstance(plan.path, TwistPath)
+            else None
+        )
 
     def replan(
         self,
@@ -226,23 +310,33 @@ class ParallelPush:
         longest: float,
         identified: Identified | None = None,
     ) -> Plan | None:
-        """Return the plan from the object's true pose and the true contacts; None if its path is longer than
-        ``longest`` [m]. How the object moves is believed as before.
+        """Return the plan from the object's true pose and the true contacts; None if
+        its path is longer than ``longest`` [m]. How the object moves is believed as
+        before.
         """
         figures = plan.choice.parameters
         pairs = zip(plan.choice.contacts, touched, strict=True)
         contacts = tuple(replace(contact, point=point) for contact, point in pairs)
-        start, goal = X_WB.compose(plan.X_BV), plan.goal.compose(plan.task.object.X_GB).compose(plan.X_BV)
+        start = X_WB.compose(plan.X_BV)
+        goal = plan.goal.compose(plan.task.object.X_GB).compose(plan.X_BV)
         path: MotionPath | None
         if isinstance(plan.path, TwistPath):
-            cone = TwistCone.remembered(figures, contacts, plan.task.believed.contact_friction)
-            path = path_in_cone(start, goal, cone, REPLAN_SPARE, figures["radius"], longest)
+            cone = TwistCone.remembered(
+                figures, contacts, plan.task.believed.contact_friction
+            )
+            path = path_in_cone(
+                start, goal, cone, REPLAN_SPARE, figures["radius"], longest
+            )
         else:
             path = gentle_path(start, goal, figures["curvature"], longest)
         if path is None or path.length > longest:
             return None
-        choice = replace(plan.choice, contacts=contacts, path=path, path_length=path.length)
-        profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+        choice = replace(
+            plan.choice, contacts=contacts, path=path, path_length=path.length
+        )
+        profile = SpeedProfile(
+            path.length, plan.profile.speed, plan.profile.acceleration
+        )
         return replace(plan, choice=choice, path=path, profile=profile)
 
 
@@ -253,12 +347,23 @@ def _least_time(task: Task, face: Face) -> float:
     direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
     # of a car's axle, somewhere ahead of the CoM
     (ax, ay), (bx, by) = (X.rotate(face.normal) for X in (start, goal))
-    x, y, dx, dy = goal.x - start.x, goal.y - start.y, bx - ax, by - ay
+    x = goal.x - start.x
+    y = goal.y - start.y
+    dx = bx - ax
+    dy = by - ay
     square = dx * dx + dy * dy
     ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
     axle = math.hypot(x + ahead * dx, y + ahead * dy)
-    least = direct if drives == ("mixed",) else axle if "mixed" not in drives else min(direct, axle)
-    return SpeedProfile(least, task.motion.speed, task.motion.acceleration).duration + overhead(task)
+    least = (
+        direct
+        if drives == ("mixed",)
+        else axle
+        if "mixed" not in drives
+        else min(direct, axle)
+    )
+    return SpeedProfile(
+        least, task.motion.speed, task.motion.acceleration
+    ).duration + overhead(task)
 
 
 def _places(task: Task, face: Face) -> list[tuple[Contact, ...]]:
@@ -267,7 +372,10 @@ def _places(task: Task, face: Face) -> list[tuple[Contact, ...]]:
     room = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
     height = contact_height(task)
     return [
-        tuple(Contact(i, "side", on_face(face, y), face.normal, height) for i, y in enumerate((w, -w)))
+        tuple(
+            Contact(i, "side", on_face(face, y), face.normal, height)
+            for i, y in enumerate((w, -w))
+        )
         for w in dict.fromkeys(min(w, room) for w in HALF_WIDTHS)
     ]
 

@@ -1,9 +1,10 @@
-"""Mode press_and_push: one arm presses a point of the top and pins it, the other pushes a side face, and the
-object turns about the pinned point (docs/mechanics.md, sections 1.2 and 7).
+"""Mode press_and_push: one arm presses a point of the top and pins it, the other pushes
+a side face, and the object turns about the pinned point (docs/mechanics.md, sections
+1.2 and 7).
 
-An arm that does not press transmits no friction, and under two presses the object turns best between them. To
-turn it about a point near its edge the second arm pushes from the side, where it has the longest lever; the
-press holds what drag and push leave over.
+An arm that does not press transmits no friction, and under two presses the object turns
+best between them. To turn it about a point near its edge the second arm pushes from the
+side, where it has the longest lever; the press holds what drag and push leave over.
 """
 
 from __future__ import annotations
@@ -35,12 +36,14 @@ from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
 GRAVITY = 9.81  # [m/s^2]
-USE = (0.5, 0.6, 0.7, 0.8, 0.9)  # shares of the press's friction that holding the pivot may take, best first
+# shares of the press's friction that holding the pivot may take, best first
+USE = (0.5, 0.6, 0.7, 0.8, 0.9)
 LEAST_PRESS = 3.0  # [N] below which contact is not felt for sure
 HALVINGS = 8  # of the interval of presses
 EDGE = 0.012  # [m] that the press stays away from the top's edges
 LEAST_TURN = math.radians(3.0)  # of a goal
-TIPPING_ROOM = 0.15  # half widths that the centre of pressure stays inside the base's edge
+# half widths that the centre of pressure stays inside the base's edge
+TIPPING_ROOM = 0.15
 DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
 
 
@@ -66,8 +69,8 @@ class PressAndPush:
     walls = False
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return one choice per place to push and way to give the contacts to the arms, feasible ones first,
-        those with the longest lever first.
+        """Return one choice per place to push and way to give the contacts to the arms,
+        feasible ones first, those with the longest lever first.
         """
         try:
             pin = _pin(task)
@@ -78,25 +81,46 @@ class PressAndPush:
         if not places:
             least = LEAST_LEVER * 1e3
             return [
-                Choice(self.name, False, f"no face has a lever of {least:.0f} mm about the pressed point")
+                Choice(
+                    self.name,
+                    False,
+                    f"no face has a lever of {least:.0f} mm about the pressed point",
+                )
             ]
-        body, radius = task.object, max(math.dist(pin, place.point) for place in places)
-        start, goal = (X.compose(body.X_GB).compose(Pose2(*pin)) for X in (task.start, task.goal))
+        body = task.object
+        radius = max(math.dist(pin, place.point) for place in places)
+        start, goal = (
+            X.compose(body.X_GB).compose(Pose2(*pin)) for X in (task.start, task.goal)
+        )
         path = TwistPath.between((start, goal), radius)
-        time = SpeedProfile(path.length, task.motion.speed, task.motion.acceleration).duration
+        time = SpeedProfile(
+            path.length, task.motion.speed, task.motion.acceleration
+        ).duration
         time += overhead(task, pressed=True)
-        drafts = [(time, partial(self._drafts, task, pin, place, path, time)) for place in places]
+        drafts = [
+            (time, partial(self._drafts, task, pin, place, path, time))
+            for place in places
+        ]
         return followed(task, drafts, self.vehicle_frame, enough, instead)
 
     def _drafts(
-        self, task: Task, pin: Point, lever: Lever, path: TwistPath, time: float, judged: bool
+        self,
+        task: Task,
+        pin: Point,
+        lever: Lever,
+        path: TwistPath,
+        time: float,
+        judged: bool,
     ) -> list[Choice]:
-        """Judge one place to push but for the arms' reach: one choice for each way to give the two to the
-        arms.
+        """Judge one place to push but for the arms' reach: one choice for each way to
+        give the two to the arms.
         """
-        body, belief, cap = task.object, task.believed, task.limits.normal_force
+        body = task.object
+        belief = task.believed
+        cap = task.limits.normal_force
         what = (
-            f"pressed at ({pin[0]:.3f}, {pin[1]:.3f}), pushed on face {lever.face.index} at "
+            f"pressed at ({pin[0]:.3f}, {pin[1]:.3f}), pushed on face "
+            f"{lever.face.index} at "
             f"({lever.point[0]:.3f}, {lever.point[1]:.3f})"
         )
         height = contact_height(task)
@@ -112,10 +136,16 @@ class PressAndPush:
 
         top = body.shape.height
         if height >= top:
-            return refused(f"the push is at {height * 1e3:.0f} mm, the object is {top * 1e3:.0f} mm high")
+            return refused(
+                f"the push is at {height * 1e3:.0f} mm, the object is {top * 1e3:.0f} "
+                "mm high"
+            )
         if not judged:
             return [Choice(self.name, True, what, contacts(0.0), path.length, time)]
-        poses = [path.pose(0.25 * i * path.length).compose(Pose2(*pin).inverse()) for i in range(5)]
+        poses = [
+            path.pose(0.25 * i * path.length).compose(Pose2(*pin).inverse())
+            for i in range(5)
+        ]
         ways = assignments(task.bases, (pin, lever.point), poses)
         if not ways:
             return refused("the arms would cross, whichever takes which contact")
@@ -123,74 +153,109 @@ class PressAndPush:
             load, drag = self._press(task, contacts, _twist(path, pin))
         except ValueError as error:
             return refused(f"the object would tip: {error}")
-        side, problem = drag.forces.normals[1], None
+        side = drag.forces.normals[1]
+        problem = None
         if load > cap:
-            problem = f"motion.press_force of {load:g} N, limits.normal_force is {cap:g} N"
+            problem = (
+                f"motion.press_force of {load:g} N, limits.normal_force is {cap:g} N"
+            )
         elif drag.forces.status != "ok" or drag.use > USE[-1]:
             problem = (
-                f"pressed with {load:.1f} N the tip slips: holding the pivot takes {drag.use:.2f} of its "
+                f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
+                f"{drag.use:.2f} of its "
                 f"friction, allowed {USE[-1]:g}; limits.normal_force is {cap:g} N"
             )
         elif side > cap:
             problem = f"needs a push of {side:.1f} N, limits.normal_force is {cap:g} N"
         elif drag.room < TIPPING_ROOM:
             problem = (
-                f"drag tips the object: the centre of pressure comes within {drag.room:.2f} half widths of "
+                "drag tips the object: the centre of pressure comes within "
+                f"{drag.room:.2f} half widths of "
                 f"the base's edge, allowed {TIPPING_ROOM:g}"
             )
-        mu, speed = belief.contact_friction, task.motion.speed
+        mu = belief.contact_friction
+        speed = task.motion.speed
         reason = (
             f" with {load:.1f} and {side:.1f} N: lever {lever.length * 1e3:.0f} mm, "
             f"path {path.length:.3f} m, {drag.use:.2f} of the press's friction used"
         )
         parameters = {
-            **_figures(drag, lever.point, lever.face.normal), "radius": path.radius, "lever": lever.length,
+            **_figures(drag, lever.point, lever.face.normal),
+            "radius": path.radius,
+            "lever": lever.length,
             "face": float(lever.face.index),
-            "contact_height": height, "press_force": load, "speed": speed,
-        }  # fmt: skip
+            "contact_height": height,
+            "press_force": load,
+            "speed": speed,
+        }
         choice = Choice(
-            self.name, problem is None, what + (reason if problem is None else f": {problem}"),
-            contacts(load), path.length, time, atan(mu) - atan(drag.use * mu), parameters, path,
-        )  # fmt: skip
+            self.name,
+            problem is None,
+            what + (reason if problem is None else f": {problem}"),
+            contacts(load),
+            path.length,
+            time,
+            atan(mu) - atan(drag.use * mu),
+            parameters,
+            path,
+        )
         pairs = [zip(choice.contacts, arms, strict=True) for arms in ways]
-        return [replace(choice, contacts=tuple(replace(c, arm=arm) for c, arm in pair)) for pair in pairs]
+        return [
+            replace(choice, contacts=tuple(replace(c, arm=arm) for c, arm in pair))
+            for pair in pairs
+        ]
 
     def _press(
-        self, task: Task, contacts: Callable[[float], tuple[Contact, Contact]], twist: Twist
+        self,
+        task: Task,
+        contacts: Callable[[float], tuple[Contact, Contact]],
+        twist: Twist,
     ) -> tuple[float, _Drag]:
-        """Return the load to press with [N], the least that is safe, and what dragging is like then.
+        """Return the load to press with [N], the least that is safe, and what dragging
+        is like then.
 
         Raises ValueError where the object tips.
         """
-        given, cap = task.motion.press_force, task.limits.normal_force
+        given = task.motion.press_force
+        cap = task.limits.normal_force
         if given is not None:
             return given, self._drag(task, contacts(given), twist)
         hardest = self._drag(task, contacts(cap), twist)
         use = next((share for share in USE if hardest.use <= share), None)
         if use is None:
             return cap, hardest
-        low, high, drag = LEAST_PRESS, cap, hardest
+        low = LEAST_PRESS
+        high = cap
+        drag = hardest
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             lighter = self._drag(task, contacts(middle), twist)
             if lighter.use <= use:
-                high, drag = middle, lighter
+                high = middle
+                drag = lighter
             else:
                 low = middle
         return high, drag
 
     def _drag(self, task: Task, contacts: Sequence[Contact], twist: Twist) -> _Drag:
-        """Return what dragging with ``twist`` is like. Raises ValueError where the object tips."""
-        belief, (press, push) = task.believed, contacts
-        weight, mu = belief.mass * GRAVITY, belief.contact_friction
+        """Return what dragging with ``twist`` is like. Raises ValueError where the
+        object tips.
+        """
+        belief = task.believed
+        press, push = contacts
+        weight = belief.mass * GRAVITY
+        mu = belief.contact_friction
         load = weight + press.load
 
         def forces(wrench: Wrench) -> Allocation:
-            return self.allocator(contacts, mu, None, wrench.about)(wrench.fx, wrench.fy, wrench.tau)
+            return self.allocator(contacts, mu, None, wrench.about)(
+                wrench.fx, wrench.fy, wrench.tau
+            )
 
         def shift(wrench: Wrench) -> Point:
             (ax, ay), (bx, by) = forces(wrench).forces
-            h1, h2 = press.height / load, push.height / load
+            h1 = press.height / load
+            h2 = push.height / load
             return (h1 * ax + h2 * bx, h1 * ay + h2 * by)
 
         resting = center_of_pressure(weight, (0.0, 0.0), [press.load], [press.point])
@@ -199,7 +264,10 @@ class PressAndPush:
         )
         wanted = surface.wrench(twist)
         given = forces(wanted)
-        lost = hypot(*given.residual[:2], given.residual[2] / surface.rho) / surface.max_force
+        lost = (
+            hypot(*given.residual[:2], given.residual[2] / surface.rho)
+            / surface.max_force
+        )
         use = hypot(*given.forces[0]) / (mu * press.load) / max(1.0 - lost, 1e-3)
         return _Drag(surface, given, use, cop, room_inside(task.object, cop))
 
@@ -209,9 +277,14 @@ class PressAndPush:
 
     def tracker(self, plan: Plan) -> EasedTracker:
         """Return the holonomic law for a plan, within what the contacts hold."""
-        p, friction = plan.choice.parameters, plan.task.believed.contact_friction
-        surface = DraggedSurface(p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"]))
-        allocate = self.allocator(plan.choice.contacts, friction, p["rho"], surface.center)
+        p = plan.choice.parameters
+        friction = plan.task.believed.contact_friction
+        surface = DraggedSurface(
+            p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"])
+        )
+        allocate = self.allocator(
+            plan.choice.contacts, friction, p["rho"], surface.center
+        )
 
         def holds(wrench: Wrench) -> bool:
             allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
@@ -226,15 +299,21 @@ class PressAndPush:
         rho: float | None = None,
         cop: Point = (0.0, 0.0),
     ) -> Callable[[float, float, float], Allocation]:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], press first; ``rho`` is of no use."""
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], press first; ``rho`` is
+        of no use.
+        """
         press, push = contacts
-        return press_and_push_allocator(press.point, press.load, push.point, push.normal, friction, cop)
+        return press_and_push_allocator(
+            press.point, press.load, push.point, push.normal, friction, cop
+        )
 
     def identifier(self, plan: Plan) -> None:
         """Return nothing: the pivot is where the tip presses."""
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan by one more twist to the goal; None where the push would have to pull."""
+        """Return the plan by one more twist to the goal; None where the push would have
+        to pull.
+        """
         return self.replan(plan, X_WB, touched, inf)
 
     def replan(
@@ -245,14 +324,20 @@ class PressAndPush:
         longest: float,
         identified: Identified | None = None,
     ) -> Plan | None:
-        """Return the plan by one twist from the object's true pose and contacts; None if its path is longer
-        than ``longest`` [m], or the contacts cannot drive it.
+        """Return the plan by one twist from the object's true pose and contacts; None
+        if its path is longer than ``longest`` [m], or the contacts cannot drive it.
         """
-        task, figures = plan.task, plan.choice.parameters
-        contacts = tuple(replace(c, point=p) for c, p in zip(plan.choice.contacts, touched, strict=True))
+        task = plan.task
+        figures = plan.choice.parameters
+        contacts = tuple(
+            replace(c, point=p)
+            for c, p in zip(plan.choice.contacts, touched, strict=True)
+        )
         X_BV = Pose2(*touched[0])
         goal = plan.goal.compose(task.object.X_GB)
-        path = TwistPath.between((X_WB.compose(X_BV), goal.compose(X_BV)), figures["radius"])
+        path = TwistPath.between(
+            (X_WB.compose(X_BV), goal.compose(X_BV)), figures["radius"]
+        )
         if not 0.0 < path.length <= longest:
             return None
         try:
@@ -262,10 +347,15 @@ class PressAndPush:
         if drag.forces.status != "ok":
             return None
         choice = replace(
-            plan.choice, contacts=contacts, path=path, path_length=path.length,
+            plan.choice,
+            contacts=contacts,
+            path=path,
+            path_length=path.length,
             parameters={**figures, **_figures(drag, touched[1], contacts[1].normal)},
-        )  # fmt: skip
-        profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+        )
+        profile = SpeedProfile(
+            path.length, plan.profile.speed, plan.profile.acceleration
+        )
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 
@@ -275,42 +365,65 @@ def _twist(path: TwistPath, point: Point) -> Twist:
 
 
 def _pin(task: Task) -> Point:
-    """The point to press [m] in B; raises ValueError where the goal is not turned about one that can be."""
-    body, given, allowed = task.object, task.motion.contacts, task.tolerance.position
-    start, goal = task.start.compose(body.X_GB), task.goal.compose(body.X_GB)
+    """The point to press [m] in B; raises ValueError where the goal is not turned about
+    one that can be.
+    """
+    body = task.object
+    given = task.motion.contacts
+    allowed = task.tolerance.position
+    start = task.start.compose(body.X_GB)
+    goal = task.goal.compose(body.X_GB)
     vx, vy, w = screw(start, goal)
     if abs(w) < LEAST_TURN:
-        turn, least = math.degrees(w), math.degrees(LEAST_TURN)
-        raise ValueError(f"the goal is turned by {turn:.1f} deg, allowed from {least:g} deg")
+        turn = math.degrees(w)
+        least = math.degrees(LEAST_TURN)
+        raise ValueError(
+            f"the goal is turned by {turn:.1f} deg, allowed from {least:g} deg"
+        )
     pin = (-vy / w, vx / w)
     if given is not None:
-        pin = (given[0][0] - body.center_of_mass[0], given[0][1] - body.center_of_mass[1])
+        pin = (
+            given[0][0] - body.center_of_mass[0],
+            given[0][1] - body.center_of_mass[1],
+        )
         apart = math.dist(start.apply(pin), goal.apply(pin))
         if apart > allowed:
             raise ValueError(
-                f"the pressed point has to stay in its place, start and goal have it {apart * 1e3:.1f} mm "
+                "the pressed point has to stay in its place, start and goal have it "
+                f"{apart * 1e3:.1f} mm "
                 f"apart, allowed {allowed * 1e3:g} mm"
             )
     if not inside_top(body, pin, EDGE):
         raise ValueError(
-            f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have to be pressed: it is "
-            f"{depth_inside(body, pin) * 1e3:.0f} mm inside the top, allowed from {EDGE * 1e3:.0f} mm"
+            f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "
+            "to be pressed: it is "
+            f"{depth_inside(body, pin) * 1e3:.0f} mm inside the top, allowed from "
+            f"{EDGE * 1e3:.0f} mm"
         )
     return pin
 
 
 def _figures(drag: _Drag, push: Point, normal: Point) -> dict[str, float]:
-    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre. The virtual axle is
-    where the push alone would turn the object, under a press that weighs on it but does not hold it.
+    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre.
+    The virtual axle is where the push alone would turn the object, under a press that
+    weighs on it but does not hold it.
     """
-    surface, (x, y), (nx, ny) = drag.surface, drag.surface.center, normal
+    surface = drag.surface
+    x, y = drag.surface.center
+    nx, ny = normal
     reach = surface.rho**2 / ((push[0] - x) * ny - (push[1] - y) * nx)
     return {
-        "cop_x": x, "cop_y": y, "rho": surface.rho, "push_force": surface.max_force,
-        "side_force": drag.forces.normals[1], "friction_use": drag.use,
-        "pressure_x": drag.cop[0], "pressure_y": drag.cop[1],
-        "axle_x": x - ny * reach, "axle_y": y + nx * reach,
-    }  # fmt: skip
+        "cop_x": x,
+        "cop_y": y,
+        "rho": surface.rho,
+        "push_force": surface.max_force,
+        "side_force": drag.forces.normals[1],
+        "friction_use": drag.use,
+        "pressure_x": drag.cop[0],
+        "pressure_y": drag.cop[1],
+        "axle_x": x - ny * reach,
+        "axle_y": y + nx * reach,
+    }
 
 
 MODE = PressAndPush()

@@ -1,9 +1,10 @@
-"""Mode press_slide: one arm presses on top and slides the object, driven as a unicycle about its virtual axle
-(docs/mechanics.md, sections 2 and 4).
+"""Mode press_slide: one arm presses on top and slides the object, driven as a unicycle
+about its virtual axle (docs/mechanics.md, sections 2 and 4).
 
-The line of centre of pressure and contact is the heading axis. Pulled, the contact leads; pushed, it follows;
-turned on the spot, the force is across. The friction disc under the tip has no direction of its own, so that
-any of these goes with any contact that the press holds.
+The line of centre of pressure and contact is the heading axis. Pulled, the contact
+leads; pushed, it follows; turned on the spot, the force is across. The friction disc
+under the tip has no direction of its own, so that any of these goes with any contact
+that the press holds.
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.press_ranking import by_time, soonest
-from pushpressslide.planning.pressed_manoeuvre import CORRECTED, CORRECTING, pressed_manoeuvres
+from pushpressslide.planning.pressed_manoeuvre import (
+    CORRECTED,
+    CORRECTING,
+    pressed_manoeuvres,
+)
 from pushpressslide.planning.pressed_onward import onward, pressed_at
 from pushpressslide.planning.pressed_turns import steering_of
 from pushpressslide.planning.pressed_vehicle import (
@@ -54,12 +59,22 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
 
 EDGE = 0.012  # [m] that a contact stays away from the top's edges
-SAFE_ROOM = 0.5  # half widths inside the base's edge from which on the object is driven at full speed
-TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of the face that pushes another body
+# half widths inside the base's edge from which on the object is driven at full speed
+SAFE_ROOM = 0.5
+# of the motion from the normal of the face that pushes another body
+TOOL_SKEW = math.radians(2.0)
 SAME = 1e-3  # [m] between places that are one
-AGAIN = 1.0  # [rad] that another attempt may turn the object: the arm holds on, and has only so much room
-PUSHED_SPEED = 0.8  # share of the speed when pushed: what is ahead of the contact swings more
-DIRECTIONS = {"unicycle": (False, True), "car": (False,), "forklift": (True,), "pivot": (False,)}
+# [rad] that another attempt may turn the object: the arm holds on, and has only so much
+# room
+AGAIN = 1.0
+# share of the speed when pushed: what is ahead of the contact swings more
+PUSHED_SPEED = 0.8
+DIRECTIONS = {
+    "unicycle": (False, True),
+    "car": (False,),
+    "forklift": (True,),
+    "pivot": (False,),
+}
 
 
 class PressSlide:
@@ -73,37 +88,59 @@ class PressSlide:
     walls = False
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return choices, feasible and quick ones first: manoeuvres where the contact is free, else one per
-        direction.
+        """Return choices, feasible and quick ones first: manoeuvres where the contact
+        is free, else one per direction.
 
-        Where a believed rho leads every path out of bounds, that of the object's shape is planned with.
+        Where a believed rho leads every path out of bounds, that of the object's shape
+        is planned with.
         """
         judged = self._judged(task, enough)
         told = task.believed.rho
         if told is None or any(choice.feasible for choice in judged):
             return judged
-        own = self._judged(replace(task, belief=replace(task.believed, rho=None)), enough)
-        note = f"; planned with the shape's rho, belief.rho {told:g} m leads out of bounds"
+        own = self._judged(
+            replace(task, belief=replace(task.believed, rho=None)), enough
+        )
+        note = (
+            f"; planned with the shape's rho, belief.rho {told:g} m leads out of bounds"
+        )
         return [replace(c, reason=c.reason + note) for c in own if c.feasible] or judged
 
     def _judged(self, task: Task, enough: int) -> list[Choice]:
-        belief, most = task.believed, task.limits.normal_force
+        belief = task.believed
+        most = task.limits.normal_force
         problem, loads = press_loads(
-            belief.mass * GRAVITY, belief.support_friction, belief.contact_friction, most,
-            task.motion.press_force, tool_load(task, 0.0)[0],
-        )  # fmt: skip
+            belief.mass * GRAVITY,
+            belief.support_friction,
+            belief.contact_friction,
+            most,
+            task.motion.press_force,
+            tool_load(task, 0.0)[0],
+        )
         if problem is not None:
             return [Choice(self.name, False, problem)]
-        com, given = task.object.center_of_mass, task.motion.contacts
-        places = [(x - com[0], y - com[1]) for x, y in given[:1]] if given else top_places(task.object, EDGE)
-        kind, free = task.motion.vehicle or "unicycle", not (task.motion.vehicle or task.tool)
-        manoeuvres = self._manoeuvres(task, places, loads, enough) if free and not given else []
+        com = task.object.center_of_mass
+        given = task.motion.contacts
+        places = (
+            [(x - com[0], y - com[1]) for x, y in given[:1]]
+            if given
+            else top_places(task.object, EDGE)
+        )
+        kind = task.motion.vehicle or "unicycle"
+        free = not (task.motion.vehicle or task.tool)
+        manoeuvres = (
+            self._manoeuvres(task, places, loads, enough) if free and not given else []
+        )
         if manoeuvres and manoeuvres[0].feasible:
             return manoeuvres
         drafts = []
-        for arm, place, backward in product(range(len(task.robots)), places, DIRECTIONS[kind]):
+        for arm, place, backward in product(
+            range(len(task.robots)), places, DIRECTIONS[kind]
+        ):
             for load in loads:  # a lighter press tips less
-                contact = Contact(arm, "top", place, (0.0, 0.0), task.object.shape.height, load)
+                contact = Contact(
+                    arm, "top", place, (0.0, 0.0), task.object.shape.height, load
+                )
                 draft = self._draft(task, contact, backward)
                 if draft.feasible:
                     break
@@ -112,63 +149,106 @@ class PressSlide:
         out = self._within_reach(task, drafts, CORRECTING, enough)
         if free and given and not any(choice.feasible for choice in out):
             manoeuvres = self._manoeuvres(task, places, loads, enough)
-        if not any(choice.feasible for choice in (*out, *manoeuvres)):  # the last resort
+        # the last resort
+        if not any(choice.feasible for choice in (*out, *manoeuvres)):
             out = self._within_reach(task, drafts, 0.0, enough)
         return sorted((*out, *manoeuvres), key=_quickest)
 
-    def _within_reach(self, task: Task, drafts: Sequence[Choice], least: float, enough: int) -> list[Choice]:
-        """Return drafts planned with their turns' axle; feasible the quickest that the arm can follow."""
-        out, found = [], 0
+    def _within_reach(
+        self, task: Task, drafts: Sequence[Choice], least: float, enough: int
+    ) -> list[Choice]:
+        """Return drafts planned with their turns' axle; feasible the quickest that the
+        arm can follow.
+        """
+        out = []
+        found = 0
         for choice in drafts:
             if choice.feasible and found == enough:
                 choice = _refused(choice, UNJUDGED)
             elif choice.feasible:
                 choice = self._steered(task, choice, least)
-                choice = self._judged_for_reach(task, choice) if choice.feasible else choice
+                choice = (
+                    self._judged_for_reach(task, choice) if choice.feasible else choice
+                )
                 found += choice.feasible
             out.append(choice)
         return out
 
     def _steered(self, task: Task, draft: Choice, least: float) -> Choice:
-        """Return a draft planned with its turns' axle; infeasible if steered by less than ``least`` [rad]."""
+        """Return a draft planned with its turns' axle; infeasible if steered by less
+        than ``least`` [rad].
+        """
         if task.believed.rho is not None or task.motion.vehicle == "pivot":
             return draft
-        (contact,), before = draft.contacts, draft.stretches[-1].parameters
-        backward, free = before["backward"] > 0.0, math.inf
+        (contact,) = draft.contacts
+        before = draft.stretches[-1].parameters
+        backward = before["backward"] > 0.0
+        free = math.inf
         if least > 0.0 and task.tool is None:
             free = steering_of(press_of(task, contact), backward)
         if free < least:
-            degrees, needed = math.degrees(free), math.degrees(least)
+            degrees = math.degrees(free)
+            needed = math.degrees(least)
             why = f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {needed:g} deg"
             return _refused(draft, why)
-        return self._draft(task, contact, backward, PLANNED * min(before["steepest"], free), most=free)
+        return self._draft(
+            task, contact, backward, PLANNED * min(before["steepest"], free), most=free
+        )
 
     def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
-        problems = (path_problem(task, stretch, self.vehicle_frame(stretch)) for stretch in choice.stretches)
-        return next((_refused(choice, problem) for problem in problems if problem is not None), choice)
+        problems = (
+            path_problem(task, stretch, self.vehicle_frame(stretch))
+            for stretch in choice.stretches
+        )
+        return next(
+            (_refused(choice, problem) for problem in problems if problem is not None),
+            choice,
+        )
 
-    def _manoeuvres(self, task: Task, places: list[Point], loads: list[float], enough: int) -> list[Choice]:
-        """Return manoeuvres until ``enough`` are feasible, those of the safest press first: one per contact,
-        then others; with how long about contacts take that were not judged in full.
+    def _manoeuvres(
+        self, task: Task, places: list[Point], loads: list[float], enough: int
+    ) -> list[Choice]:
+        """Return manoeuvres until ``enough`` are feasible, those of the safest press
+        first: one per contact, then others; with how long about contacts take that were
+        not judged in full.
         """
-        X_WB, height = task.start.compose(task.object.X_GB), task.object.shape.height
-        out, others, left = list[Choice](), list[Choice](), enough
-        inside = [p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)]
+        X_WB = task.start.compose(task.object.X_GB)
+        height = task.object.shape.height
+        out = list[Choice]()
+        others = list[Choice]()
+        left = enough
+        inside = [
+            p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)
+        ]
         for arm, load in product(range(len(task.robots)), loads):
-            contacts = [Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside]
-            ranked, most = by_time(task, X_WB, contacts), min(left, ENOUGH)
+            contacts = [
+                Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside
+            ]
+            ranked = by_time(task, X_WB, contacts)
+            most = min(left, ENOUGH)
             for manoeuvre in soonest(task, X_WB, list(ranked)):
-                out.append(self._judged_for_reach(task, manoeuvre.choice(task, self.name)))
+                out.append(
+                    self._judged_for_reach(task, manoeuvre.choice(task, self.name))
+                )
                 most -= out[-1].feasible
                 if most == 0:
                     break
             left = enough - sum(choice.feasible for choice in out)
             if left < enough and not others:
-                told, after = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED, overhead(task, pressed=True)
+                told = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED
+                after = overhead(task, pressed=True)
                 seen = {choice.contacts[0] for choice in out}
-                rest = [(told.format(*c.point), (c,), t + after) for c, t in ranked.items() if c not in seen]
-                others = [Choice(self.name, False, why, at, time=t, judged=False) for why, at, t in rest]
-            if left == 0 or left < enough <= ENOUGH:  # lighter presses only where more are asked for
+                rest = [
+                    (told.format(*c.point), (c,), t + after)
+                    for c, t in ranked.items()
+                    if c not in seen
+                ]
+                others = [
+                    Choice(self.name, False, why, at, time=t, judged=False)
+                    for why, at, t in rest
+                ]
+            # lighter presses only where more are asked for
+            if left == 0 or left < enough <= ENOUGH:
                 break
         return sorted(out, key=lambda choice: not choice.feasible) + others
 
@@ -181,8 +261,12 @@ class PressSlide:
         back_ups: Sequence[float] = BACK_UPS,
         most: float = math.inf,
     ) -> Choice:
-        """Judge one contact and direction, steered by at most ``most`` [rad], but for the arm's reach."""
-        belief, motion, pivots = task.believed, task.motion, task.motion.vehicle == "pivot"
+        """Judge one contact and direction, steered by at most ``most`` [rad], but for
+        the arm's reach.
+        """
+        belief = task.believed
+        motion = task.motion
+        pivots = task.motion.vehicle == "pivot"
         drive = "turned on the spot" if pivots else "pushed" if backward else "pulled"
         what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
 
@@ -190,57 +274,107 @@ class PressSlide:
             return Choice(self.name, False, f"{what}: {why}", (contact,))
 
         if not inside_top(task.object, contact.point, EDGE):
-            return refused(f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top")
+            return refused(
+                f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top"
+            )
         try:
             vehicle = pressed_vehicle(task, contact, backward, angle, most)
-            # where it cannot go back there is no second attempt: only with a long run-in
-            returns = not pivots and way_back(task, vehicle.press, not backward) is not None
+            # where it cannot go back there is no second attempt: only with a long
+            # run-in
+            returns = (
+                not pivots and way_back(task, vehicle.press, not backward) is not None
+            )
         except ValueError as error:
             return refused(str(error))
-        car, X_BV, press, mu = vehicle.car, vehicle.X_BV, vehicle.press, belief.contact_friction
+        car = vehicle.car
+        X_BV = vehicle.X_BV
+        press = vehicle.press
+        mu = belief.contact_friction
         load, off = tool_load(task, X_BV.yaw)
         if off > TOOL_SKEW:
-            degrees, skew = math.degrees(off), math.degrees(TOOL_SKEW)
-            return refused(f"it drives {degrees:.1f} deg off the normal of tool.face, allowed {skew:g} deg")
-        use = friction_use(contact.load, press.weight, belief.support_friction, mu, load)
-        start, goal = (X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal))
+            degrees = math.degrees(off)
+            skew = math.degrees(TOOL_SKEW)
+            return refused(
+                f"it drives {degrees:.1f} deg off the normal of tool.face, allowed "
+                f"{skew:g} deg"
+            )
+        use = friction_use(
+            contact.load, press.weight, belief.support_friction, mu, load
+        )
+        start, goal = (
+            X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal)
+        )
         look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
-        speed = motion.speed * min(1.0, vehicle.room / SAFE_ROOM) * (PUSHED_SPEED if backward else 1.0)
+        speed = (
+            motion.speed
+            * min(1.0, vehicle.room / SAFE_ROOM)
+            * (PUSHED_SPEED if backward else 1.0)
+        )
         level = belief.support_friction * (press.weight + contact.load)
         parameters = vehicle.figures(level)
-        parameters |= {"look_ahead": look_ahead, "press_force": contact.load, "friction_use": use}
+        parameters |= {
+            "look_ahead": look_ahead,
+            "press_force": contact.load,
+            "friction_use": use,
+        }
         path: MotionPath
         if pivots:
-            path, way = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position)), None
-            moves, near = math.dist(start.position, goal.position) * 1e3, task.tolerance.position * 1e3
+            path = TwistPath.between(
+                (start, goal), math.dist(contact.point, X_BV.position)
+            )
+            way = None
+            moves = math.dist(start.position, goal.position) * 1e3
+            near = task.tolerance.position * 1e3
             if moves > near:
                 return refused(
-                    f"the point about which it turns has to stay in its place, from start to goal it moves "
+                    "the point about which it turns has to stay in its place, from "
+                    "start to goal it moves "
                     f"by {moves:.1f} mm, allowed {near:g} mm"
                 )
         else:
             straight = 0.0 if task.tool is None else task.tool.straight
-            run_ins = [straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])]
+            run_ins = [
+                straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])
+            ]
             way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
             path = way.path
-            loop = LOOP if motion.vehicle or task.tool else 0.0  # else a manoeuvre is the better way
+            # else a manoeuvre is the better way
+            loop = LOOP if motion.vehicle or task.tool else 0.0
             if way.too_long > loop:
                 return refused(
-                    f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too long, allowed "
+                    f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too "
+                    "long, allowed "
                     f"{loop:g} m"
                 )
             speed *= min(1.0, SWING / (car.length * way.curvature))
             parameters |= {"curvature": way.curvature, "run_in": way.run_in}
         parameters["speed"] = speed
-        time = SpeedProfile(path.length, speed, motion.acceleration).duration + overhead(task, pressed=True)
+        time = SpeedProfile(
+            path.length, speed, motion.acceleration
+        ).duration + overhead(task, pressed=True)
         reason = (
             f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
-            f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of pressure, "
+            f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of "
+            "pressure, "
             f"{use:.2f} of the tip's friction used"
         )
         margin = atan(mu) - atan(use * mu)
-        made = Choice(self.name, True, reason, (contact,), path.length, time, margin, parameters, path)
-        return after_backing_up(task, vehicle, made, way.back_up) if way and way.back_up else made
+        made = Choice(
+            self.name,
+            True,
+            reason,
+            (contact,),
+            path.length,
+            time,
+            margin,
+            parameters,
+            path,
+        )
+        return (
+            after_backing_up(task, vehicle, made, way.back_up)
+            if way and way.back_up
+            else made
+        )
 
     def vehicle_frame(self, choice: Choice) -> Pose2:
         """Return X_BV: origin at the virtual axle, x along the motion."""
@@ -248,7 +382,8 @@ class PressSlide:
 
     def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a plan, or that of a turn on the spot."""
-        planned, car = plan.choice.parameters, car_of(plan.choice)
+        planned = plan.choice.parameters
+        car = car_of(plan.choice)
         if isinstance(plan.path, TwistPath):
             return PivotTracker(car, plan.X_BV, planned["push_force"])
         fixed = plan.path.end if plan.task.motion.fixed_target else None
@@ -256,10 +391,14 @@ class PressSlide:
         return UnicycleTracker(law, Steering.of(planned, car))
 
     def allocator(
-        self, contacts: Sequence[Contact], friction: float, rho: float | None = None, cop: Point = (0.0, 0.0)
+        self,
+        contacts: Sequence[Contact],
+        friction: float,
+        rho: float | None = None,
+        cop: Point = (0.0, 0.0),
     ) -> Callable[[float, float, float], Allocation]:
-        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque errors (default: half
-        the lever).
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque
+        errors (default: half the lever).
         """
         (contact,) = contacts
         rho = rho if rho is not None else 0.5 * max(math.hypot(*contact.point), EDGE)
@@ -268,21 +407,32 @@ class PressSlide:
     def identifier(self, plan: Plan) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
         car = car_of(plan.choice)
-        predicted = Identified(axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"])
-        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness"))
+        predicted = Identified(
+            axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"]
+        )
+        return AxleIdentifier(
+            car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness")
+        )
 
     def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return a plan that goes back and then to the goal; None for a turn on the spot, or where the object
-        would tip.
+        """Return a plan that goes back and then to the goal; None for a turn on the
+        spot, or where the object would tip.
         """
-        planned, (contact,) = plan.choice.parameters, plan.choice.contacts
+        planned = plan.choice.parameters
+        (contact,) = plan.choice.contacts
         if isinstance(plan.path, TwistPath):
             return None
         task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
-        contact, most, backward = replace(contact, point=touched[0]), planned["steepest"], planned["backward"]
-        choice = self._draft(task, contact, backward > 0.0, PLANNED * most, BACK_UPS[1:], most)
+        contact = replace(contact, point=touched[0])
+        most = planned["steepest"]
+        backward = planned["backward"]
+        choice = self._draft(
+            task, contact, backward > 0.0, PLANNED * most, BACK_UPS[1:], most
+        )
         if not choice.feasible or "manoeuvre" in planned:
-            found = [m for m in pressed_manoeuvres(task, X_WB, [contact]) if m.swing < AGAIN]
+            found = [
+                m for m in pressed_manoeuvres(task, X_WB, [contact]) if m.swing < AGAIN
+            ]
             if not found:
                 return None
             choice = found[0].choice(task, self.name)
@@ -296,11 +446,15 @@ class PressSlide:
         longest: float,
         identified: Identified | None = None,
     ) -> Plan | None:
-        """Return the plan from the object's true pose and the true contact; None if its path is longer than
-        ``longest`` [m]. ``identified``: the axle as it was seen to be.
+        """Return the plan from the object's true pose and the true contact; None if its
+        path is longer than ``longest`` [m]. ``identified``: the axle as it was seen to
+        be.
         """
-        task, planned, pivots = plan.task, plan.choice.parameters, isinstance(plan.path, TwistPath)
-        contact, level = replace(plan.choice.contacts[0], point=touched[0]), planned["push_force"]
+        task = plan.task
+        planned = plan.choice.parameters
+        pivots = isinstance(plan.path, TwistPath)
+        contact = replace(plan.choice.contacts[0], point=touched[0])
+        level = planned["push_force"]
         if contact.point == (0.0, 0.0):
             return None
         if planned.get("manoeuvre"):
@@ -309,31 +463,46 @@ class PressSlide:
         if "manoeuvre" in planned:
             planned = (plan := pressed_at(plan, contact)).choice.parameters
         cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
-        car, X_BV = replace(car_of(plan.choice), contact=contact.point, cop=cop), plan.X_BV
+        car = replace(car_of(plan.choice), contact=contact.point, cop=cop)
+        X_BV = plan.X_BV
         if not pivots:
             if identified is not None:
-                car = replace(car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0)
-                car, level = replace(car, shift=identified.axle - axle_ahead(car)), identified.drag
+                car = replace(
+                    car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0
+                )
+                car = replace(car, shift=identified.axle - axle_ahead(car))
+                level = identified.drag
             X_BV = car.X_BV
-        start, goal = X_WB.compose(X_BV), plan.goal.compose(task.object.X_GB).compose(X_BV)
+        start = X_WB.compose(X_BV)
+        goal = plan.goal.compose(task.object.X_GB).compose(X_BV)
         path: MotionPath
         ahead, left = goal.unapply(start.position)
         straight = "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
         if pivots:
-            path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+            path = TwistPath.between(
+                (start, goal), math.dist(contact.point, X_BV.position)
+            )
         elif straight:  # steering along the run-in is enough
             path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
-            curvatures = turns(car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach))
+            curvatures = turns(
+                car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach)
+            )
             run_ins = [k * planned["look_ahead"] for k in SHORT_RUN_INS]
             path = gentlest(start, goal, curvatures, run_ins, longest)[2]
         if path.length > longest:
             return None
         parameters = {**planned, **figures(car, X_BV, level)}
         choice = replace(
-            plan.choice, contacts=(contact,), path=path, path_length=path.length, parameters=parameters
+            plan.choice,
+            contacts=(contact,),
+            path=path,
+            path_length=path.length,
+            parameters=parameters,
         )
-        profile = SpeedProfile(path.length, plan.profile.speed, plan.profile.acceleration)
+        profile = SpeedProfile(
+            path.length, plan.profile.speed, plan.profile.acceleration
+        )
         return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
 
 

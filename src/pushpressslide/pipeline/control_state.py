@@ -7,7 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand, Vector3
+from pushpressslide.core.control import (
+    ControlLog,
+    Measurement,
+    Phase,
+    TipCommand,
+    Vector3,
+)
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
@@ -20,16 +26,19 @@ from pushpressslide.modes.base import Tracker
 
 FREE_STIFFNESS = (1500.0, 1500.0, 3000.0)  # [N/m] of a tip that touches nothing
 FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
-SERVO_CAP = 25.0  # [N] by which the servo may exceed the allocated force: it also accelerates the arm
+# [N] by which the servo may exceed the allocated force: it also accelerates the arm
+SERVO_CAP = 25.0
 ALIGN_SPEED = 0.10  # [m/s] of the free tip
-# [m] that the joint reference may be ahead of the object or behind it: a spring stretched round a bend would
-# pull the tip sideways off its face
+# [m] that the joint reference may be ahead of the object or behind it: a spring
+# stretched round a bend would pull the tip sideways off its face
 JOINT_LEAD = 0.03
 
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """A plan with its closed-form laws; made anew when object or contacts turn out to be elsewhere."""
+    """A plan with its closed-form laws; made anew when object or contacts turn out to
+    be elsewhere.
+    """
 
     plan: Plan
     tracker: Tracker
@@ -39,11 +48,17 @@ class Binding:
 
 def bind(plan: Plan) -> Binding:
     """Return the laws of ``plan``'s mode for its contacts."""
-    mode, choice, robots = MODES[plan.choice.mode], plan.choice, plan.task.robots
-    tip_points = tuple(c.tip_place(robots[c.arm].tip_radius)[0] for c in choice.contacts)
+    mode = MODES[plan.choice.mode]
+    choice = plan.choice
+    robots = plan.task.robots
+    tip_points = tuple(
+        c.tip_place(robots[c.arm].tip_radius)[0] for c in choice.contacts
+    )
     figures = choice.parameters
     cop = (figures.get("cop_x", 0.0), figures.get("cop_y", 0.0))
-    allocate = mode.allocator(choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop)
+    allocate = mode.allocator(
+        choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop
+    )
     return Binding(plan, mode.tracker(plan), allocate, tip_points)
 
 
@@ -56,7 +71,8 @@ class TipMemory:
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
-    held: TipCommand | None = None  # of a tip that comes into this grasp with the contact it has
+    # of a tip that comes into this grasp with the contact it has
+    held: TipCommand | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,27 +90,37 @@ class ControllerState:
     joint_start: float = 0.0  # [m] of joint path before this stretch
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
-    reference: Plan | None = None  # the plan that errors are judged by: the one made at the first touch
+    # the plan that errors are judged by: the one made at the first touch
+    reference: Plan | None = None
     reference_start: float = 0.0  # [s] its time zero
-    align: bool = True  # whether the touch begins with lining up, or goes on from where the tips are
+    # whether the touch begins with lining up, or goes on from where the tips are
+    align: bool = True
     lost: float | None = None  # [s] since when contact is missing
     corrected: float = 0.0  # [s] of the last re-plan on the way
     regrasps: int = 0
     retries: int = 0
-    axle: AxleState = AxleState()  # what is identified of the virtual axle in this stretch
-    grip: float = 1.0  # share of the steering that may be used, lowered while contacts are near slipping
+    # what is identified of the virtual axle in this stretch
+    axle: AxleState = AxleState()
+    # share of the steering that may be used, lowered while contacts are near slipping
+    grip: float = 1.0
     failure: tuple[ReasonCode, str] | None = None
 
 
-def tip_position(contact: Contact, X_WB: Pose2, radius: float, gap: float = 0.0) -> Vector3:
-    """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before its contact [m]."""
+def tip_position(
+    contact: Contact, X_WB: Pose2, radius: float, gap: float = 0.0
+) -> Vector3:
+    """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before its
+    contact [m].
+    """
     point, height = contact.tip_place(radius, gap)
     x, y = X_WB.apply(point)
     return (x, y, height)
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
-    """Return the yaw [rad] of the contact frame: of the face's normal; of the object under a press."""
+    """Return the yaw [rad] of the contact frame: of the face's normal; of the object
+    under a press.
+    """
     if contact.kind == "top":
         return X_WB.yaw
     return X_WB.yaw + math.atan2(contact.normal[1], contact.normal[0])
@@ -122,21 +148,30 @@ def smooth(u: float) -> float:
 
 
 def ramp_time(way: float) -> float:
-    """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its fastest [s]."""
+    """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its
+    fastest [s].
+    """
     return 1.875 * math.fabs(way) / ALIGN_SPEED
 
 
 def approached(value: Point, target: Point, step: float) -> Point:
-    """Return ``target`` if it is within ``step`` of ``value``, else the point that far on the way to it."""
-    dx, dy = target[0] - value[0], target[1] - value[1]
+    """Return ``target`` if it is within ``step`` of ``value``, else the point that far
+    on the way to it.
+    """
+    dx = target[0] - value[0]
+    dy = target[1] - value[1]
     size = math.hypot(dx, dy)
     if size <= step:
         return target
     return (value[0] + dx * step / size, value[1] + dy * step / size)
 
 
-def begin(state: ControllerState, phase: Phase, measurement: Measurement) -> ControllerState:
-    """Return the state at the start of a phase; only a press that goes on keeps its regulator."""
+def begin(
+    state: ControllerState, phase: Phase, measurement: Measurement
+) -> ControllerState:
+    """Return the state at the start of a phase; only a press that goes on keeps its
+    regulator.
+    """
     contacts = state.binding.plan.choice.contacts
     tips = tuple(
         TipMemory(
@@ -146,28 +181,36 @@ def begin(state: ControllerState, phase: Phase, measurement: Measurement) -> Con
         for m, c in zip(state.tips, contacts, strict=True)
     )
     return replace(
-        state, phase=phase, since=measurement.time, tips=tips, last_time=measurement.time, align=True,
+        state,
+        phase=phase,
+        since=measurement.time,
+        tips=tips,
+        last_time=measurement.time,
+        align=True,
         lost=state.lost if phase == "touch" else None,
-    )  # fmt: skip
+    )
 
 
 def joint_progress(state: ControllerState) -> float:
-    """Return where on the PLANNED path the joint reference is taken: as far from the end as the object is on
-    its own path.
+    """Return where on the PLANNED path the joint reference is taken: as far from the
+    end as the object is on its own path.
     """
     left = state.binding.plan.path.length - state.progress
     return state.joint_start + max(0.0, state.stretch.path.length - left)
 
 
 def joint_reference(state: ControllerState, time: float) -> float:
-    """Return where on the planned path the joint reference is taken in the move [m]: with the joint-tracking
-    term where the reference is at the same ``time`` [s], the paper's q(t), at most JOINT_LEAD from the
-    object.
+    """Return where on the planned path the joint reference is taken in the move [m]:
+    with the joint-tracking term where the reference is at the same ``time`` [s], the
+    paper's q(t), at most JOINT_LEAD from the object.
     """
-    here, reference = joint_progress(state), state.reference
+    here = joint_progress(state)
+    reference = state.reference
     if not state.stretch.task.motion.joint_tracking or reference is None:
         return here
-    timed = reference.profile.at(time - state.reference_start)[0] - reference.path.length
+    timed = (
+        reference.profile.at(time - state.reference_start)[0] - reference.path.length
+    )
     timed += state.joint_start + state.stretch.path.length
     return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
 
@@ -178,7 +221,9 @@ def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleS
     if identifier is None:
         return state.axle
     force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
-    return identifier.step(state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1])))
+    return identifier.step(
+        state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1]))
+    )
 
 
 def identified(state: ControllerState) -> Identified | None:
@@ -195,15 +240,25 @@ def control_log(
 ) -> ControlLog:
     """Return what was thought at a tick, for the record."""
     plan = state.reference if state.reference is not None else state.stretch
-    clock = measurement.time - state.reference_start if state.reference is not None else 0.0
+    clock = (
+        measurement.time - state.reference_start if state.reference is not None else 0.0
+    )
     reference = plan.object_pose(plan.profile.at(clock)[0])
     pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
     if guidance is None or wrench is None or allocation is None:
         nothing = (0.0, 0.0, 0.0)
-        return ControlLog(state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok")
+        return ControlLog(
+            state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok"
+        )
     rx, ry, rt = allocation.residual
     given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
     return ControlLog(
-        state.phase, state.progress, pose, guidance.error, wrench.moved_to((0.0, 0.0))[:3],
-        given.moved_to((0.0, 0.0))[:3], guidance.steering, allocation.status,
-    )  # fmt: skip
+        state.phase,
+        state.progress,
+        pose,
+        guidance.error,
+        wrench.moved_to((0.0, 0.0))[:3],
+        given.moved_to((0.0, 0.0))[:3],
+        guidance.steering,
+        allocation.status,
+    )

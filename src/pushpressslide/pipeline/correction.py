@@ -1,5 +1,5 @@
-"""Re-planning on the way: a path from where the object really is costs microseconds, so that errors need not
-be chased.
+"""Re-planning on the way: a path from where the object really is costs microseconds, so
+that errors need not be chased.
 """
 
 from __future__ import annotations
@@ -22,26 +22,35 @@ OFF_HEADING = 0.0175  # [rad] of the heading from the path's; 1 degree
 OFF_AXLE = 0.015  # [m] of the virtual axle from where the plan has it
 ROOM = 0.02  # [m] of path that must be left
 PAUSE = 0.4  # [s] between two re-plans
-DETOUR = 1.1  # times the way that is left: a longer plan has turned a loop and is not taken
+# times the way that is left: a longer plan has turned a loop and is not taken
+DETOUR = 1.1
 SLACK = 0.005  # [m] on top of that
 
 
-def touched_points(plan: Plan, X_WB: Pose2, tips: tuple[TipState, ...]) -> tuple[Point, ...]:
-    """Return where the tips touch the object's surface, in B [m], by their own kinematics.
+def touched_points(
+    plan: Plan, X_WB: Pose2, tips: tuple[TipState, ...]
+) -> tuple[Point, ...]:
+    """Return where the tips touch the object's surface, in B [m], by their own
+    kinematics.
 
-    On the line of its face, the circle of a round side, or the top: a tip's measured depth is not a slide.
+    On the line of its face, the circle of a round side, or the top: a tip's measured
+    depth is not a slide.
     """
     out = []
-    shape, com = plan.task.object.shape, plan.task.object.center_of_mass
+    shape = plan.task.object.shape
+    com = plan.task.object.center_of_mass
     for c in plan.choice.contacts:
         at = tips[c.arm].position
         p = X_WB.unapply((at[0], at[1]))
         if c.kind == "side" and isinstance(shape, Cylinder):
-            x, y = p[0] + com[0], p[1] + com[1]
+            x = p[0] + com[0]
+            y = p[1] + com[1]
             k = shape.radius / math.hypot(x, y)
             p = (k * x - com[0], k * y - com[1])
         elif c.kind == "side":
-            across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[1]
+            across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[
+                1
+            ]
             p = (c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0])
         out.append(p)
     return tuple(out)
@@ -49,17 +58,26 @@ def touched_points(plan: Plan, X_WB: Pose2, tips: tuple[TipState, ...]) -> tuple
 
 def slide(plan: Plan, touched: tuple[Point, ...]) -> float:
     """Return how far the farthest contact has slid from where the plan has it [m]."""
-    return max(math.dist(p, c.point) for p, c in zip(touched, plan.choice.contacts, strict=True))
+    return max(
+        math.dist(p, c.point)
+        for p, c in zip(touched, plan.choice.contacts, strict=True)
+    )
 
 
 def side_slide(plan: Plan, touched: tuple[Point, ...]) -> float:
-    """Return how far the farthest contact on a side face has slid from where the plan has it [m]."""
+    """Return how far the farthest contact on a side face has slid from where the plan
+    has it [m].
+    """
     pairs = zip(touched, plan.choice.contacts, strict=True)
-    return max((math.dist(p, c.point) for p, c in pairs if c.kind == "side"), default=0.0)
+    return max(
+        (math.dist(p, c.point) for p, c in pairs if c.kind == "side"), default=0.0
+    )
 
 
 def left_of(plan: Plan, progress: float) -> Plan:
-    """Return a plan along arcs without the first ``progress`` [m] of its path; any other as it is."""
+    """Return a plan along arcs without the first ``progress`` [m] of its path; any
+    other as it is.
+    """
     path = plan.path
     if not isinstance(path, ArcPath):
         return plan
@@ -83,14 +101,19 @@ def corrected(
     since_last: float,
     identified: Identified | None = None,
 ) -> tuple[Plan, float, float] | None:
-    """Return a better plan from here, with the progress [m] and the clock [s] to start it at speed; None if
-    all is well.
+    """Return a better plan from here, with the progress [m] and the clock [s] to start
+    it at speed; None if all is well.
 
-    Made when a contact has slid or the tracking point is off the path, ``left`` [m] before the end, unless
-    that would take a detour; or when the virtual axle is ``identified`` to be elsewhere.
+    Made when a contact has slid or the tracking point is off the path, ``left`` [m]
+    before the end, unless that would take a detour; or when the virtual axle is
+    ``identified`` to be elsewhere.
     """
     _, across, heading = guidance.error
-    off = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING or slide(plan, touched) > SLID
+    off = (
+        abs(across) > OFF_PATH
+        or abs(heading) > OFF_HEADING
+        or slide(plan, touched) > SLID
+    )
     X = plan.X_BV
     planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
     moved = identified is not None and abs(identified.axle - planned) > OFF_AXLE
@@ -99,11 +122,19 @@ def corrected(
     longest = DETOUR * left + SLACK
     if moved and identified is not None:  # the path of another point has another length
         longest += 2.0 * abs(identified.axle - planned)
-    fresh = mode.replan(left_of(plan, guidance.progress), X_WB, touched, longest, identified)
+    fresh = mode.replan(
+        left_of(plan, guidance.progress), X_WB, touched, longest, identified
+    )
     if fresh is None:
         return None
-    # at speed: the new path begins with the way on which its profile would have reached it
-    v, a = plan.profile.speed, plan.profile.acceleration
+    # at speed: the new path begins with the way on which its profile would have reached
+    # it
+    v = plan.profile.speed
+    a = plan.profile.acceleration
     ramp = 0.5 * v * v / a
     path = led_in(fresh.path, ramp)
-    return replace(fresh, path=path, profile=SpeedProfile(path.length, v, a)), ramp, v / a
+    return (
+        replace(fresh, path=path, profile=SpeedProfile(path.length, v, a)),
+        ramp,
+        v / a,
+    )

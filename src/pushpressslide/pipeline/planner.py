@@ -17,23 +17,26 @@ NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Return the plan for ``choice`` (default: the best one); of a task with legs, the best choice does
-    every grasp but that one.
+    """Return the plan for ``choice`` (default: the best one); of a task with legs, the
+    best choice does every grasp but that one.
 
-    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises InfeasibleTaskError
-    with the reasons, one per choice, where nothing can do the task.
+    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
+    InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
     """
     if choice is not None and not task.legs:
         return grasp(task, choice, force=force)
     plans = []
     for choices in grasps(task):
-        given = [choice] if choice is not None and choice.leg == choices[0].leg else choices
+        given = (
+            [choice] if choice is not None and choice.leg == choices[0].leg else choices
+        )
         plans.append(grasp(task, usable(task, given, force=force)[0], force=force))
     return chained(plans)
 
 
 def usable(task: Task, choices: list[Choice], *, force: bool = False) -> list[Choice]:
-    """Return the choices that can do their part of the task, or with ``force`` just have a path for it.
+    """Return the choices that can do their part of the task, or with ``force`` just
+    have a path for it.
 
     Raises InfeasibleTaskError where there is none.
     """
@@ -44,9 +47,12 @@ def usable(task: Task, choices: list[Choice], *, force: bool = False) -> list[Ch
 
 
 def grasp(task: Task, choice: Choice, *, force: bool = False) -> Plan:
-    """Return the plan of one choice and nothing after it; raises InfeasibleTaskError as ``plan``."""
+    """Return the plan of one choice and nothing after it; raises InfeasibleTaskError as
+    ``plan``.
+    """
     usable(task, [choice], force=force)
-    parts, following = task.parts, None
+    parts = task.parts
+    following = None
     for stretch in reversed(choice.stretches):
         assert stretch.path is not None
         part = parts[stretch.leg]
@@ -68,22 +74,28 @@ def refusal(task: Task, choices: list[Choice]) -> str:
     """Return one line that says why no choice can do the task."""
     legs = task.parts
     by_leg = {c.leg: [d for d in choices if d.leg == c.leg] for c in choices}
-    refused = next((of for of in by_leg.values() if not any(c.feasible for c in of)), choices)
+    refused = next(
+        (of for of in by_leg.values() if not any(c.feasible for c in of)), choices
+    )
     part = legs[refused[0].leg]
     fitting = [c for c in refused if MODES[c.mode].arms == len(task.robots)] or refused
-    reasons = "; ".join(f"{c.mode}: {c.reason}" for c in gathered(fitting) if not c.feasible)
+    reasons = "; ".join(
+        f"{c.mode}: {c.reason}" for c in gathered(fitting) if not c.feasible
+    )
     return f"{part.source or part.name}: no mode can do this task: {reasons}"
 
 
 def gathered(choices: Sequence[Choice]) -> list[Choice]:
-    """Return the choices without repetition: of refused ones of a mode whose reasons differ in their numbers
-    only the first, which says how many more there are.
+    """Return the choices without repetition: of refused ones of a mode whose reasons
+    differ in their numbers only the first, which says how many more there are.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):
         kind = str(i) if choice.feasible else NUMBER.sub("", choice.reason)
         alike.setdefault((choice.mode, kind), []).append(choice)
     return [
-        replace(first, reason=f"{first.reason} ({len(more)} more like this)") if more else first
+        replace(first, reason=f"{first.reason} ({len(more)} more like this)")
+        if more
+        else first
         for first, *more in alike.values()
     ]

@@ -18,13 +18,16 @@ PATH_SAMPLES = 200
 
 
 class Recorder:
-    """Appends rows; ``record`` makes arrays of them. The names and shapes are those of core.record.Record."""
+    """Appends rows; ``record`` makes arrays of them. The names and shapes are those of
+    core.record.Record.
+    """
 
     def __init__(self, plan: Plan) -> None:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
-        self._grasp, self._before = plan, 0  # what is done now, and how many stretches came before it
+        self._grasp = plan
+        self._before = 0  # what is done now, and how many stretches came before it
         self._followed: list[Plan] = []  # of each stretch that was begun
 
     def __len__(self) -> int:
@@ -48,11 +51,14 @@ class Recorder:
         more: Mapping[str, Any] | None = None,
         followed: Plan | None = None,
     ) -> None:
-        """Append one tick; ``ticks`` are track, allocate, execute and total [s]; ``more`` holds
-        engine-specific rows; ``followed`` is the stretch, as planned when it began, None before the first.
+        """Append one tick; ``ticks`` are track, allocate, execute and total [s];
+        ``more`` holds engine-specific rows; ``followed`` is the stretch, as planned
+        when it began, None before the first.
         """
         nothing = (np.nan, np.nan, np.nan)
-        if followed is not None and (not self._followed or followed is not self._followed[-1]):
+        if followed is not None and (
+            not self._followed or followed is not self._followed[-1]
+        ):
             self._followed.append(followed)
         X_BV = (followed or self._grasp).X_BV
         row: dict[str, Any] = {
@@ -70,7 +76,9 @@ class Recorder:
             "wanted_wrench": log.wanted_wrench,
             "allocated_wrench": log.allocated_wrench,
             "command_force": [c.force if c is not None else nothing for c in commands],
-            "tip_reference": [c.position if c is not None else nothing for c in commands],
+            "tip_reference": [
+                c.position if c is not None else nothing for c in commands
+            ],
             "tip_position": list(tips),
             "measured_force": list(forces),
             "tick_track": ticks[0],
@@ -92,13 +100,23 @@ class Recorder:
     ) -> Record:
         """Return everything so far."""
         arrays: dict[str, NDArray[np.float64]] = {
-            name: np.asarray(rows, dtype=np.float64) for name, rows in self._rows.items()
+            name: np.asarray(rows, dtype=np.float64)
+            for name, rows in self._rows.items()
         }
         paths = [stretch.path for stretch in self._followed]
         done = min(len(paths) - self._before, len(self._grasp.stretches))
         paths += [stretch.path for stretch in self._grasp.way[done:]]
-        samples = [p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)]
+        samples = [
+            p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
+        ]
         arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
-        arrays["plan_stretch"] = np.repeat(np.arange(len(paths), dtype=np.float64), PATH_SAMPLES)
-        modes = tuple(mode for mode, _ in groupby(stretch.choice.mode for stretch in self._plan.way))
-        return Record(arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta)
+        arrays["plan_stretch"] = np.repeat(
+            np.arange(len(paths), dtype=np.float64), PATH_SAMPLES
+        )
+        modes = tuple(
+            mode
+            for mode, _ in groupby(stretch.choice.mode for stretch in self._plan.way)
+        )
+        return Record(
+            arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta
+        )

@@ -1,4 +1,6 @@
-"""What the controller is given instead of the truth: noise and delay (task field ``sensing``)."""
+"""What the controller is given instead of the truth: noise and delay (task field
+``sensing``).
+"""
 
 from __future__ import annotations
 
@@ -12,10 +14,14 @@ from pushpressslide.core.task import Sensing
 
 
 class Sensor:
-    """Adds seeded white noise and a constant delay to measurements; exact where the task asks for none."""
+    """Adds seeded white noise and a constant delay to measurements; exact where the
+    task asks for none.
+    """
 
     def __init__(self, sensing: Sensing, seed: int, dt: float) -> None:
-        """Prepare the noise stream and the delay line; ``dt`` [s] is the control period."""
+        """Prepare the noise stream and the delay line; ``dt`` [s] is the control
+        period.
+        """
         self._sensing = sensing
         self._random = np.random.default_rng(seed)
         self._line: deque[Measurement] = deque(maxlen=1 + round(sensing.delay / dt))
@@ -23,14 +29,19 @@ class Sensor:
     def measure(self, truth: Measurement) -> Measurement:
         """Return what is measured now; the time stamp is always the present."""
         s = self._sensing
-        pose, tips = truth.object_pose, truth.tips
+        pose = truth.object_pose
+        tips = truth.tips
         if s.position_noise > 0.0 or s.yaw_noise > 0.0:
             x, y, yaw = self._random.normal(size=3)
             pose = Pose2(
-                pose.x + s.position_noise * x, pose.y + s.position_noise * y, pose.yaw + s.yaw_noise * yaw
+                pose.x + s.position_noise * x,
+                pose.y + s.position_noise * y,
+                pose.yaw + s.yaw_noise * yaw,
             )
         if s.force_noise > 0.0:
-            tips = tuple(TipState(t.position, t.velocity, self._noisy(t.force)) for t in tips)
+            tips = tuple(
+                TipState(t.position, t.velocity, self._noisy(t.force)) for t in tips
+            )
         self._line.append(Measurement(truth.time, pose, tips))
         seen = self._line[0]
         return Measurement(truth.time, seen.object_pose, seen.tips)

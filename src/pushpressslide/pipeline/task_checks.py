@@ -1,4 +1,6 @@
-"""What a task's fields must satisfy together: bodies apart, modes that fit the robots, poses within reach."""
+"""What a task's fields must satisfy together: bodies apart, modes that fit the robots,
+poses within reach.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,12 @@ from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
 from pushpressslide.pipeline.task_reader import nearest
-from pushpressslide.pipeline.task_shapes import around, carried, distance_outside, overlap_area
+from pushpressslide.pipeline.task_shapes import (
+    around,
+    carried,
+    distance_outside,
+    overlap_area,
+)
 
 if TYPE_CHECKING:
     from pushpressslide.robots.kinematics import ArmKinematics
@@ -54,24 +61,37 @@ def mode_library() -> Mapping[str, Any]:
 
 
 def _check_motion(task: Task) -> None:
-    shape, motion = task.object.shape, task.motion
+    shape = task.object.shape
+    motion = task.motion
     if motion.time_step > motion.control_period:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
         raise TaskError(task.source, "motion.time_step", motion.time_step, allowed)
     if motion.face is not None:
         if isinstance(shape, Cylinder):
-            raise TaskError(task.source, "motion.face", motion.face, "a cylinder has no edges; allowed: null")
+            raise TaskError(
+                task.source,
+                "motion.face",
+                motion.face,
+                "a cylinder has no edges; allowed: null",
+            )
         edges = len(shape.footprint)
         if motion.face >= edges:
-            raise TaskError(task.source, "motion.face", motion.face, f"allowed: null or 0 to {edges - 1}")
+            raise TaskError(
+                task.source,
+                "motion.face",
+                motion.face,
+                f"allowed: null or 0 to {edges - 1}",
+            )
     if motion.contact_height is not None and motion.contact_height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
-        raise TaskError(task.source, "motion.contact_height", motion.contact_height, allowed)
+        raise TaskError(
+            task.source, "motion.contact_height", motion.contact_height, allowed
+        )
 
 
 def check_wall(task: Task) -> None:
-    """Check what a wall asks of a task: an object lies on a ledge, a loose body falls off, what is in the
-    opening stays there.
+    """Check what a wall asks of a task: an object lies on a ledge, a loose body falls
+    off, what is in the opening stays there.
 
     Raises TaskError.
     """
@@ -80,23 +100,35 @@ def check_wall(task: Task) -> None:
     for i, obstacle in enumerate(task.obstacles):
         if obstacle.movable:
             raise TaskError(
-                task.source, f"obstacles[{i}].movable", True, "on a wall it would fall; allowed: false"
+                task.source,
+                f"obstacles[{i}].movable",
+                True,
+                "on a wall it would fall; allowed: false",
             )
     if not carried(task, task.start):
         allowed = (
-            "it would fall before the arms press it; allowed: on a ledge, a fixed obstacle right below it"
+            "it would fall before the arms press it; allowed: on a ledge, a fixed "
+            "obstacle right below it"
         )
         raise TaskError(task.source, "start", _at(task.start), allowed)
-    opening, shape = task.support.opening, task.object.shape
+    opening = task.support.opening
+    shape = task.object.shape
     if opening is None:
         return
     if opening.depth >= shape.height:
         allowed = f"allowed: less than the object's height of {shape.height:g} m"
         raise TaskError(task.source, "support.opening.depth", opening.depth, allowed)
     if opening.holds(task.start, shape):
-        raise TaskError(task.source, "start", _at(task.start), "it lies in support.opening; allowed: outside")
+        raise TaskError(
+            task.source,
+            "start",
+            _at(task.start),
+            "it lies in support.opening; allowed: outside",
+        )
     off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
-    if not task.enters and all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True)):
+    if not task.enters and all(
+        d < 0.5 * size for d, size in zip(off, opening.size, strict=True)
+    ):
         allowed = "allowed: outside support.opening, or where the object's outline is within it"
         raise TaskError(task.source, "goal", _at(task.goal), allowed)
 
@@ -120,19 +152,37 @@ def _check_modes(task: Task) -> None:
         return
     for i, name in enumerate(task.modes):
         if name not in modes:
-            raise TaskError(task.source, f"modes[{i}]", name, f"unknown mode; {nearest(name, modes)}")
+            raise TaskError(
+                task.source,
+                f"modes[{i}]",
+                name,
+                f"unknown mode; {nearest(name, modes)}",
+            )
         if modes[name].arms != count:
-            allowed = f"allowed: {_arms(modes[name].arms)}, the number that mode {name} uses"
+            allowed = (
+                f"allowed: {_arms(modes[name].arms)}, the number that mode {name} uses"
+            )
             raise TaskError(task.source, "robots", Shown(_arms(count)), allowed)
         if name in task.modes[:i]:
-            raise TaskError(task.source, f"modes[{i}]", name, "it is listed twice; allowed: each mode once")
+            raise TaskError(
+                task.source,
+                f"modes[{i}]",
+                name,
+                "it is listed twice; allowed: each mode once",
+            )
 
 
 def _check_goal(task: Task) -> None:
     """Check that there is something to do."""
     off = task.start.inverse().compose(task.goal)
-    way, turn = math.hypot(off.x, off.y), abs(math.remainder(off.yaw, math.tau))
-    if task.legs or task.tool is not None or way > task.tolerance.position or turn > task.tolerance.yaw:
+    way = math.hypot(off.x, off.y)
+    turn = abs(math.remainder(off.yaw, math.tau))
+    if (
+        task.legs
+        or task.tool is not None
+        or way > task.tolerance.position
+        or turn > task.tolerance.yaw
+    ):
         return
     value = Shown(f"{way * 1e3:.1f} mm and {math.degrees(turn):.2f} deg from the start")
     allowed = (
@@ -149,26 +199,38 @@ def _check_workspace(task: Task) -> None:
     for name, pose in (("start", task.start), ("goal", task.goal)):
         if not (x_min <= pose.x <= x_max and y_min <= pose.y <= y_max):
             allowed = f"allowed: x in [{x_min:g}, {x_max:g}], y in [{y_min:g}, {y_max:g}] (limits.workspace)"
-            raise TaskError(task.source, name, Shown(f"x {pose.x:g}, y {pose.y:g}"), allowed)
+            raise TaskError(
+                task.source, name, Shown(f"x {pose.x:g}, y {pose.y:g}"), allowed
+            )
 
 
 def check_reach(task: Task) -> None:
-    """Check that some robot brings its tip beside or onto the object at start and at goal.
+    """Check that some robot brings its tip beside or onto the object at start and at
+    goal.
 
-    By kinematics alone, with the tool held any way that is tried, and with room for what is between the
-    places tried: what it refuses no choice of contact could do. Raises TaskError for a robot that cannot be
-    read, and for a start or goal that no robot reaches, by how much it stays short.
+    By kinematics alone, with the tool held any way that is tried, and with room for
+    what is between the places tried: what it refuses no choice of contact could do.
+    Raises TaskError for a robot that cannot be read, and for a start or goal that no
+    robot reaches, by how much it stays short.
     """
     arms = [_kinematics(task, i) for i in range(len(task.robots))]
     for name, pose in (("start", task.start), ("goal", task.goal)):
-        short = [shortfall(arm, robot, task, pose) for arm, robot in zip(arms, task.robots, strict=True)]
+        short = [
+            shortfall(arm, robot, task, pose)
+            for arm, robot in zip(arms, task.robots, strict=True)
+        ]
         best = min(range(len(short)), key=short.__getitem__)
         if short[best] > 0.0:
             center = pose.apply(task.object.center_of_mass)
             far = math.dist(center, task.bases[best][:2])
-            what = Shown(f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m from the base")
+            what = Shown(
+                f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m "
+                "from the base"
+            )
             allowed = f"the tip of the {arms[best].facts.name} stays {short[best]:.3f} m short of the object"
-            raise TaskError(task.source, name, what, f"allowed: within reach; {allowed}")
+            raise TaskError(
+                task.source, name, what, f"allowed: within reach; {allowed}"
+            )
 
 
 def _kinematics(task: Task, i: int) -> ArmKinematics:
@@ -178,24 +240,33 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
     try:
         return arm_kinematics(robot)
     except PushPressSlideError as error:
-        field, value = ("model", robot.model)
+        field = "model"
+        value = robot.model
         if str(error).startswith("it has no frame"):
-            field, value = "tip_frame", str(robot.tip_frame)
-        raise TaskError(task.source, f"robots[{i}].{field}", value, str(error)) from error
+            field = "tip_frame"
+            value = str(robot.tip_frame)
+        raise TaskError(
+            task.source, f"robots[{i}].{field}", value, str(error)
+        ) from error
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> float:
-    """Return by how much [m] a tip stays short of every place where it could touch; 0 if it reaches one."""
+    """Return by how much [m] a tip stays short of every place where it could touch; 0
+    if it reaches one.
+    """
     import numpy as np
 
     from pushpressslide.robots.reach import reachable
     from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
     places, spacing = around(task.object.shape, X_WG, robot.tip_radius, PLACES)
-    low, top = robot.tip_radius, task.object.shape.height + robot.tip_radius
+    low = robot.tip_radius
+    top = task.object.shape.height + robot.tip_radius
     levels = np.linspace(low, top, min(max(2, math.ceil((top - low) / 0.08)), 8))
     frame = task.support.frame
-    points = np.array([frame.point((x, y, float(z))) for x, y in places for z in levels])
+    points = np.array(
+        [frame.point((x, y, float(z))) for x, y in places for z in levels]
+    )
     slack = 0.5 * math.hypot(spacing, float(levels[1] - levels[0])) + REACH_SLACK
     least = math.inf
     for tilt in TOOL_TILTS:
@@ -222,7 +293,10 @@ def _check_bodies(task: Task) -> None:
     if len(arms) == 2 and math.dist(arms[0][1], arms[1][1]) < 2.0 * BASE_RADIUS:
         where = Shown(f"{math.dist(arms[0][1], arms[1][1]):.3f} m from the other base")
         raise TaskError(
-            task.source, "robots[1].base", where, f"allowed: bases {2.0 * BASE_RADIUS:g} m or more apart"
+            task.source,
+            "robots[1].base",
+            where,
+            f"allowed: bases {2.0 * BASE_RADIUS:g} m or more apart",
         )
     object_poses = [("start", task.start), ("goal", task.goal)]
     if task.true_start != task.start:
@@ -249,16 +323,22 @@ def _at(pose: Pose2) -> Shown:
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 
-def _check_base(task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, base: Vector3) -> None:
+def _check_base(
+    task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, base: Vector3
+) -> None:
     if base[2] >= shape.height:
         return
     gap = distance_outside(shape, X_WG.unapply((base[0], base[1])))
     if gap < BASE_RADIUS:
-        allowed = f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"
+        allowed = (
+            f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"
+        )
         raise TaskError(task.source, name, _at(X_WG), allowed)
 
 
-def _check_apart(task: Task, name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle) -> None:
+def _check_apart(
+    task: Task, name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle
+) -> None:
     area = overlap_area(shape, X_WG, _box(obstacle), obstacle.pose)
     if area > MAX_OVERLAP:
         allowed = f"allowed: no overlap with obstacle {obstacle.name!r}, here {area * 1e4:.2f} cm^2"

@@ -13,7 +13,8 @@ from pathlib import Path
 from pushpressslide.pipeline.task_field import REQUIRED, Field
 from pushpressslide.pipeline.task_schema import MOTION, SCHEMA
 
-BEGIN, END = "<!-- fields: begin (generated) -->", "<!-- fields: end -->"
+BEGIN = "<!-- fields: begin (generated) -->"
+END = "<!-- fields: end -->"
 
 
 def _rows(field: Field, path: str) -> Iterator[tuple[str, str, str, str]]:
@@ -26,7 +27,11 @@ def _rows(field: Field, path: str) -> Iterator[tuple[str, str, str, str]]:
             default = "optional"
         else:
             default = f"`{json.dumps(inner.default)}`"
-        words = inner.allowed.split(" with the fields")[0] if inner.fields else inner.allowed
+        words = (
+            inner.allowed.split(" with the fields")[0]
+            if inner.fields
+            else inner.allowed
+        )
         words += " or null" if inner.fields and inner.default is None else ""
         yield name, words, default, inner.help
         if not (path and inner.fields is MOTION):  # in a leg: the same fields again
@@ -37,13 +42,16 @@ def field_table() -> str:
     """Return the Markdown table of every field of a task file."""
     lines = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
     lines += [
-        f"| `{name}` | {words} | {default} | {help} |" for name, words, default, help in _rows(SCHEMA, "")
+        f"| `{name}` | {words} | {default} | {help} |"
+        for name, words, default, help in _rows(SCHEMA, "")
     ]
     return "\n".join(lines)
 
 
 def with_table(page: str) -> str:
-    """Return a page with its generated table renewed; raises ValueError for a page without the two marks."""
+    """Return a page with its generated table renewed; raises ValueError for a page
+    without the two marks.
+    """
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)
     if not begin or not end:

@@ -1,4 +1,6 @@
-"""A Task back to the text of a task file, with every field resolved, in the file's layout and units."""
+"""A Task back to the text of a task file, with every field resolved, in the file's
+layout and units.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,17 @@ from pushpressslide.core.task import Box, Cylinder, Motion, Shape, Support, Task
 
 
 def degrees(radians: float) -> float:
-    """Return the angle [deg] that math.radians turns back into the same ``radians``, if there is one."""
+    """Return the angle [deg] that math.radians turns back into the same ``radians``, if
+    there is one.
+    """
     value = math.degrees(radians)
-    candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)] + [value]
+    candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)] + [
+        value
+    ]
     down = up = value
     for _ in range(4):
-        down, up = math.nextafter(down, -math.inf), math.nextafter(up, math.inf)
+        down = math.nextafter(down, -math.inf)
+        up = math.nextafter(up, math.inf)
         candidates += [down, up]
     return next((c for c in candidates if math.radians(c) == radians), value)
 
@@ -31,36 +38,58 @@ def _shape(shape: Shape) -> dict[str, Any]:
         return {"box": list(shape.size)}
     if isinstance(shape, Cylinder):
         return {"cylinder": {"radius": shape.radius, "height": shape.height}}
-    return {"prism": {"polygon": [list(corner) for corner in shape.polygon], "height": shape.height}}
+    return {
+        "prism": {
+            "polygon": [list(corner) for corner in shape.polygon],
+            "height": shape.height,
+        }
+    }
 
 
 def _support(support: Support) -> dict[str, Any]:
     out: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
     if support.kind == "wall":
-        (x, y, z), frame, opening = support.frame.origin, support.frame, support.opening
+        x, y, z = support.frame.origin
+        frame = support.frame
+        opening = support.opening
         heading = math.atan2(frame.axes[1][2], frame.axes[0][2])
         out["pose"] = {"x": x, "y": y, "z": z, "yaw_deg": degrees(heading)}
         if opening is not None:
             (cx, cy) = opening.center
-            out["opening"] = {"size": list(opening.size), "pose": {"x": cx, "y": cy}, "depth": opening.depth}
+            out["opening"] = {
+                "size": list(opening.size),
+                "pose": {"x": cx, "y": cy},
+                "depth": opening.depth,
+            }
     return out
 
 
 def _limits(task: Task) -> dict[str, Any]:
     region = task.limits.workspace
-    workspace = None if region is None else {"x": list(region[:2]), "y": list(region[2:])}
-    return {"time": task.limits.time, "normal_force": task.limits.normal_force, "workspace": workspace}
+    workspace = (
+        None if region is None else {"x": list(region[:2]), "y": list(region[2:])}
+    )
+    return {
+        "time": task.limits.time,
+        "normal_force": task.limits.normal_force,
+        "workspace": workspace,
+    }
 
 
 def _belief(task: Task) -> dict[str, Any]:
-    """Only what differs from the truth, so that a changed truth in the file is also believed."""
+    """Only what differs from the truth, so that a changed truth in the file is also
+    believed.
+    """
     told = task.believed
     pairs = {
         "support_friction": (told.support_friction, task.support.friction),
         "contact_friction": (told.contact_friction, task.contact_friction),
         "mass": (told.mass, task.object.mass),
     }
-    return {**{name: (a if a != b else None) for name, (a, b) in pairs.items()}, "rho": told.rho}
+    return {
+        **{name: (a if a != b else None) for name, (a, b) in pairs.items()},
+        "rho": told.rho,
+    }
 
 
 def _motion(motion: Motion) -> dict[str, Any]:
@@ -80,13 +109,23 @@ def task_data(task: Task) -> dict[str, Any]:
         },
         "contact": {"friction": task.contact_friction},
         "start": _pose(task.start),
-        "goal": _pose(task.goal) if task.tool is None else {**_pose(task.tool.goal), "body": task.tool.body},
+        "goal": _pose(task.goal)
+        if task.tool is None
+        else {**_pose(task.tool.goal), "body": task.tool.body},
         **({} if task.tool is None else {"tool": {"face": task.tool.face}}),
-        "tolerance": {"position": task.tolerance.position, "yaw_deg": degrees(task.tolerance.yaw)},
+        "tolerance": {
+            "position": task.tolerance.position,
+            "yaw_deg": degrees(task.tolerance.yaw),
+        },
         "robots": [
             {
                 "model": r.model,
-                "base": {"x": r.base[0], "y": r.base[1], "z": r.base[2], "yaw_deg": degrees(r.base_yaw)},
+                "base": {
+                    "x": r.base[0],
+                    "y": r.base[1],
+                    "z": r.base[2],
+                    "yaw_deg": degrees(r.base_yaw),
+                },
                 "tip_frame": r.tip_frame,
                 "tip_radius": r.tip_radius,
                 "tip_length": r.tip_length,
@@ -128,7 +167,13 @@ def task_data(task: Task) -> dict[str, Any]:
 
 
 def dump_task(task: Task) -> str:
-    """Return the YAML text of a task, every default written out; it loads again to an equal task."""
+    """Return the YAML text of a task, every default written out; it loads again to an
+    equal task.
+    """
     return yaml.safe_dump(
-        task_data(task), sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
+        task_data(task),
+        sort_keys=False,
+        default_flow_style=None,
+        width=110,
+        allow_unicode=True,
     )

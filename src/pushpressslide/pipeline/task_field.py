@@ -1,4 +1,6 @@
-"""One field of the task file: its type, unit, range, default and meaning, and what it takes in words."""
+"""One field of the task file: its type, unit, range, default and meaning, and what it
+takes in words.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,16 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Kind = Literal[
-    "number", "integer", "boolean", "text", "name", "names", "numbers", "points", "section", "sections"
+    "number",
+    "integer",
+    "boolean",
+    "text",
+    "name",
+    "names",
+    "numbers",
+    "points",
+    "section",
+    "sections",
 ]
 
 REQUIRED: Any = object()
@@ -17,7 +28,9 @@ REQUIRED: Any = object()
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of the file; a default of None means that the field may also be given as null."""
+    """One field of the file; a default of None means that the field may also be given
+    as null.
+    """
 
     kind: Kind
     help: str
@@ -29,7 +42,8 @@ class Field:
     default: Any = REQUIRED
     choices: tuple[str, ...] = ()  # of a text; words in place of a number
     count: tuple[int, float] = (0, math.inf)  # least and most items of a list
-    fields: Mapping[str, Field] | None = None  # of a section, or of each section in a list
+    # of a section, or of each section in a list
+    fields: Mapping[str, Field] | None = None
 
     @property
     def interval(self) -> str:
@@ -39,7 +53,8 @@ class Field:
         if math.isinf(self.high):
             return f"{'>' if self.open_low else '>='} {self.low:g}"
         return (
-            f"in {'(' if self.open_low else '['}{self.low:g}, {self.high:g}{')' if self.open_high else ']'}"
+            f"in {'(' if self.open_low else '['}{self.low:g}, "
+            f"{self.high:g}{')' if self.open_high else ']'}"
         )
 
     @property
@@ -53,7 +68,9 @@ class Field:
     @property
     def allowed(self) -> str:
         """What the field takes, in words."""
-        number = " ".join(filter(None, (f"[{self.unit}]" if self.unit else "", self.interval)))
+        number = " ".join(
+            filter(None, (f"[{self.unit}]" if self.unit else "", self.interval))
+        )
         match self.kind:
             case "number":
                 words = f"{', '.join((*self.choices, 'a finite number'))} {number}"

@@ -1,4 +1,6 @@
-"""Task files: YAML to a checked Task, and back. Every field, range and default is in task_schema.py."""
+"""Task files: YAML to a checked Task, and back. Every field, range and default is in
+task_schema.py.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,12 @@ from pushpressslide.pipeline.task_dump import dump_task
 from pushpressslide.pipeline.task_legs import inherited, legs
 from pushpressslide.pipeline.task_reader import nearest, read
 from pushpressslide.pipeline.task_schema import SCHEMA
-from pushpressslide.pipeline.task_shapes import centroid, convexity_fault, depth_inside, signed_area
+from pushpressslide.pipeline.task_shapes import (
+    centroid,
+    convexity_fault,
+    depth_inside,
+    signed_area,
+)
 from pushpressslide.pipeline.task_yaml import apply_overrides, read_yaml
 from pushpressslide.pipeline.tool_use import tool_use
 
@@ -43,7 +50,10 @@ _SHIPPED = Path(__file__).parent.parent / "tasks"
 
 def shipped_tasks() -> dict[str, Path]:
     """Return the tasks that come with the package: name to file, by name."""
-    return {path.stem: path for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)}
+    return {
+        path.stem: path
+        for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)
+    }
 
 
 def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
@@ -54,29 +64,34 @@ def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
         overrides: ``a.b=c`` each, the value as YAML, in the file's units.
 
     Raises:
-        TaskError: one line that names the file, the field, the value and what is allowed.
+        TaskError: one line that names the file, the field, the value and what is
+        allowed.
     """
     shipped = shipped_tasks()
     path = shipped.get(str(name_or_path)) or Path(name_or_path)
     if path.parent == Path() and not path.suffix and not path.exists():
         raise TaskError(
-            str(name_or_path), "", name_or_path,
-            "no such task; allowed: the path of a YAML file, or the name of a shipped task; "
-            + nearest(name_or_path, shipped),
-        )  # fmt: skip
+            str(name_or_path),
+            "",
+            name_or_path,
+            "no such task; allowed: the path of a YAML file, or the name of a shipped "
+            "task; " + nearest(name_or_path, shipped),
+        )
     data = read_yaml(path)
     apply_overrides(data, overrides)
     return task_from_data(data, str(path))
 
 
 def task_from_data(data: Mapping[str, Any], source: str) -> Task:
-    """Return the checked task of plain data in the file's layout and units; ``source`` names it in messages.
+    """Return the checked task of plain data in the file's layout and units; ``source``
+    names it in messages.
 
     Raises:
         TaskError: as :func:`load_task`.
     """
     d = read(SCHEMA, inherited(data), "", source)
-    belief, contact_friction = d["belief"], d["contact"]["friction"]
+    belief = d["belief"]
+    contact_friction = d["contact"]["friction"]
     model = ObjectModel(*_object(d["object"], source))
     obstacles = _obstacles(d["obstacles"], source)
     tool, goal = tool_use(d, model, obstacles, source)
@@ -88,7 +103,9 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         robots=tuple(_robot(r, i, source) for i, r in enumerate(d["robots"])),
         support=_support(d["support"], source),
         contact_friction=contact_friction,
-        tolerance=Tolerance(d["tolerance"]["position"], math.radians(d["tolerance"]["yaw_deg"])),
+        tolerance=Tolerance(
+            d["tolerance"]["position"], math.radians(d["tolerance"]["yaw_deg"])
+        ),
         obstacles=obstacles,
         tool=tool,
         modes=d["modes"],
@@ -118,7 +135,8 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
 
 
 def _support(d: Mapping[str, Any], source: str) -> Support:
-    pose, opening = d["pose"], d["opening"]
+    pose = d["pose"]
+    opening = d["opening"]
     if d["kind"] == "table":
         for name in ("pose", "opening"):
             if d[name] is not None:
@@ -126,11 +144,19 @@ def _support(d: Mapping[str, Any], source: str) -> Support:
                 raise TaskError(source, f"support.{name}", d[name], allowed)
         return Support("table", d["friction"])
     if pose is None:
-        raise TaskError(source, "support.pose", None, "it is missing; allowed: the pose of the wall")
-    frame = SupportFrame.of_wall((pose["x"], pose["y"], pose["z"]), math.radians(pose["yaw_deg"]))
+        raise TaskError(
+            source, "support.pose", None, "it is missing; allowed: the pose of the wall"
+        )
+    frame = SupportFrame.of_wall(
+        (pose["x"], pose["y"], pose["z"]), math.radians(pose["yaw_deg"])
+    )
     hole = None
     if opening is not None:
-        hole = Opening(opening["size"], (opening["pose"]["x"], opening["pose"]["y"]), opening["depth"])
+        hole = Opening(
+            opening["size"],
+            (opening["pose"]["x"], opening["pose"]["y"]),
+            opening["depth"],
+        )
     return Support("wall", d["friction"], frame, hole)
 
 
@@ -142,7 +168,9 @@ def _pose(d: Mapping[str, Any]) -> Pose2:
     return Pose2(d["x"], d["y"], math.radians(d["yaw_deg"]))
 
 
-def _object(d: Mapping[str, Any], source: str) -> tuple[Shape, float, tuple[float, float]]:
+def _object(
+    d: Mapping[str, Any], source: str
+) -> tuple[Shape, float, tuple[float, float]]:
     shape, middle = _shape(d["shape"], source)
     com = d["center_of_mass"]
     if com is not None and depth_inside(shape, com) <= 0.0:
@@ -155,7 +183,9 @@ def _shape(d: Mapping[str, Any], source: str) -> tuple[Shape, tuple[float, float
     """Return the shape and its centroid [m] in G."""
     given = [name for name, value in d.items() if value is not None]
     if len(given) != 1:
-        raise TaskError(source, "object.shape", given, f"allowed: exactly one of {', '.join(d)}")
+        raise TaskError(
+            source, "object.shape", given, f"allowed: exactly one of {', '.join(d)}"
+        )
     if d["box"] is not None:
         return Box(d["box"]), (0.0, 0.0)
     if d["cylinder"] is not None:
@@ -164,34 +194,47 @@ def _shape(d: Mapping[str, Any], source: str) -> tuple[Shape, tuple[float, float
     fault = convexity_fault(polygon)
     if fault is not None:
         allowed = f"{fault}; allowed: a convex polygon of at least 3 distinct corners, in order"
-        raise TaskError(source, "object.shape.prism.polygon", [list(p) for p in polygon], allowed)
+        raise TaskError(
+            source, "object.shape.prism.polygon", [list(p) for p in polygon], allowed
+        )
     if signed_area(polygon) < 0.0:
         polygon = polygon[:1] + polygon[:0:-1]
     return Prism(polygon, d["prism"]["height"]), centroid(polygon)
 
 
 def _robot(d: Mapping[str, Any], i: int, source: str) -> Robot:
-    model, base = d["model"], d["base"]
+    model = d["model"]
+    base = d["base"]
     if model not in MODELS:
         path = Path(source).parent / model
         if path.suffix.lower() not in (".urdf", ".sdf"):
             allowed = (
-                f"allowed: {', '.join(MODELS)}, or the path of a .urdf or .sdf file; {nearest(model, MODELS)}"
+                f"allowed: {', '.join(MODELS)}, or the path of a .urdf or .sdf file; "
+                f"{nearest(model, MODELS)}"
             )
             raise TaskError(source, f"robots[{i}].model", model, allowed)
         if not path.is_file():
             raise TaskError(
-                source, f"robots[{i}].model", model, f"no such file; allowed: {', '.join(MODELS)} or a path"
+                source,
+                f"robots[{i}].model",
+                model,
+                f"no such file; allowed: {', '.join(MODELS)} or a path",
             )
         if d["tip_frame"] is None:
             allowed = (
-                "it is missing; allowed: the name of the frame at the tip, as the model is given by path"
+                "it is missing; allowed: the name of the frame at the tip, as the "
+                "model is given by path"
             )
             raise TaskError(source, f"robots[{i}].tip_frame", None, allowed)
         model = str(path.resolve())
     position = (base["x"], base["y"], base["z"])
     return Robot(
-        model, position, math.radians(base["yaw_deg"]), d["tip_frame"], d["tip_radius"], d["tip_length"]
+        model,
+        position,
+        math.radians(base["yaw_deg"]),
+        d["tip_frame"],
+        d["tip_radius"],
+        d["tip_length"],
     )
 
 
@@ -203,7 +246,15 @@ def _obstacles(items: Sequence[Mapping[str, Any]], source: str) -> tuple[Obstacl
             raise TaskError(source, f"obstacles[{i}].name", d["name"], allowed)
         names.append(d["name"])
     return tuple(
-        Obstacle(d["name"], d["box"], _pose(d["pose"]), d["movable"], d["mass"], d["friction"]) for d in items
+        Obstacle(
+            d["name"],
+            d["box"],
+            _pose(d["pose"]),
+            d["movable"],
+            d["mass"],
+            d["friction"],
+        )
+        for d in items
     )
 
 
@@ -214,5 +265,7 @@ def _limits(d: Mapping[str, Any], source: str) -> Limits:
     for axis in ("x", "y"):
         if not region[axis][0] < region[axis][1]:
             allowed = "allowed: [lower, upper] with lower < upper"
-            raise TaskError(source, f"limits.workspace.{axis}", list(region[axis]), allowed)
+            raise TaskError(
+                source, f"limits.workspace.{axis}", list(region[axis]), allowed
+            )
     return Limits(d["time"], d["normal_force"], (*region["x"], *region["y"]))

@@ -1,4 +1,6 @@
-"""Checks plain data against the schema: types, finiteness, ranges, unknown names; fills in the defaults."""
+"""Checks plain data against the schema: types, finiteness, ranges, unknown names; fills
+in the defaults.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,63}")
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """Return ``did you mean 'x'? known: ...``, with the nearest of the known names first if one is near."""
+    """Return ``did you mean 'x'? known: ...``, with the nearest of the known names
+    first if one is near.
+    """
     names = list(known)
     close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]!r}? " if close else ""
@@ -23,12 +27,15 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
 
 def read(field: Field, value: Any, path: str, source: str) -> Any:
-    """Return the checked value of one field, sections and lists included, with the defaults filled in.
+    """Return the checked value of one field, sections and lists included, with the
+    defaults filled in.
 
-    Units stay those of the file. ``path`` is the field's dotted name; ``source`` names the file.
+    Units stay those of the file. ``path`` is the field's dotted name; ``source`` names
+    the file.
 
     Raises:
-        TaskError: a value of the wrong type or out of range, a missing field, an unknown name.
+        TaskError: a value of the wrong type or out of range, a missing field, an
+        unknown name.
     """
     if value is None and field.default is None:
         return None
@@ -37,18 +44,32 @@ def read(field: Field, value: Any, path: str, source: str) -> Any:
             return _section(field, value, path, source)
         case "sections":
             items = _list(field, value, path, source)
-            return [_section(field, item, f"{path}[{i}]", source) for i, item in enumerate(items)]
+            return [
+                _section(field, item, f"{path}[{i}]", source)
+                for i, item in enumerate(items)
+            ]
         case "number" | "integer":
-            return value if value in field.choices else _number(field, value, path, source)
+            return (
+                value if value in field.choices else _number(field, value, path, source)
+            )
         case "numbers":
             items = _list(field, value, path, source)
-            return tuple(_number(field, item, f"{path}[{i}]", source) for i, item in enumerate(items))
+            return tuple(
+                _number(field, item, f"{path}[{i}]", source)
+                for i, item in enumerate(items)
+            )
         case "points":
             items = _list(field, value, path, source)
-            return tuple(_point(field, item, f"{path}[{i}]", source) for i, item in enumerate(items))
+            return tuple(
+                _point(field, item, f"{path}[{i}]", source)
+                for i, item in enumerate(items)
+            )
         case "names":
             items = _list(field, value, path, source)
-            return tuple(_text(field, item, f"{path}[{i}]", source) for i, item in enumerate(items))
+            return tuple(
+                _text(field, item, f"{path}[{i}]", source)
+                for i, item in enumerate(items)
+            )
         case "boolean":
             if not isinstance(value, bool):
                 raise TaskError(source, path, value, f"allowed: {field.allowed}")
@@ -65,7 +86,10 @@ def _section(field: Field, value: Any, path: str, source: str) -> dict[str, Any]
         if key not in fields:
             name = f"{path}.{key}" if path else str(key)
             raise TaskError(
-                source, " ".join(name[:200].split()), key, f"unknown field; {nearest(key, fields)}"
+                source,
+                " ".join(name[:200].split()),
+                key,
+                f"unknown field; {nearest(key, fields)}",
             )
     out: dict[str, Any] = {}
     for key, inner in fields.items():
@@ -73,7 +97,9 @@ def _section(field: Field, value: Any, path: str, source: str) -> dict[str, Any]
         if key in value:
             out[key] = read(inner, value[key], name, source)
         elif inner.default is REQUIRED:
-            raise TaskError(source, name, None, f"it is missing; allowed: {inner.allowed}")
+            raise TaskError(
+                source, name, None, f"it is missing; allowed: {inner.allowed}"
+            )
         else:
             out[key] = read(inner, inner.default, name, source)
     return out
@@ -88,7 +114,9 @@ def _list(field: Field, value: Any, path: str, source: str) -> list[Any]:
 
 def _number(field: Field, value: Any, path: str, source: str) -> float | int:
     error = TaskError(source, path, value, f"allowed: {_one(field)}")
-    if isinstance(value, bool) or not isinstance(value, int if field.kind == "integer" else (int, float)):
+    if isinstance(value, bool) or not isinstance(
+        value, int if field.kind == "integer" else (int, float)
+    ):
         raise error
     try:
         number = float(value)
@@ -105,20 +133,38 @@ def _one(field: Field) -> str:
     if field.kind in ("number", "integer"):
         return field.allowed
     return " ".join(
-        filter(None, ("a finite number", f"[{field.unit}]" if field.unit else "", field.interval))
+        filter(
+            None,
+            (
+                "a finite number",
+                f"[{field.unit}]" if field.unit else "",
+                field.interval,
+            ),
+        )
     )
 
 
 def _point(field: Field, value: Any, path: str, source: str) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
-        raise TaskError(source, path, value, f"allowed: a point [x, y] of two finite numbers [{field.unit}]")
-    return (_number(field, value[0], f"{path}[0]", source), _number(field, value[1], f"{path}[1]", source))
+        raise TaskError(
+            source,
+            path,
+            value,
+            f"allowed: a point [x, y] of two finite numbers [{field.unit}]",
+        )
+    return (
+        _number(field, value[0], f"{path}[0]", source),
+        _number(field, value[1], f"{path}[1]", source),
+    )
 
 
 def _text(field: Field, value: Any, path: str, source: str) -> str:
     if not isinstance(value, str):
         raise TaskError(
-            source, path, value, f"allowed: {'a name' if field.kind == 'names' else field.allowed}"
+            source,
+            path,
+            value,
+            f"allowed: {'a name' if field.kind == 'names' else field.allowed}",
         )
     if field.choices and value not in field.choices:
         raise TaskError(source, path, value, f"allowed: {field.allowed}")

@@ -20,8 +20,12 @@ LEDGE_GAP = 2e-3
 
 
 def signed_area(polygon: tuple[Point, ...]) -> float:
-    """Return the area [m^2] of a polygon, positive if its corners run counter-clockwise."""
-    return 0.5 * sum(cross(a, b) for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True))
+    """Return the area [m^2] of a polygon, positive if its corners run
+    counter-clockwise.
+    """
+    return 0.5 * sum(
+        cross(a, b) for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
+    )
 
 
 def centroid(polygon: tuple[Point, ...]) -> Point:
@@ -31,17 +35,23 @@ def centroid(polygon: tuple[Point, ...]) -> Point:
     moved = tuple((px - ox, py - oy) for px, py in polygon)
     for a, b in zip(moved, moved[1:] + moved[:1], strict=True):
         w = cross(a, b)
-        x, y = x + w * (a[0] + b[0]), y + w * (a[1] + b[1])
+        x = x + w * (a[0] + b[0])
+        y = y + w * (a[1] + b[1])
     area = signed_area(moved)
     return (ox + x / (6.0 * area), oy + y / (6.0 * area))
 
 
 def convexity_fault(polygon: tuple[Point, ...]) -> str | None:
-    """Return why a polygon is not simple, strictly convex and of positive area, or None if it is."""
+    """Return why a polygon is not simple, strictly convex and of positive area, or None
+    if it is.
+    """
     n = len(polygon)
     if len(set(polygon)) < n:
         return "two corners are the same"
-    edges = [(b[0] - a[0], b[1] - a[1]) for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)]
+    edges = [
+        (b[0] - a[0], b[1] - a[1])
+        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
+    ]
     turns = []
     for u, v in zip(edges, edges[1:] + edges[:1], strict=True):
         turns.append(math.atan2(cross(u, v), u[0] * v[0] + u[1] * v[1]))
@@ -65,7 +75,9 @@ def depth_inside(shape: Shape, point: Point) -> float:
     depths = []
     for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
         edge = (b[0] - a[0], b[1] - a[1])
-        depths.append(cross(edge, (point[0] - a[0], point[1] - a[1])) / math.hypot(*edge))
+        depths.append(
+            cross(edge, (point[0] - a[0], point[1] - a[1])) / math.hypot(*edge)
+        )
     return min(depths)
 
 
@@ -76,11 +88,15 @@ def distance_outside(shape: Shape, point: Point) -> float:
     if isinstance(shape, Cylinder):
         return math.hypot(*point) - shape.radius
     corners = shape.footprint
-    return min(_to_segment(point, a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
+    return min(
+        _to_segment(point, a, b)
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
+    )
 
 
 def _to_segment(p: Point, a: Point, b: Point) -> float:
-    ex, ey = b[0] - a[0], b[1] - a[1]
+    ex = b[0] - a[0]
+    ey = b[1] - a[1]
     t = ((p[0] - a[0]) * ex + (p[1] - a[1]) * ey) / (ex * ex + ey * ey)
     t = min(max(t, 0.0), 1.0)
     return math.hypot(p[0] - a[0] - t * ex, p[1] - a[1] - t * ey)
@@ -104,40 +120,57 @@ def lowered(task: Task, X_WG: Pose2, by: float) -> Pose2:
 
 
 def on_ledge(task: Task, X_WG: Pose2, within: float) -> bool:
-    """Return whether an object at a pose on a wall has a fixed obstacle ``within`` [m] below it."""
-    below, shape = lowered(task, X_WG, within), task.object.shape
+    """Return whether an object at a pose on a wall has a fixed obstacle ``within`` [m]
+    below it.
+    """
+    below = lowered(task, X_WG, within)
+    shape = task.object.shape
     fixed = (o for o in task.obstacles if not o.movable)
     return any(overlap_area(shape, below, Box(o.size), o.pose) > 0.0 for o in fixed)
 
 
 def carried(task: Task, X_WG: Pose2) -> bool:
-    """Return whether an object that is let go at a pose stays: on a wall, on a ledge or in the opening."""
-    support, shape = task.support, task.object.shape
+    """Return whether an object that is let go at a pose stays: on a wall, on a ledge or
+    in the opening.
+    """
+    support = task.support
+    shape = task.object.shape
     if support.kind == "table" or on_ledge(task, X_WG, LEDGE_GAP):
         return True
     return support.opening is not None and support.opening.holds(X_WG, shape)
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
-    """Return how far [m] a point lies inside the convex hull of what an opening leaves of a footprint that
-    is partly over it; negative outside, infinite where nothing is over it.
+    """Return how far [m] a point lies inside the convex hull of what an opening leaves
+    of a footprint that is partly over it; negative outside, infinite where nothing is
+    over it.
     """
     from shapely import Point as Place
     from shapely import box
 
-    (w, h), (x, y) = opening.size, opening.center
+    w, h = opening.size
+    x, y = opening.center
     whole = _placed(shape, X_WG)
     rest = whole.difference(box(x - 0.5 * w, y - 0.5 * h, x + 0.5 * w, y + 0.5 * h))
     if rest.area == whole.area:
         return math.inf
     if rest.is_empty:
         return -math.inf
-    hull, place = rest.convex_hull, Place(point)
-    return float(hull.boundary.distance(place)) if hull.covers(place) else -float(hull.distance(place))
+    hull = rest.convex_hull
+    place = Place(point)
+    return (
+        float(hull.boundary.distance(place))
+        if hull.covers(place)
+        else -float(hull.distance(place))
+    )
 
 
-def around(shape: Shape, X_WG: Pose2, distance: float, count: int) -> tuple[list[Point], float]:
-    """Return ``count`` points even around a footprint, ``distance`` [m] off it, and how far apart [m]."""
+def around(
+    shape: Shape, X_WG: Pose2, distance: float, count: int
+) -> tuple[list[Point], float]:
+    """Return ``count`` points even around a footprint, ``distance`` [m] off it, and how
+    far apart [m].
+    """
     line = _placed(shape, X_WG).buffer(distance).exterior
     points = [line.interpolate(i / count, normalized=True) for i in range(count)]
     return [(p.x, p.y) for p in points], float(line.length) / count

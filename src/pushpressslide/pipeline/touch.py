@@ -1,5 +1,5 @@
-"""Phase touch: line the tips up with their contacts, advance until they feel the object, settle the normal
-forces. From the side or from above alike.
+"""Phase touch: line the tips up with their contacts, advance until they feel the
+object, settle the normal forces. From the side or from above alike.
 """
 
 from __future__ import annotations
@@ -24,14 +24,20 @@ from pushpressslide.pipeline.control_state import (
 )
 from pushpressslide.planning.overhead import TOUCH_SPEED
 
-TOUCH_DEPTH = 0.05  # [m] beyond the expected contact at which the object counts as not there
+# [m] beyond the expected contact at which the object counts as not there
+TOUCH_DEPTH = 0.05
 FELT_TIME = 0.03  # [s] of normal force before a touch is believed
 SETTLE_TIME = 0.2  # [s] that the touch force must hold
 
 
-def align_time(memory: TipMemory, contact: Contact, X_WB: Pose2, radius: float, gap: float) -> float:
+def align_time(
+    memory: TipMemory, contact: Contact, X_WB: Pose2, radius: float, gap: float
+) -> float:
     """Return how long a tip takes to line up ``gap`` [m] before its contact [s]."""
-    return ramp_time(math.dist(tip_position(contact, X_WB, radius, gap), memory.start)) + 0.1
+    return (
+        ramp_time(math.dist(tip_position(contact, X_WB, radius, gap), memory.start))
+        + 0.1
+    )
 
 
 def touch(
@@ -51,11 +57,12 @@ def touch(
     tool_yaw: float,
     joint_progress: float,
 ) -> tuple[TipCommand, TipMemory, bool, str | None]:
-    """Return one tip's command, what to remember, whether its touch is complete, and what went wrong.
+    """Return one tip's command, what to remember, whether its touch is complete, and
+    what went wrong.
 
-    ``elapsed`` [s] since the phase began; ``aligned`` [s] at which the advance begins, 0 to go on from where
-    the tip is; ``force`` [N] is what it presses with in the end, ``threshold`` [N] counts as contact, ``gap``
-    [m] is the free way before the object.
+    ``elapsed`` [s] since the phase began; ``aligned`` [s] at which the advance begins,
+    0 to go on from where the tip is; ``force`` [N] is what it presses with in the end,
+    ``threshold`` [N] counts as contact, ``gap`` [m] is the free way before the object.
     """
     if memory.held is not None:
         return memory.held, memory, True, None
@@ -63,9 +70,13 @@ def touch(
     before = tip_position(contact, X_WB, radius, gap)
 
     def command(
-        position: Vector3, velocity: Vector3 = (0.0, 0.0, 0.0), push: float | None = None
+        position: Vector3,
+        velocity: Vector3 = (0.0, 0.0, 0.0),
+        push: float | None = None,
     ) -> TipCommand:
-        return held_at(contact, X_WB, position, velocity, push, tool_yaw, joint_progress)
+        return held_at(
+            contact, X_WB, position, velocity, push, tool_yaw, joint_progress
+        )
 
     start = memory.start
     if elapsed < aligned:
@@ -79,7 +90,8 @@ def touch(
         origin = _ahead(start, n, -ahead)
         depth += min(max(ahead, 0.0), gap)
     normal_force = pressed(tip.force, n)
-    felt, base = memory.felt, memory.touch_depth
+    felt = memory.felt
+    base = memory.touch_depth
     if normal_force > threshold:
         felt, base = (felt, base) if felt is not None else (time, depth)
     elif felt is not None and time - felt < FELT_TIME:
@@ -88,7 +100,12 @@ def touch(
     if felt is not None and time - felt >= FELT_TIME:
         push, state = regulator.step(memory.regulator, force, normal_force, dt)
         done = time - felt > FELT_TIME + SETTLE_TIME + force / regulator.ramp
-        return command(_ahead(origin, n, base), push=push), replace(memory, regulator=state), done, None
+        return (
+            command(_ahead(origin, n, base), push=push),
+            replace(memory, regulator=state),
+            done,
+            None,
+        )
     problem = None
     if depth > gap + TOUCH_DEPTH:
         problem = f"no contact felt {TOUCH_DEPTH * 1e3:.0f} mm beyond where the object should be"
@@ -106,13 +123,19 @@ def held_at(
     tool_yaw: float,
     joint_progress: float,
 ) -> TipCommand:
-    """Return the command of a tip that is held at ``position`` [m], moving at ``velocity`` [m/s]; or, along
-    its normal, that pushes with ``push`` [N].
+    """Return the command of a tip that is held at ``position`` [m], moving at
+    ``velocity`` [m/s]; or, along its normal, that pushes with ``push`` [N].
     """
-    n, free, f = contact.direction(X_WB), FREE_STIFFNESS, push or 0.0
+    n = contact.direction(X_WB)
+    free = FREE_STIFFNESS
+    f = push or 0.0
     stiffness = free
     if push is not None:
-        stiffness = (free[0], free[1], 0.0) if contact.kind == "top" else (0.0, free[1], free[2])
+        stiffness = (
+            (free[0], free[1], 0.0)
+            if contact.kind == "top"
+            else (0.0, free[1], free[2])
+        )
     return TipCommand(
         force=(f * n[0], f * n[1], f * n[2]),
         position=position,
@@ -128,7 +151,11 @@ def held_at(
 
 
 def _along(a: Vector3, b: Vector3, u: float) -> Vector3:
-    return (a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2]))
+    return (
+        a[0] + u * (b[0] - a[0]),
+        a[1] + u * (b[1] - a[1]),
+        a[2] + u * (b[2] - a[2]),
+    )
 
 
 def _ahead(origin: Vector3, direction: Vector3, way: float) -> Vector3:

@@ -1,1 +1,3 @@
-"""The fast engine: quasi-static sliding on a limit surface, without Drake; runs the same controller."""
+"""The fast engine: quasi-static sliding on a limit surface, without Drake; runs the
+same controller.
+"""

@@ -1,10 +1,11 @@
-"""What a massless, compliant tip does at a contact: its force on the object as a function of the object's
-twist.
+"""What a massless, compliant tip does at a contact: its force on the object as a
+function of the object's twist.
 
-The tip's own law is f = f_0 - B v, B > 0 along two axes of the plane: a force, a spring, taken at the end of
-the tick, and a damper. With it each contact's force is an explicit function of the velocity that the object
-carries the tip's centre with: there is nothing to iterate between stick, slip and separation
-(docs/mechanics.md, section 3). Plain floats; frame B, places relative to the centre of pressure.
+The tip's own law is f = f_0 - B v, B > 0 along two axes of the plane: a force, a
+spring, taken at the end of the tick, and a damper. With it each contact's force is an
+explicit function of the velocity that the object carries the tip's centre with: there
+is nothing to iterate between stick, slip and separation (docs/mechanics.md, section 3).
+Plain floats; frame B, places relative to the centre of pressure.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ SLIP_STEPS = 30  # one for equal dampings
 
 
 class Response(NamedTuple):
-    """A contact's force on the object [N], and what its components lose per velocity of the tip's centre
-    [N s/m].
+    """A contact's force on the object [N], and what its components lose per velocity of
+    the tip's centre [N s/m].
     """
 
     force: Point
@@ -44,7 +45,9 @@ class TipLaw:
 
     def velocity(self, force: Point) -> Point:
         """Return the velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
-        (ax, ay), (f1, f2), (d1, d2) = self.axis, self.force, self.damping
+        ax, ay = self.axis
+        f1, f2 = self.force
+        d1, d2 = self.damping
         v1 = (f1 - (ax * force[0] + ay * force[1])) / d1
         v2 = (f2 - (ax * force[1] - ay * force[0])) / d2
         return (ax * v1 - ay * v2, ay * v1 + ax * v2)
@@ -55,19 +58,24 @@ class SideContact:
     """A tip at a side face; its law's axis is the inward normal."""
 
     point: Point  # [m] of the face
-    center: Point  # [m] of the tip; it turns with the object, so that it does not roll along the face
+    # [m] of the tip; it turns with the object, so that it does not roll along the face
+    center: Point
     law: TipLaw
     friction: float  # of the pair tip/object
-    approach: float = 0.0  # [m/s] at which the tip may come nearer to the face: its gap over the tick
+    # [m/s] at which the tip may come nearer to the face: its gap over the tick
+    approach: float = 0.0
 
     def response(self, twist: tuple[float, float, float]) -> Response:
         """Return the force under an object's ``twist`` at the CoP.
 
-        The normal force is what keeps the tip out of the face, or none; it is free of the friction, which is
-        what holds the tip on the face, up to the cone's edge.
+        The normal force is what keeps the tip out of the face, or none; it is free of
+        the friction, which is what holds the tip on the face, up to the cone's edge.
         """
-        (nx, ny), (fn, ft), (bn, bt) = self.law.axis, self.law.force, self.law.damping
-        vx, vy = twist[0] - twist[2] * self.center[1], twist[1] + twist[2] * self.center[0]
+        nx, ny = self.law.axis
+        fn, ft = self.law.force
+        bn, bt = self.law.damping
+        vx = twist[0] - twist[2] * self.center[1]
+        vy = twist[1] + twist[2] * self.center[0]
         fn -= bn * (nx * vx + ny * vy + self.approach)
         if fn <= 0.0:
             return FREE
@@ -75,12 +83,19 @@ class SideContact:
         edge = self.friction * fn
         if abs(ft) <= edge:
             return Response(
-                (nx * fn - ny * ft, ny * fn + nx * ft), _turned(self.law.axis, bn, 0.0, bt), "stick"
+                (nx * fn - ny * ft, ny * fn + nx * ft),
+                _turned(self.law.axis, bn, 0.0, bt),
+                "stick",
             )
         mu = math.copysign(self.friction, ft)
-        ex, ey = nx - mu * ny, ny + mu * nx
+        ex = nx - mu * ny
+        ey = ny + mu * nx
         status: ContactStatus = "slip_left" if ft > 0.0 else "slip_right"
-        return Response((fn * ex, fn * ey), (bn * ex * nx, bn * ex * ny, bn * ey * nx, bn * ey * ny), status)
+        return Response(
+            (fn * ex, fn * ey),
+            (bn * ex * nx, bn * ex * ny, bn * ey * nx, bn * ey * ny),
+            status,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,23 +112,35 @@ class TopContact:
         return self.point
 
     def response(self, twist: tuple[float, float, float]) -> Response:
-        """Return the force under an object's ``twist`` at the CoP: what holds the tip, or the limit against
-        its slip.
+        """Return the force under an object's ``twist`` at the CoP: what holds the tip,
+        or the limit against its slip.
         """
-        (ax, ay), (f1, f2), (d1, d2) = self.law.axis, self.law.force, self.law.damping
-        vx, vy = twist[0] - twist[2] * self.point[1], twist[1] + twist[2] * self.point[0]
+        ax, ay = self.law.axis
+        f1, f2 = self.law.force
+        d1, d2 = self.law.damping
+        vx = twist[0] - twist[2] * self.point[1]
+        vy = twist[1] + twist[2] * self.point[0]
         f1 -= d1 * (ax * vx + ay * vy)
         f2 -= d2 * (ax * vy - ay * vx)
         if math.hypot(f1, f2) <= self.limit:
-            s11, s12, s22 = d1, 0.0, d2
+            s11 = d1
+            s12 = 0.0
+            s22 = d2
             status: ContactStatus = "stick"
         else:
             f1, f2, per_force = _sliding_force((f1, f2), (d1, d2), self.limit)
-            t1, t2 = -f2 / self.limit, f1 / self.limit  # the force can only turn
+            t1 = -f2 / self.limit
+            t2 = f1 / self.limit  # the force can only turn
             k = 1.0 / (per_force + t1 * t1 / d1 + t2 * t2 / d2)
-            s11, s12, s22 = k * t1 * t1, k * t1 * t2, k * t2 * t2
+            s11 = k * t1 * t1
+            s12 = k * t1 * t2
+            s22 = k * t2 * t2
             status = "slip"
-        return Response((ax * f1 - ay * f2, ay * f1 + ax * f2), _turned(self.law.axis, s11, s12, s22), status)
+        return Response(
+            (ax * f1 - ay * f2, ay * f1 + ax * f2),
+            _turned(self.law.axis, s11, s12, s22),
+            status,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,8 +163,12 @@ class Pull:
 Contact = SideContact | TopContact | Pull
 
 
-def _turned(axis: Point, s11: float, s12: float, s22: float) -> tuple[float, float, float, float]:
-    """Return a symmetric matrix, given along ``axis`` and to its left, in B: xx, xy, yx, yy."""
+def _turned(
+    axis: Point, s11: float, s12: float, s22: float
+) -> tuple[float, float, float, float]:
+    """Return a symmetric matrix, given along ``axis`` and to its left, in B: xx, xy,
+    yx, yy.
+    """
     x, y = axis
     xy = x * y * (s11 - s22) + (x * x - y * y) * s12
     return (
@@ -148,18 +179,25 @@ def _turned(axis: Point, s11: float, s12: float, s22: float) -> tuple[float, flo
     )
 
 
-def _sliding_force(holding: Point, damping: Point, limit: float) -> tuple[float, float, float]:
-    """Return the force of size ``limit`` along the slip that it leaves, and slip per force [m/(N s)].
+def _sliding_force(
+    holding: Point, damping: Point, limit: float
+) -> tuple[float, float, float]:
+    """Return the force of size ``limit`` along the slip that it leaves, and slip per
+    force [m/(N s)].
 
-    ``holding`` is the force that would prevent the slip s; D s = holding - f and s = m f, so that f_i =
-    holding_i / (1 + d_i m): 1/|f| is concave in m, and Newton's steps from m = 0 do not overshoot.
+    ``holding`` is the force that would prevent the slip s; D s = holding - f and s = m
+    f, so that f_i = holding_i / (1 + d_i m): 1/|f| is concave in m, and Newton's steps
+    from m = 0 do not overshoot.
     """
     m = 0.0
     for _ in range(SLIP_STEPS):
-        f1, f2 = holding[0] / (1.0 + damping[0] * m), holding[1] / (1.0 + damping[1] * m)
+        f1 = holding[0] / (1.0 + damping[0] * m)
+        f2 = holding[1] / (1.0 + damping[1] * m)
         size = math.hypot(f1, f2)
         if size <= limit * (1.0 + ON_RIM):
             break
-        fall = f1 * f1 * damping[0] / (1.0 + damping[0] * m) + f2 * f2 * damping[1] / (1.0 + damping[1] * m)
+        fall = f1 * f1 * damping[0] / (1.0 + damping[0] * m) + f2 * f2 * damping[1] / (
+            1.0 + damping[1] * m
+        )
         m += (size / limit - 1.0) * size * size / fall
     return f1, f2, m

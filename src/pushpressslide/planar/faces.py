@@ -1,7 +1,8 @@
-"""Where a tip is before the face that it is to touch: the gap between them, and the face's normal there.
+"""Where a tip is before the face that it is to touch: the gap between them, and the
+face's normal there.
 
-Places in the body frame B, heights above the support. A tip beside the face, or behind it, has an infinite
-gap: it touches nothing.
+Places in the body frame B, heights above the support. A tip beside the face, or behind
+it, has an infinite gap: it touches nothing.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ class Face(Protocol):
     """What a tip may touch."""
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
-        """Return the gap [m] of a tip whose centre is at ``tip`` and ``height`` [m], and the unit inward
-        normal.
+        """Return the gap [m] of a tip whose centre is at ``tip`` and ``height`` [m],
+        and the unit inward normal.
         """
         ...
 
@@ -43,7 +44,10 @@ class FlatSide:
         """Return gap and normal."""
         nx, ny = self.normal
         gap = self.depth - self.tip_radius - (nx * tip[0] + ny * tip[1])
-        before = self.ends[0] <= nx * tip[1] - ny * tip[0] <= self.ends[1] and height <= self.top
+        before = (
+            self.ends[0] <= nx * tip[1] - ny * tip[0] <= self.ends[1]
+            and height <= self.top
+        )
         return gap if before and gap > -PASSED else math.inf, self.normal
 
 
@@ -58,7 +62,8 @@ class RoundSide:
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
         """Return gap and normal."""
-        x, y = self.center[0] - tip[0], self.center[1] - tip[1]
+        x = self.center[0] - tip[0]
+        y = self.center[1] - tip[1]
         distance = math.hypot(x, y)
         gap = distance - self.radius - self.tip_radius
         if gap < -PASSED or height > self.top:
@@ -81,9 +86,14 @@ class Top:
         return gap if above else math.inf, (0.0, 0.0)
 
 
-def face_of(body: ObjectModel, support: Support, contact: Contact, tip_radius: float) -> Face:
-    """Return the face of ``body`` on which a ``contact`` is, for a tip of ``tip_radius`` [m]."""
-    shape, com = body.shape, body.center_of_mass
+def face_of(
+    body: ObjectModel, support: Support, contact: Contact, tip_radius: float
+) -> Face:
+    """Return the face of ``body`` on which a ``contact`` is, for a tip of
+    ``tip_radius`` [m].
+    """
+    shape = body.shape
+    com = body.center_of_mass
     if contact.kind == "top":
         return Top(support, shape.height, tip_radius)
     if isinstance(shape, Cylinder):
@@ -92,4 +102,6 @@ def face_of(body: ObjectModel, support: Support, contact: Contact, tip_radius: f
     corners = [(x - com[0], y - com[1]) for x, y in shape.footprint]
     depth = min(nx * x + ny * y for x, y in corners)
     along = [nx * y - ny * x for x, y in corners if nx * x + ny * y < depth + ON_FACE]
-    return FlatSide(contact.normal, depth, (min(along), max(along)), shape.height, tip_radius)
+    return FlatSide(
+        contact.normal, depth, (min(along), max(along)), shape.height, tip_radius
+    )

@@ -1,7 +1,9 @@
-"""The motion of an object on its support under compliant tips: the twist at which all forces balance.
+"""The motion of an object on its support under compliant tips: the twist at which all
+forces balance.
 
-One tick of quasi-statics (docs/mechanics.md, sections 1 to 3): friction on the exact limit surface, contacts
-that stick, slip or let go, no inertia. Frame B, about the centre of pressure.
+One tick of quasi-statics (docs/mechanics.md, sections 1 to 3): friction on the exact
+limit surface, contacts that stick, slip or let go, no inertia. Frame B, about the
+centre of pressure.
 """
 
 from __future__ import annotations
@@ -17,24 +19,31 @@ REST: Vector = (0.0, 0.0, 0.0)
 BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
 STEPS = 25  # of Newton's method
 HALVINGS = 40  # of one step that goes too far
-SOFTENING = 1e-6  # of the friction over the speed, added to its slope: it has none along the motion
-DRAG_SPEED = 0.01  # [m/s] of which the drag is mu N, when balance is looked for by letting the object go
+# of the friction over the speed, added to its slope: it has none along the motion
+SOFTENING = 1e-6
+# [m/s] of which the drag is mu N, when balance is looked for by letting the object go
+DRAG_SPEED = 0.01
 TRIALS = 60
 
 
-def slide(friction: SupportFriction, limit: float, contacts: Sequence[Contact], guess: Vector) -> Vector:
-    """Return the twist (m/s, rad/s) of the CoP at which support and ``contacts`` balance, to 1e-9 of mu N.
+def slide(
+    friction: SupportFriction, limit: float, contacts: Sequence[Contact], guess: Vector
+) -> Vector:
+    """Return the twist (m/s, rad/s) of the CoP at which support and ``contacts``
+    balance, to 1e-9 of mu N.
 
-    ``limit`` [N] is mu N, ``guess`` the twist of the tick before; at rest the object creeps, by less than
-    ``CREEP`` times a few. Newton's method from the guess, two or three steps long while no contact changes.
-    Where it fails the object is let go from rest, held back by drag, until it moves in balance: so that the
-    motion is found that the object would take up. Always ends, after ``TRIALS`` without balance.
+    ``limit`` [N] is mu N, ``guess`` the twist of the tick before; at rest the object
+    creeps, by less than ``CREEP`` times a few. Newton's method from the guess, two or
+    three steps long while no contact changes. Where it fails the object is let go from
+    rest, held back by drag, until it moves in balance: so that the motion is found that
+    the object would take up. Always ends, after ``TRIALS`` without balance.
     """
     if all(contact.response(REST).status == "free" for contact in contacts):
         return REST
     balance = _Balance(friction, limit, contacts)
     found = balance.solved(guess)
-    twist, drag = REST, limit / DRAG_SPEED
+    twist = REST
+    drag = limit / DRAG_SPEED
     for _ in range(TRIALS):
         if found is not None:
             return found
@@ -42,14 +51,17 @@ def slide(friction: SupportFriction, limit: float, contacts: Sequence[Contact], 
         if moved is None:
             drag *= 4.0
             continue
-        twist, drag = moved, 0.5 * drag
+        twist = moved
+        drag = 0.5 * drag
         found = balance.solved(twist)
     return twist
 
 
 @dataclass(frozen=True, slots=True)
 class _Balance:
-    """What support friction and drag take, less what the contacts give, as a function of the twist."""
+    """What support friction and drag take, less what the contacts give, as a function
+    of the twist.
+    """
 
     friction: SupportFriction
     limit: float  # [N]
@@ -62,8 +74,11 @@ class _Balance:
         wrench = self.friction.wrench(twist, self.limit)
         fx, fy, tau = self._dragged(wrench, twist)
         for contact in self.contacts:
-            (gx, gy), (px, py) = contact.response(twist).force, contact.point
-            fx, fy, tau = fx - gx, fy - gy, tau - px * gy + py * gx
+            gx, gy = contact.response(twist).force
+            px, py = contact.point
+            fx = fx - gx
+            fy = fy - gy
+            tau = tau - px * gy + py * gx
         return fx, fy, tau
 
     def left_over_and_slope(self, twist: Vector) -> tuple[Vector, Matrix]:
@@ -74,15 +89,22 @@ class _Balance:
             (gx, gy), (xx, xy, yx, yy), status = contact.response(twist)
             if status == "free":
                 continue
-            (px, py), (qx, qy) = contact.point, contact.center
-            fx, fy, tau = fx - gx, fy - gy, tau - px * gy + py * gx
-            for j, (kx, ky) in enumerate(((xx, yx), (xy, yy), (xy * qx - xx * qy, yy * qx - yx * qy))):
+            px, py = contact.point
+            qx, qy = contact.center
+            fx = fx - gx
+            fy = fy - gy
+            tau = tau - px * gy + py * gx
+            for j, (kx, ky) in enumerate(
+                ((xx, yx), (xy, yy), (xy * qx - xx * qy, yy * qx - yx * qy))
+            ):
                 slope[0][j] += kx
                 slope[1][j] += ky
                 slope[2][j] += px * ky - py * kx
         vx, vy, w = twist
         turn = self.friction.rho * self.friction.rho
-        soft = self.drag + SOFTENING * self.limit / (math.sqrt(vx * vx + vy * vy + turn * w * w) + CREEP)
+        soft = self.drag + SOFTENING * self.limit / (
+            math.sqrt(vx * vx + vy * vy + turn * w * w) + CREEP
+        )
         for i, inertia in enumerate((1.0, 1.0, turn)):
             slope[i][i] += soft * inertia
         return (fx, fy, tau), slope
@@ -92,7 +114,9 @@ class _Balance:
         return math.hypot(force[0], force[1], force[2] / self.friction.rho)
 
     def solved(self, twist: Vector) -> Vector | None:
-        """Return the balanced twist that Newton's method reaches from ``twist``, None if it does not."""
+        """Return the balanced twist that Newton's method reaches from ``twist``, None
+        if it does not.
+        """
         force, slope = self.left_over_and_slope(twist)
         for _ in range(STEPS):
             if self.size(force) < BALANCE * self.limit:
@@ -111,28 +135,42 @@ class _Balance:
     def _dragged(self, wrench: Vector, twist: Vector) -> Vector:
         if self.drag == 0.0:
             return wrench
-        vx, vy, w = (self.drag * (a - b) for a, b in zip(twist, self.origin, strict=True))
-        return wrench[0] + vx, wrench[1] + vy, wrench[2] + self.friction.rho * self.friction.rho * w
+        vx, vy, w = (
+            self.drag * (a - b) for a, b in zip(twist, self.origin, strict=True)
+        )
+        return (
+            wrench[0] + vx,
+            wrench[1] + vy,
+            wrench[2] + self.friction.rho * self.friction.rho * w,
+        )
 
     def _too_far(self, ahead: Vector, force: Vector, step: Vector) -> bool:
-        """Whether a step leads beyond balance: the force ahead points back, by more than half of what pointed
-        on.
+        """Whether a step leads beyond balance: the force ahead points back, by more
+        than half of what pointed on.
         """
         on = -_dot(force, step)
-        return on > 0.0 and 2.0 * _dot(ahead, step) > on and 2.0 * self.size(ahead) > self.size(force)
+        return (
+            on > 0.0
+            and 2.0 * _dot(ahead, step) > on
+            and 2.0 * self.size(ahead) > self.size(force)
+        )
 
     def _shortened(self, end: Vector, force: Vector, step: Vector) -> Vector:
-        """Return the twist on the way to ``end``, by bisection, where little force is left over along
-        ``step``.
+        """Return the twist on the way to ``end``, by bisection, where little force is
+        left over along ``step``.
         """
-        low, high, twist = -1.0, 0.0, end
+        low = -1.0
+        high = 0.0
+        twist = end
         for _ in range(HALVINGS):
             share = 0.5 * (low + high)
             twist = _moved(end, step, share)
             ahead = self.left_over(twist)
             if self._too_far(ahead, force, step):
                 high = share
-            elif 2.0 * _dot(ahead, step) < _dot(force, step) and 2.0 * self.size(ahead) > self.size(force):
+            elif 2.0 * _dot(ahead, step) < _dot(force, step) and 2.0 * self.size(
+                ahead
+            ) > self.size(force):
                 low = share
             else:
                 break
@@ -144,13 +182,21 @@ def _dot(a: Vector, b: Vector) -> float:
 
 
 def _moved(twist: Vector, step: Vector, share: float) -> Vector:
-    return twist[0] + share * step[0], twist[1] + share * step[1], twist[2] + share * step[2]
+    return (
+        twist[0] + share * step[0],
+        twist[1] + share * step[1],
+        twist[2] + share * step[2],
+    )
 
 
 def _newton_step(slope: Matrix, force: Vector) -> Vector | None:
-    """Return the step x with slope x = -force, by Cramer's rule; None where the slope is singular."""
+    """Return the step x with slope x = -force, by Cramer's rule; None where the slope
+    is singular.
+    """
     (a, b, c), (d, e, f), (g, h, i) = slope
-    A, B, C = e * i - f * h, f * g - d * i, d * h - e * g
+    A = e * i - f * h
+    B = f * g - d * i
+    C = d * h - e * g
     determinant = a * A + b * B + c * C
     if determinant == 0.0:
         return None

@@ -1,5 +1,5 @@
-"""Friction between object and support as a smooth function of the twist: the exact limit surface, under the
-load of the moment.
+"""Friction between object and support as a smooth function of the twist: the exact
+limit surface, under the load of the moment.
 """
 
 from __future__ import annotations
@@ -20,75 +20,109 @@ Matrix = list[list[float]]
 
 CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
 RESOLUTION = 6  # of the pressure: torsion is right to 0.2 %
-GRID = 0.005  # of the base's inner radius: spacing of the CoPs for which pressures are made
+# of the base's inner radius: spacing of the CoPs for which pressures are made
+GRID = 0.005
 KEPT = 1000  # pressures that are remembered
-TIPPING = 0.95  # of the way from the middle of the base to its outline: beyond, the object tips
+# of the way from the middle of the base to its outline: beyond, the object tips
+TIPPING = 0.95
 
 
 class SupportFriction:
-    """Wrench that slides the object, about the centre of pressure: mu N sum of s_k (v_k, r_k x v_k) / |v_k|.
+    """Wrench that slides the object, about the centre of pressure: mu N sum of s_k
+    (v_k, r_k x v_k) / |v_k|.
 
-    ``samples`` gives the shares s_k of the load and their places r_k from the CoP; |v_k| is softened by
-    ``CREEP`` (docs/mechanics.md, section 1). One sample of torsional radius rho is the ellipsoid.
+    ``samples`` gives the shares s_k of the load and their places r_k from the CoP;
+    |v_k| is softened by ``CREEP`` (docs/mechanics.md, section 1). One sample of
+    torsional radius rho is the ellipsoid.
     """
 
     def __init__(self, samples: PressureSamples) -> None:
         """Prepare the samples; the friction's limit mu N [N] is given at each call."""
         x, y = (samples.points - np.array(samples.cop)).T
-        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 + radius^2)
-        self._basis = np.column_stack([np.ones_like(x), x, y, x * x + y * y + samples.radii**2])
+        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 +
+        # radius^2)
+        self._basis = np.column_stack(
+            [np.ones_like(x), x, y, x * x + y * y + samples.radii**2]
+        )
         self._columns = np.ascontiguousarray(self._basis.T)
         self._shares = samples.loads / samples.total_load
-        self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))  # [m] root mean square distance
+        # [m] root mean square distance
+        self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s, rad/s), both at the CoP.
+        """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
+        rad/s), both at the CoP.
 
         ``limit`` [N] is mu N.
         """
         return self._wrench(twist, limit)[0]
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Return the wrench and its derivative by the twist, symmetric and positive definite."""
+        """Return the wrench and its derivative by the twist, symmetric and positive
+        definite.
+        """
         wrench, (k0, kx, ky, ks), per_speed, squared_speed = self._wrench(twist, limit)
         vx, vy, w = twist
         # the samples' friction, (v_x - w y, v_y + w x, r x v_k), in terms of the basis
         motion = np.array(((vx, 0.0, -w, 0.0), (vy, w, 0.0, 0.0), (0.0, vy, -vx, w)))
         spread = (self._columns * (per_speed / squared_speed)) @ self._basis
         (a, b, c), (_, d, e), (_, _, f) = (motion @ spread @ motion.T).tolist()
-        return wrench, [[k0 - a, -b, -ky - c], [-b, k0 - d, kx - e], [-ky - c, kx - e, ks - f]]
+        return wrench, [
+            [k0 - a, -b, -ky - c],
+            [-b, k0 - d, kx - e],
+            [-ky - c, kx - e, ks - f],
+        ]
 
-    def _wrench(self, twist: Vector, limit: float) -> tuple[Vector, list[float], Array, Array]:
+    def _wrench(
+        self, twist: Vector, limit: float
+    ) -> tuple[Vector, list[float], Array, Array]:
         vx, vy, w = twist
         soft = CREEP * CREEP
-        squared_speed = self._basis @ np.array((vx * vx + vy * vy + soft, 2 * w * vy, -2 * w * vx, w * w))
+        squared_speed = self._basis @ np.array(
+            (vx * vx + vy * vy + soft, 2 * w * vy, -2 * w * vx, w * w)
+        )
         np.maximum(squared_speed, soft, out=squared_speed)
         per_speed = limit * self._shares / np.sqrt(squared_speed)
         k = (self._columns @ per_speed).tolist()
         k0, kx, ky, ks = k
-        return (k0 * vx - ky * w, k0 * vy + kx * w, kx * vy - ky * vx + ks * w), k, per_speed, squared_speed
+        return (
+            (k0 * vx - ky * w, k0 * vy + kx * w, kx * vy - ky * vx + ks * w),
+            k,
+            per_speed,
+            squared_speed,
+        )
 
 
 class Support:
-    """The support under one object; the CoP is where the load puts it, but never off the base.
+    """The support under one object; the CoP is where the load puts it, but never off
+    the base.
 
-    The pressure (Winkler) is made once for each place of the CoP on a fine grid, and moved to the true CoP.
+    The pressure (Winkler) is made once for each place of the CoP on a fine grid, and
+    moved to the true CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:
-        """``center_of_mass`` [m] in the shape's frame G; CoPs are given in B, the frame at the CoM."""
-        self._sides: tuple[tuple[Point, float], ...] = ()  # outward normals, distances from the middle
+        """``center_of_mass`` [m] in the shape's frame G; CoPs are given in B, the frame
+        at the CoM.
+        """
+        # outward normals, distances from the middle
+        self._sides: tuple[tuple[Point, float], ...] = ()
         if isinstance(shape, Cylinder):
-            middle, inner = (0.0, 0.0), shape.radius
+            middle = (0.0, 0.0)
+            inner = shape.radius
         else:
             corners = shape.footprint
             n = len(corners)
             middle = (sum(c[0] for c in corners) / n, sum(c[1] for c in corners) / n)
             sides = []
-            for (ax, ay), (bx, by) in zip(corners, (*corners[1:], corners[0]), strict=True):
+            for (ax, ay), (bx, by) in zip(
+                corners, (*corners[1:], corners[0]), strict=True
+            ):
                 length = math.hypot(bx - ax, by - ay)
                 out = ((by - ay) / length, (ax - bx) / length)
-                sides.append((out, out[0] * (ax - middle[0]) + out[1] * (ay - middle[1])))
+                sides.append(
+                    (out, out[0] * (ax - middle[0]) + out[1] * (ay - middle[1]))
+                )
             self._sides, inner = tuple(sides), min(depth for _, depth in sides)
         self._middle = (middle[0] - center_of_mass[0], middle[1] - center_of_mass[1])
         self._radius = inner
@@ -97,22 +131,34 @@ class Support:
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> SupportFriction:
             cop = (i * step, j * step)
-            return SupportFriction(support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION))
+            return SupportFriction(
+                support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
+            )
 
         self._friction = friction
 
     def outwards(self, cop: Point) -> float:
-        """Return where ``cop`` [m] is between the middle of the base, 0, and its outline, 1."""
-        x, y = cop[0] - self._middle[0], cop[1] - self._middle[1]
+        """Return where ``cop`` [m] is between the middle of the base, 0, and its
+        outline, 1.
+        """
+        x = cop[0] - self._middle[0]
+        y = cop[1] - self._middle[1]
         if not self._sides:
             return math.hypot(x, y) / self._radius
         return max((x * out[0] + y * out[1]) / depth for out, depth in self._sides)
 
     def under(self, cop: Point) -> tuple[Point, SupportFriction, bool]:
-        """Return the CoP [m] in B, held on the base, the friction about it, and whether the object tips."""
+        """Return the CoP [m] in B, held on the base, the friction about it, and whether
+        the object tips.
+        """
         out = self.outwards(cop)
         tipping = out > TIPPING
         if tipping:
-            (mx, my), k = self._middle, TIPPING / out
+            mx, my = self._middle
+            k = TIPPING / out
             cop = (mx + k * (cop[0] - mx), my + k * (cop[1] - my))
-        return cop, self._friction(round(cop[0] / self._step), round(cop[1] / self._step)), tipping
+        return (
+            cop,
+            self._friction(round(cop[0] / self._step), round(cop[1] / self._step)),
+            tipping,
+        )

@@ -1,4 +1,6 @@
-"""One object on its support and the tips at it: quasi-static, tick by tick, under tip commands."""
+"""One object on its support and the tips at it: quasi-static, tick by tick, under tip
+commands.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,14 @@ from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load
 from pushpressslide.pipeline.task_shapes import lowered, on_ledge
-from pushpressslide.planar.contact import FREE, ContactStatus, Pull, SideContact, TipLaw, TopContact
+from pushpressslide.planar.contact import (
+    FREE,
+    ContactStatus,
+    Pull,
+    SideContact,
+    TipLaw,
+    TopContact,
+)
 from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
 from pushpressslide.planar.sliding import REST, slide
@@ -47,62 +56,90 @@ class _Reach:
     press: float  # [N] on the top
     climb: float  # [m/s] upwards
 
-    def touching(self, cop: Point, friction: float, dt: float) -> SideContact | TopContact | None:
-        """Return what the tip may do at its face in a tick; None if it does not come near it."""
-        x, y = self.place[0] - cop[0], self.place[1] - cop[1]
+    def touching(
+        self, cop: Point, friction: float, dt: float
+    ) -> SideContact | TopContact | None:
+        """Return what the tip may do at its face in a tick; None if it does not come
+        near it.
+        """
+        x = self.place[0] - cop[0]
+        y = self.place[1] - cop[1]
         if self.press > 0.0:
             return TopContact((x, y), self.law, friction * self.press)
         if self.contact.kind == "top" or self.gap == math.inf:
             return None
         nx, ny = self.law.axis
         out = self.gap + self.radius
-        point, center = (x + out * nx, y + out * ny), (x + self.gap * nx, y + self.gap * ny)
+        point = (x + out * nx, y + out * ny)
+        center = (x + self.gap * nx, y + self.gap * ny)
         return SideContact(point, center, self.law, friction, self.gap / dt)
 
 
 class World:
     """A task's object on its support, and the tips; the truth, not what is believed.
 
-    The object has no inertia and the tips no mass: a tip exerts what its command asks for at the velocity it
-    has, so the cap of its servo, which is for an arm's inertia, has no part here. A tip touches in a point;
-    its friction acts in the plane. Obstacles are not modelled, but for a fixed one on a wall, which carries
-    what stands on it: the object passes through them. What is level with an opening rests in it.
+    The object has no inertia and the tips no mass: a tip exerts what its command asks
+    for at the velocity it has, so the cap of its servo, which is for an arm's inertia,
+    has no part here. A tip touches in a point; its friction acts in the plane.
+    Obstacles are not modelled, but for a fixed one on a wall, which carries what stands
+    on it: the object passes through them. What is level with an opening rests in it.
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
-        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the tick."""
-        wx, wy, press = task.support.frame.components((0.0, 0.0, -task.object.mass * GRAVITY))
-        self.weight, self.own_load = (wx, wy), -press  # [N] in the plane, and on the support
+        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the
+        tick.
+        """
+        wx, wy, press = task.support.frame.components(
+            (0.0, 0.0, -task.object.mass * GRAVITY)
+        )
+        self.weight = (wx, wy)
+        self.own_load = -press  # [N] in the plane, and on the support
         self.task, self.contacts, self.dt = task, tuple(contacts), dt
         self.support = Support(task.object.shape, task.object.center_of_mass)
         radii = [task.robots[c.arm].tip_radius for c in contacts]
-        self.faces = [face_of(task.object, self.support, c, r) for c, r in zip(contacts, radii, strict=True)]
+        self.faces = [
+            face_of(task.object, self.support, c, r)
+            for c, r in zip(contacts, radii, strict=True)
+        ]
 
     def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:
-        """Return the state with the object at ``X_WG`` and each tip ``gap`` [m] before its contact on an
-        object at ``planned``; a tip without a contact is at its robot's base.
+        """Return the state with the object at ``X_WG`` and each tip ``gap`` [m] before
+        its contact on an object at ``planned``; a tip without a contact is at its
+        robot's base.
         """
         X_WB = planned.compose(self.task.object.X_GB)
         places = list(self.task.bases)
         for contact in self.contacts:
-            point, height = contact.tip_place(self.task.robots[contact.arm].tip_radius, gap)
+            point, height = contact.tip_place(
+                self.task.robots[contact.arm].tip_radius, gap
+            )
             places[contact.arm] = (*X_WB.apply(point), height)
         tips = tuple(_resting(place) for place in places)
         X_WB = X_WG.compose(self.task.object.X_GB)
-        return WorldState(X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False)
+        return WorldState(
+            X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False
+        )
 
-    def regrasp(self, state: WorldState, gap: float, kept: Collection[int]) -> WorldState:
-        """Return ``state`` with each tip ``gap`` [m] before its new contact, but for the arms ``kept``."""
+    def regrasp(
+        self, state: WorldState, gap: float, kept: Collection[int]
+    ) -> WorldState:
+        """Return ``state`` with each tip ``gap`` [m] before its new contact, but for
+        the arms ``kept``.
+        """
         X_WG = state.X_WB.compose(self.task.object.X_GB.inverse())
         fresh = self.start(X_WG, X_WG, gap)
         tips = (
-            old if i in kept else new for i, (old, new) in enumerate(zip(state.tips, fresh.tips, strict=True))
+            old if i in kept else new
+            for i, (old, new) in enumerate(zip(state.tips, fresh.tips, strict=True))
         )
         return replace(fresh, tips=tuple(tips))
 
-    def step(self, state: WorldState, commands: Sequence[TipCommand | None]) -> WorldState:
+    def step(
+        self, state: WorldState, commands: Sequence[TipCommand | None]
+    ) -> WorldState:
         """Return the state one tick on; a tip without a command stays where it is."""
-        X_WB, dt = state.X_WB, self.dt
+        X_WB = state.X_WB
+        dt = self.dt
         reaches = [
             self._reach(state, contact, face, command)
             for contact, face in zip(self.contacts, self.faces, strict=True)
@@ -122,7 +159,9 @@ class World:
             limit = self.task.support.friction * load
             vx, vy, w = slide(friction, limit, acting, (guess.vx, guess.vy, guess.w))
         if any(self.weight):
-            (vx, vy, w), tipping = self._carried(X_WB, Twist(vx, vy, w, cop), tipping or not held)
+            (vx, vy, w), tipping = self._carried(
+                X_WB, Twist(vx, vy, w, cop), tipping or not held
+            )
         twist = Twist(vx, vy, w, cop)
         origin = twist.moved_to((0.0, 0.0))
         X_after = moved(X_WB, (origin.vx, origin.vy, w), dt)
@@ -136,47 +175,68 @@ class World:
             ux, uy = X_WB.rotate(velocity)
             x, y, z = state.tips[reach.contact.arm].position
             if response.status == "free":
-                x, y = x + dt * ux, y + dt * uy
+                x = x + dt * ux
+                y = y + dt * uy
             else:  # with the object, but for its slip
-                (px, py), carried = reach.place, twist.moved_to(reach.place)
-                sx, sy = velocity[0] - carried.vx, velocity[1] - carried.vy
+                px, py = reach.place
+                carried = twist.moved_to(reach.place)
+                sx = velocity[0] - carried.vx
+                sy = velocity[1] - carried.vy
                 x, y = X_after.apply((px + dt * sx, py + dt * sy))
             tips[reach.contact.arm] = TipState(
-                (x, y, z + dt * reach.climb), (ux, uy, reach.climb), (fx, fy, -reach.press)
+                (x, y, z + dt * reach.climb),
+                (ux, uy, reach.climb),
+                (fx, fy, -reach.press),
             )
             statuses[reach.contact.arm] = response.status
         return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
 
-    def _reach(self, state: WorldState, contact: Contact, face: Face, command: TipCommand) -> _Reach:
-        """Return what a tip does in a tick as far as it does not depend on the object's motion."""
-        X_WB, dt = state.X_WB, self.dt
+    def _reach(
+        self, state: WorldState, contact: Contact, face: Face, command: TipCommand
+    ) -> _Reach:
+        """Return what a tip does in a tick as far as it does not depend on the object's
+        motion.
+        """
+        X_WB = state.X_WB
+        dt = self.dt
         x, y, z = state.tips[contact.arm].position
         place = X_WB.unapply((x, y))
         gap, normal = face.gap(place, z)
-        # f_0 in the plane, along the command's axes: what the tip exerts while it does not move
-        c, s = math.cos(command.normal_yaw), math.sin(command.normal_yaw)
-        (kn, kt, kz), (bn, bt, bz) = command.stiffness, command.damping
-        dx, dy = command.position[0] - x, command.position[1] - y
+        # f_0 in the plane, along the command's axes: what the tip exerts while it does
+        # not move
+        c = math.cos(command.normal_yaw)
+        s = math.sin(command.normal_yaw)
+        kn, kt, kz = command.stiffness
+        bn, bt, bz = command.damping
+        dx = command.position[0] - x
+        dy = command.position[1] - y
         ux, uy, uz = command.velocity
         fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
         ft = kt * (c * dy - s * dx) + bt * (c * uy - s * ux)
-        force = X_WB.unrotate((command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft))
-        # at a side the dampings are taken along the face's own axes, a few degrees off the command's
+        force = X_WB.unrotate(
+            (command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft)
+        )
+        # at a side the dampings are taken along the face's own axes, a few degrees off
+        # the command's
         axis = normal if contact.kind == "side" else X_WB.unrotate((c, s))
         along = (axis[0] * force[0] + axis[1] * force[1], cross(axis, force))
         law = TipLaw(axis, along, (_damping(bn, kn, dt), _damping(bt, kt, dt)))
-        lift, damping = command.force[2] + kz * (command.position[2] - z) + bz * uz, _damping(bz, kz, dt)
+        lift = command.force[2] + kz * (command.position[2] - z) + bz * uz
+        damping = _damping(bz, kz, dt)
         press = -(lift + damping * gap / dt) if contact.kind == "top" else 0.0
         radius = self.task.robots[contact.arm].tip_radius
         if press > 0.0:
             return _Reach(contact, radius, place, gap, law, press, -gap / dt)
         return _Reach(contact, radius, place, gap, law, 0.0, lift / damping)
 
-    def _load(self, state: WorldState, reaches: Sequence[_Reach]) -> tuple[Point, float]:
-        """Return CoP [m] in B and load [N] on the support, by the presses of this tick and the horizontal
-        forces of the one before.
+    def _load(
+        self, state: WorldState, reaches: Sequence[_Reach]
+    ) -> tuple[Point, float]:
+        """Return CoP [m] in B and load [N] on the support, by the presses of this tick
+        and the horizontal forces of the one before.
         """
-        own, top = self.own_load, self.task.object.shape.height
+        own = self.own_load
+        top = self.task.object.shape.height
         presses = [reach.press for reach in reaches]
         tips = [state.tips[reach.contact.arm] for reach in reaches]
         load = total_load(own, presses)
@@ -184,21 +244,31 @@ class World:
             return (0.0, 0.0), load
         along = [(tip.force[0], tip.force[1]) for tip in tips]
         kinds = [reach.contact.kind for reach in reaches]
-        heights = [top if k == "top" else t.position[2] for k, t in zip(kinds, tips, strict=True)]
+        heights = [
+            top if k == "top" else t.position[2]
+            for k, t in zip(kinds, tips, strict=True)
+        ]
         cop = center_of_pressure(
-            own, (0.0, 0.0), presses, [reach.place for reach in reaches],
-            [state.X_WB.unrotate(force) for force in (*along, self.weight)], [*heights, 0.5 * top],
-        )  # fmt: skip
+            own,
+            (0.0, 0.0),
+            presses,
+            [reach.place for reach in reaches],
+            [state.X_WB.unrotate(force) for force in (*along, self.weight)],
+            [*heights, 0.5 * top],
+        )
         return cop, load
 
     def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
-        """What becomes of an object on a wall that would move with ``twist``: it rests on a fixed obstacle or
-        in the opening, or goes on; and whether it still falls.
+        """What becomes of an object on a wall that would move with ``twist``: it rests
+        on a fixed obstacle or in the opening, or goes on; and whether it still falls.
         """
-        X_WG, shape = X_WB.compose(self.task.object.X_GB.inverse()), self.task.object.shape
-        opening, moving = self.task.support.opening, (twist.vx, twist.vy, twist.w)
+        X_WG = X_WB.compose(self.task.object.X_GB.inverse())
+        shape = self.task.object.shape
+        opening = self.task.support.opening
+        moving = (twist.vx, twist.vy, twist.w)
         if opening is not None and opening.holds(X_WG, shape):
-            lowest, falling = not opening.holds(lowered(self.task, X_WG, STEP), shape), False
+            lowest = not opening.holds(lowered(self.task, X_WG, STEP), shape)
+            falling = False
         else:
             lowest = on_ledge(self.task, X_WG, STEP)
         at_com = twist.moved_to((0.0, 0.0))
@@ -209,7 +279,9 @@ class World:
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:
-    """Return what a tip's force loses with its velocity over a tick: its spring is taken at the end of it."""
+    """Return what a tip's force loses with its velocity over a tick: its spring is
+    taken at the end of it.
+    """
     return max(damping + stiffness * dt, TIP_DRAG)
 
 

@@ -1,7 +1,8 @@
 """Paths of at most three constant twists, each within a cone that moves with the body.
 
-The twists of a convex cone add up to no other directions as long as the body does not turn; what a second and
-a third piece gain comes from turning the cone: first towards where the goal lies, last back to its yaw.
+The twists of a convex cone add up to no other directions as long as the body does not
+turn; what a second and a third piece gain comes from turning the cone: first towards
+where the goal lies, last back to its yaw.
 """
 
 from __future__ import annotations
@@ -15,14 +16,17 @@ from numpy.typing import NDArray
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
 
-SHARES = (0.15, 0.3, 0.5, 0.75)  # lengths of the first and the last piece, in units of the screw to the goal
+# lengths of the first and the last piece, in units of the screw to the goal
+SHARES = (0.15, 0.3, 0.5, 0.75)
 
 
 class Cone(Protocol):
     """Twists of the body that can be driven."""
 
     def spare(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone a twist lies [rad], whatever its size; negative outside."""
+        """Return how far inside the cone a twist lies [rad], whatever its size;
+        negative outside.
+        """
         ...
 
     def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -37,11 +41,12 @@ class Cone(Protocol):
 def path_in_cone(
     start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the shortest path found from ``start`` to ``goal`` whose twists all have ``least`` [rad] to
-    spare.
+    """Return the shortest path found from ``start`` to ``goal`` whose twists all have
+    ``least`` [rad] to spare.
 
-    A screw; or one with a piece along a ray of the cone before it, after it, or both. Lengths are measured
-    with ``radius`` [m]. Deterministic; None where nothing of up to ``longest`` [m] is found.
+    A screw; or one with a piece along a ray of the cone before it, after it, or both.
+    Lengths are measured with ``radius`` [m]. Deterministic; None where nothing of up to
+    ``longest`` [m] is found.
     """
     direct = screw(start, goal)
     whole = _size(direct, radius)
@@ -49,18 +54,28 @@ def path_in_cone(
         return None
     if cone.spare(*direct) >= least:
         return TwistPath.between((start, goal), radius)
-    scale, rays = np.array([1.0, 1.0, radius]), np.array(cone.rays(least)).reshape(-1, 3)
+    scale = np.array([1.0, 1.0, radius])
+    rays = np.array(cone.rays(least)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
     ways = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
-    twists = ways[:, None] * np.concatenate([np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))])
-    firsts, lasts = reached(start, twists), reached(goal, -twists)
+    twists = ways[:, None] * np.concatenate(
+        [np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))]
+    )
+    firsts = reached(start, twists)
+    lasts = reached(goal, -twists)
     middles = screws(firsts, lasts)
     lengths = np.linalg.norm(middles * scale, axis=-1) + ways[:, None] + ways
-    lengths = np.where(cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least, lengths, math.inf)
+    lengths = np.where(
+        cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least,
+        lengths,
+        math.inf,
+    )
     i, j = divmod(int(np.argmin(lengths)), len(ways))
     if lengths[i, j] >= longest:
         return None
-    return TwistPath.between((start, Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()), goal), radius)
+    return TwistPath.between(
+        (start, Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()), goal), radius
+    )
 
 
 def least_spare(path: TwistPath, cone: Cone) -> float:
@@ -73,7 +88,9 @@ def told(spare: float, least: float) -> str:
     if spare >= least:
         return f"{math.degrees(spare):.0f} deg inside the cone"
     where = (
-        f"{math.degrees(spare):.1f} deg inside" if spare >= 0.0 else f"{-math.degrees(spare):.0f} deg outside"
+        f"{math.degrees(spare):.1f} deg inside"
+        if spare >= 0.0
+        else f"{-math.degrees(spare):.0f} deg outside"
     )
     return f"{where} the cone, needed {math.degrees(least):.0f} deg inside"
 

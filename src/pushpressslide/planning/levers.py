@@ -24,9 +24,12 @@ class Lever:
     length: float  # [m] about the held point, > 0
 
 
-def levers(body: ObjectModel, held: Point, side: float, face: int | None = None) -> list[Lever]:
-    """Return places to push that turn ``body`` to ``side`` (1 left, -1 right) about ``held`` [m] in B, the
-    longest lever first; only those of the face with index ``face`` if that is given.
+def levers(
+    body: ObjectModel, held: Point, side: float, face: int | None = None
+) -> list[Lever]:
+    """Return places to push that turn ``body`` to ``side`` (1 left, -1 right) about
+    ``held`` [m] in B, the longest lever first; only those of the face with index
+    ``face`` if that is given.
     """
     out = []
     for candidate in faces(body, CORNER):
@@ -36,18 +39,26 @@ def levers(body: ObjectModel, held: Point, side: float, face: int | None = None)
         if not isinstance(body.shape, Cylinder):
             right, left = span(body, candidate)
             clear = min(CORNER, 0.5 * (left - right))
-            points = [on_face(candidate, right + clear + k * (left - right - 2.0 * clear)) for k in PLACES]
+            points = [
+                on_face(candidate, right + clear + k * (left - right - 2.0 * clear))
+                for k in PLACES
+            ]
         for point in points:
-            length = side * cross((point[0] - held[0], point[1] - held[1]), candidate.normal)
+            length = side * cross(
+                (point[0] - held[0], point[1] - held[1]), candidate.normal
+            )
             out.append(Lever(candidate, point, length))
     longest = max((lever.length for lever in out), default=0.0)
-    good = [lever for lever in out if lever.length > max(SHORTEST * longest, LEAST_LEVER)]
+    good = [
+        lever for lever in out if lever.length > max(SHORTEST * longest, LEAST_LEVER)
+    ]
     return sorted(good, key=lambda lever: -lever.length)
 
 
 def depth_inside(body: ObjectModel, point: Point) -> float:
     """Return how far ``point`` [m] in B is inside the outline [m], < 0 outside."""
     return min(
-        (point[0] - face.foot[0]) * face.normal[0] + (point[1] - face.foot[1]) * face.normal[1]
+        (point[0] - face.foot[0]) * face.normal[0]
+        + (point[1] - face.foot[1]) * face.normal[1]
         for face in faces(body, CORNER)
     )

@@ -1,5 +1,5 @@
-"""How long approach, touch and release take: estimated alike for all modes, so that their motions are
-compared.
+"""How long approach, touch and release take: estimated alike for all modes, so that
+their motions are compared.
 """
 
 from __future__ import annotations
@@ -8,10 +8,17 @@ from pushpressslide.core.task import Task
 
 TOUCH_SPEED = 0.03  # [m/s] of a tip on the last centimetres
 PRESSING = 0.4  # [s] until a typical press has its load
-APPROACH = 5.0  # [s] typical time from the home posture to before the touch; the planar engine begins there
+# [s] typical time from the home posture to before the touch; the planar engine begins
+# there
+APPROACH = 5.0
 SETTLING = 1.8  # [s] of lining up, believing the touch, and drawing back
 
 
 def overhead(task: Task, pressed: bool = False) -> float:
     """Return the typical time [s] that a run takes besides its motion."""
-    return APPROACH + task.motion.approach_distance / TOUCH_SPEED + PRESSING * pressed + SETTLING
+    return (
+        APPROACH
+        + task.motion.approach_distance / TOUCH_SPEED
+        + PRESSING * pressed
+        + SETTLING
+    )

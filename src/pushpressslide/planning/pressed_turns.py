@@ -1,13 +1,14 @@
-"""How a pressed object turns under a force at one angle from its heading axis: as a unicycle, whose axle is
-where a small change of the angle moves nothing across.
+"""How a pressed object turns under a force at one angle from its heading axis: as a
+unicycle, whose axle is where a small change of the angle moves nothing across.
 
-The drag's height, and the pressure that it moves, put the virtual axle elsewhere for each angle. With v and
-w at an angle, and v' and w' their change with it, a point q of the heading axis has no change across its
-motion where v_q x v_q' = 0; along the axis that is linear in q. A path of q can then be followed like a
-unicycle's, as far as q does not slip sideways under forces farther off that angle, and as the contact's
-motion turns with the force: where the drag moves the axle beyond the contact it does not, and a tip whose
-motion is controlled leaves the object's turn to chance.
-Source: docs/mechanics.md, sections 1.2, 2 and 4.
+The drag's height, and the pressure that it moves, put the virtual axle elsewhere for
+each angle. With v and w at an angle, and v' and w' their change with it, a point q of
+the heading axis has no change across its motion where v_q x v_q' = 0; along the axis
+that is linear in q. A path of q can then be followed like a unicycle's, as far as q
+does not slip sideways under forces farther off that angle, and as the contact's motion
+turns with the force: where the drag moves the axle beyond the contact it does not, and
+a tip whose motion is controlled leaves the object's turn to chance. Source:
+docs/mechanics.md, sections 1.2, 2 and 4.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from pushpressslide.mechanics.top import rooms_inside
 
 Array = NDArray[np.float64]
 
-TIPPING_ROOM = 0.2  # half widths that the centre of pressure stays inside the base's edge
+# half widths that the centre of pressure stays inside the base's edge
+TIPPING_ROOM = 0.2
 COUNT = 48  # force angles that are looked at, all round
 STEP = 2.0 * math.pi / COUNT
 EVERY = 2  # of them is one that turns are planned with
@@ -47,17 +49,21 @@ class PressedTurn:
     angle: float  # [rad] of the force from the heading axis
     right: float  # [rad] < 0, that the force may be turned from there
     left: float  # [rad] > 0
-    room: float  # [half widths] that the centre of pressure stays inside the base at that angle
+    # [half widths] that the centre of pressure stays inside the base at that angle
+    room: float
     X_BV: Pose2  # at the axle, x along its motion
     curvature: float  # [1/m] of its path
-    gain: float  # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
+    # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
+    gain: float
     share: float  # of mu_s N that the force takes
     pace: float  # speed of the contact per speed of the axle
 
 
 @dataclass(frozen=True, slots=True)
 class TurnTable:
-    """What forces at all angles STEP i do to m presses of an object; arrays (m, COUNT), as in PressedTurn."""
+    """What forces at all angles STEP i do to m presses of an object; arrays (m, COUNT),
+    as in PressedTurn.
+    """
 
     usable: NDArray[np.bool_]  # as one unicycle's turn
     ahead: Array  # [m] of the axle from the centre of pressure, along the heading axis
@@ -72,28 +78,41 @@ class TurnTable:
 
 
 def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTable:
-    """Return what forces at all angles do to presses of one object, its base cut up as finely as
-    ``resolution`` says (mechanics/dragging.py).
+    """Return what forces at all angles do to presses of one object, its base cut up as
+    finely as ``resolution`` says (mechanics/dragging.py).
     """
-    m, body, shift = len(presses), presses[0].body, presses[0].shift
-    axes, cops = np.array([p.axis for p in presses]), np.array([p.cop for p in presses])
+    m = len(presses)
+    body = presses[0].body
+    shift = presses[0].shift
+    axes = np.array([p.axis for p in presses])
+    cops = np.array([p.cop for p in presses])
     levers = np.array([[p.lever] for p in presses])
     angles = STEP * np.arange(COUNT)
-    c, s = np.cos(angles)[None, :, None], np.sin(angles)[None, :, None]
+    c = np.cos(angles)[None, :, None]
+    s = np.sin(angles)[None, :, None]
     across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
     forces = c * axes[:, None] + s * across[:, None]
-    rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(m, COUNT)
+    rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(
+        m, COUNT
+    )
     rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
     contacts = np.array([p.contact for p in presses])
-    slid = DraggedBase(body, shift, resolution).slide(cops[rows], contacts[rows], forces[rows, columns])
-    # of the centre of pressure, along the axis and to its left, and how it changes with the force's angle
-    motion, shares = np.full((3, m, COUNT), np.nan), np.full((m, COUNT), np.nan)
+    slid = DraggedBase(body, shift, resolution).slide(
+        cops[rows], contacts[rows], forces[rows, columns]
+    )
+    # of the centre of pressure, along the axis and to its left, and how it changes with
+    # the force's angle
+    motion = np.full((3, m, COUNT), np.nan)
+    shares = np.full((m, COUNT), np.nan)
     vx, vy, w = slid.twists.T
-    vx, vy = vx - w * cops[rows, 1], vy + w * cops[rows, 0]
-    (ex, ey), (tx, ty) = axes[rows].T, across[rows].T
+    vx = vx - w * cops[rows, 1]
+    vy = vy + w * cops[rows, 0]
+    ex, ey = axes[rows].T
+    tx, ty = across[rows].T
     motion[:, rows, columns] = vx * ex + vy * ey, vx * tx + vy * ty, w
     shares[rows, columns] = slid.shares
-    before, after = np.roll(motion, 1, axis=-1), np.roll(motion, -1, axis=-1)
+    before = np.roll(motion, 1, axis=-1)
+    after = np.roll(motion, -1, axis=-1)
     a, b, w = 0.5 * (before + after)
     da, db, dw = 0.5 / STEP * (after - before)
     x = (b * da - a * db) / (dw * a - w * da)
@@ -103,49 +122,91 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
     pace = np.hypot(a, b + w * levers) / speed
     heading = np.arctan2(b + w * x, a)
     along = np.arctan2(motion[1] + motion[2] * levers, motion[0])  # of the contact
-    firm = _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP  # between an angle and the next
+    # between an angle and the next
+    firm = _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP
     leads = np.round(np.cos(angles), 9)  # neither way at a right angle
     usable = (
-        (np.abs(x) < FAR) & (np.abs(curvature) < TIGHTEST) & (pace > PACE[0]) & (pace < PACE[1])
+        (np.abs(x) < FAR)
+        & (np.abs(curvature) < TIGHTEST)
+        & (pace > PACE[0])
+        & (pace < PACE[1])
         & (gain * leads >= 0.0)
-    )  # fmt: skip
+    )
     sides = []
     for side in (-1, 1):
-        steps, free = np.zeros((m, COUNT)), usable
+        steps = np.zeros((m, COUNT))
+        free = usable
         for k in range(1, STEERING + 1):
             va, vb, vw = np.roll(motion, -side * k, axis=-1)
             slip = _wrapped(np.arctan2(vb + vw * x, va) - heading)
-            free = free & (np.abs(slip) < SLIP) & np.roll(firm, -k + 1 if side > 0 else k, axis=-1)
+            free = (
+                free
+                & (np.abs(slip) < SLIP)
+                & np.roll(firm, -k + 1 if side > 0 else k, axis=-1)
+            )
             steps += free
         sides.append(steps)
     right, left = sides
     usable = usable & (np.minimum(right, left) >= LEAST)
-    return TurnTable(usable, x, heading, curvature, gain, shares, pace, STEP * right, STEP * left, rooms)
+    return TurnTable(
+        usable,
+        x,
+        heading,
+        curvature,
+        gain,
+        shares,
+        pace,
+        STEP * right,
+        STEP * left,
+        rooms,
+    )
 
 
 def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
     """Return the turns that each press of one object can be driven with."""
     if not presses:
         return []
-    table, out = turn_table(presses), []
+    table = turn_table(presses)
+    out = []
     for row, press in enumerate(presses):
-        (ex, ey), (cx, cy), turns = press.axis, press.cop, []
+        ex, ey = press.axis
+        cx, cy = press.cop
+        turns = []
         for i in np.flatnonzero(table.usable[row, ::EVERY]) * EVERY:
             ahead, heading, curvature, gain, share, pace, right, left, room = (
                 float(of[row, i])
-                for of in (table.ahead, table.heading, table.curvature, table.gain, table.share, table.pace,
-                           table.right, table.left, table.room)
-            )  # fmt: skip
+                for of in (
+                    table.ahead,
+                    table.heading,
+                    table.curvature,
+                    table.gain,
+                    table.share,
+                    table.pace,
+                    table.right,
+                    table.left,
+                    table.room,
+                )
+            )
             axle = Pose2(cx + ahead * ex, cy + ahead * ey, math.atan2(ey, ex) + heading)
             angle = math.remainder(float(i) * STEP, 2.0 * math.pi)
-            turns.append(PressedTurn(press, angle, -right, left, room, axle, curvature, gain, share, pace))
+            turns.append(
+                PressedTurn(
+                    press, angle, -right, left, room, axle, curvature, gain, share, pace
+                )
+            )
         out.append(turns)
     return out
 
 
 def steering_of(press: Press, backward: bool) -> float:
-    """Return up to which force angle [rad] from straight motion a press is driven like one unicycle."""
-    turns = [t for t in pressed_turns([press])[0] if abs(t.angle) == (math.pi if backward else 0.0)]
+    """Return up to which force angle [rad] from straight motion a press is driven like
+    one unicycle.
+    """
+    turns = [
+        t
+        for t in pressed_turns([press])[0]
+        if abs(t.angle) == (math.pi if backward else 0.0)
+    ]
     return min((min(-turn.right, turn.left) for turn in turns), default=0.0)
 
 

@@ -1,4 +1,6 @@
-"""An object that two arms push on one face, as a car: fitted to the exact limit surface, and its paths."""
+"""An object that two arms push on one face, as a car: fitted to the exact limit
+surface, and its paths.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +19,21 @@ from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 ORIGIN = (0.0, 0.0)
 RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
-TIGHTER = (0.3, 0.6, 1.0)  # curvatures that are tried, in shares of the tightest that a plan may use
+# curvatures that are tried, in shares of the tightest that a plan may use
+TIGHTER = (0.3, 0.6, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class PushedCar:
-    """A car whose axle, the point without side slip, is ahead of the CoM along the pushes."""
+    """A car whose axle, the point without side slip, is ahead of the CoM along the
+    pushes.
+    """
 
     heading: float  # [rad] of the pushes in B
     axle: float  # [m] ahead of the CoM
-    lead: float  # [m] of the axle from the CoP under way: rho^2 / d with equal forces, 0 without friction
+    # [m] of the axle from the CoP under way: rho^2 / d with equal forces, 0 without
+    # friction
+    lead: float
     rho: float  # [m]
     left: float  # [1/m] > 0 tightest curve to the left
     right: float  # [1/m] > 0 to the right
@@ -34,7 +41,11 @@ class PushedCar:
     @property
     def X_BV(self) -> Pose2:
         """Pose of the vehicle frame, at the axle, in the body frame."""
-        return Pose2(self.axle * math.cos(self.heading), self.axle * math.sin(self.heading), self.heading)
+        return Pose2(
+            self.axle * math.cos(self.heading),
+            self.axle * math.sin(self.heading),
+            self.heading,
+        )
 
     @property
     def tightest(self) -> float:
@@ -49,22 +60,31 @@ class PushedCar:
     @classmethod
     def remembered(cls, figures: Mapping[str, float]) -> PushedCar:
         """Return the car of a choice's ``figures``."""
-        return cls(*(figures[name] for name in ("heading", "axle", "lead", "rho", "left", "right")))
+        return cls(
+            *(
+                figures[name]
+                for name in ("heading", "axle", "lead", "rho", "left", "right")
+            )
+        )
 
 
 def pushed_cars(
     task: Task, places: Sequence[tuple[Face, float]], height: float, synchronised: bool
 ) -> list[PushedCar]:
-    """Return the reduced model, as believed, of contacts on each face, as far [m] either side of the CoM's
-    line.
+    """Return the reduced model, as believed, of contacts on each face, as far [m]
+    either side of the CoM's line.
 
-    Turned by normal forces alone it is a differential car, ``synchronised``, by equal forces, a rear-steer
-    one (docs/mechanics.md, section 5). Axle and rho are those of the exact surface, under the load that the
-    push at ``height`` [m] itself shifts, at ``curvature_margin`` of the force's way to its limits; the
-    tightest curves are no tighter than the object's. Raises ValueError where the object tips.
+    Turned by normal forces alone it is a differential car, ``synchronised``, by equal
+    forces, a rear-steer one (docs/mechanics.md, section 5). Axle and rho are those of
+    the exact surface, under the load that the push at ``height`` [m] itself shifts, at
+    ``curvature_margin`` of the force's way to its limits; the tightest curves are no
+    tighter than the object's. Raises ValueError where the object tips.
     """
-    belief, use = task.believed, task.motion.curvature_margin
-    mu_s, mu_a, pushes = belief.support_friction, belief.contact_friction, []
+    belief = task.believed
+    use = task.motion.curvature_margin
+    mu_s = belief.support_friction
+    mu_a = belief.contact_friction
+    pushes = []
     for face, half_width in places:
         for share in (-use, use, -1.0, 1.0):
             off = (0.0, share * mu_a) if synchronised else (share * half_width, 0.0)
@@ -72,15 +92,20 @@ def pushed_cars(
     turned = turnings(task.object, mu_s, height, pushes) if belief.rho is None else []
     out = []
     for i, (face, half_width) in enumerate(places):
-        # how far off the CoM the force may be, or how much across the normal; and the moment that this makes
+        # how far off the CoM the force may be, or how much across the normal; and the
+        # moment that this makes
         limit, arm = (mu_a, face.depth) if synchronised else (half_width, 1.0)
         if belief.rho is not None:
-            rho, shift, least = belief.rho, height * mu_s, (math.inf, math.inf)
+            rho = belief.rho
+            shift = height * mu_s
+            least = (math.inf, math.inf)
         else:
             right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]
             mean = 0.5 * (1.0 / abs(right.curvature) + 1.0 / abs(left.curvature))
             rho = math.sqrt(arm * use * limit * mean)
-            shift = 0.5 * (right.axle + left.axle) - (rho * rho / face.depth if synchronised else 0.0)
+            shift = 0.5 * (right.axle + left.axle) - (
+                rho * rho / face.depth if synchronised else 0.0
+            )
             least = abs(rightmost.curvature), abs(leftmost.curvature)
         heading = math.atan2(face.normal[1], face.normal[0])
         lead = rho * rho / face.depth if synchronised else 0.0
@@ -90,13 +115,22 @@ def pushed_cars(
             else DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
         )
         low, high = car.curvature_limits
-        out.append(PushedCar(heading, shift + lead, lead, rho, min(high, least[0]), min(-low, least[1])))
+        out.append(
+            PushedCar(
+                heading,
+                shift + lead,
+                lead,
+                rho,
+                min(high, least[0]),
+                min(-low, least[1]),
+            )
+        )
     return out
 
 
 def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:
-    """Return the path of up to ``longest`` [m] with the longest run-in, then the gentlest turns, none above
-    ``tightest`` [1/m]; the shortest one where there is none.
+    """Return the path of up to ``longest`` [m] with the longest run-in, then the
+    gentlest turns, none above ``tightest`` [1/m]; the shortest one where there is none.
     """
     tried = []
     for run_in in RUN_INS:

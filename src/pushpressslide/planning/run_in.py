@@ -10,16 +10,22 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.planning.dubins import shortest_path
 
 
-def with_run_in(start: Pose2, goal: Pose2, left: float, right: float, run_in: float) -> ArcPath:
-    """Return the shortest path with curvature in [-right, left] [1/m] that ends with ``run_in`` [m] of
-    straight line.
+def with_run_in(
+    start: Pose2, goal: Pose2, left: float, right: float, run_in: float
+) -> ArcPath:
+    """Return the shortest path with curvature in [-right, left] [1/m] that ends with
+    ``run_in`` [m] of straight line.
     """
     path = shortest_path(start, advance(goal, 0.0, -run_in), left, right)
-    return ArcPath(start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0))
+    return ArcPath(
+        start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0)
+    )
 
 
 def room(start: Pose2, goal: Pose2, curvature: float) -> float:
-    """Return the length [m] up to which a path of that ``curvature`` [1/m] counts as one without a loop."""
+    """Return the length [m] up to which a path of that ``curvature`` [1/m] counts as
+    one without a loop.
+    """
     return 1.15 * math.hypot(goal.x - start.x, goal.y - start.y) + 1.0 / curvature
 
 
@@ -30,11 +36,12 @@ def gentlest(
     run_ins: Sequence[float],
     longest: float | None = None,
 ) -> tuple[float, float, ArcPath]:
-    """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest run-in there is room
-    for.
+    """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest
+    run-in there is room for.
 
-    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first. ``longest`` [m] is what
-    counts as room (default: ``room`` of the curvature); where nothing fits the shortest path is returned.
+    ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first.
+    ``longest`` [m] is what counts as room (default: ``room`` of the curvature); where
+    nothing fits the shortest path is returned.
     """
     best: tuple[float, float, ArcPath] | None = None
     for curvature in curvatures:

@@ -1,4 +1,6 @@
-"""Where arms push an object's sides: how high, how far apart, and which arm takes which contact."""
+"""Where arms push an object's sides: how high, how far apart, and which arm takes which
+contact.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,9 @@ GRAVITY = 9.81  # [m/s^2]
 
 
 def contact_height(task: Task) -> float:
-    """Return the height of the contacts above the support [m], the same for all arms: low, since a push at
-    height h moves the CoP by h mu_s, but with the wrists above the object.
+    """Return the height of the contacts above the support [m], the same for all arms:
+    low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
+    object.
     """
     if task.motion.contact_height is not None:
         return task.motion.contact_height
@@ -41,9 +44,13 @@ def least_distance(task: Task) -> float:
 
 
 def span(body: ObjectModel, face: Face) -> tuple[float, float]:
-    """Return the ends [m] of a flat face, right and left of the CoM's line along the normal (left: > 0)."""
+    """Return the ends [m] of a flat face, right and left of the CoM's line along the
+    normal (left: > 0).
+    """
     assert not isinstance(body.shape, Cylinder)
-    com, corners, left = body.center_of_mass, body.shape.footprint, turned_left(face.normal)
+    com = body.center_of_mass
+    corners = body.shape.footprint
+    left = turned_left(face.normal)
     ends = (corners[face.index], corners[(face.index + 1) % len(corners)])
     b, a = ((x - com[0]) * left[0] + (y - com[1]) * left[1] for x, y in ends)
     return a, b
@@ -52,12 +59,14 @@ def span(body: ObjectModel, face: Face) -> tuple[float, float]:
 def farthest_corner(body: ObjectModel) -> float:
     """Return the distance [m] of the farthest corner from the CoM."""
     assert not isinstance(body.shape, Cylinder)
-    return max(math.dist(corner, body.center_of_mass) for corner in body.shape.footprint)
+    return max(
+        math.dist(corner, body.center_of_mass) for corner in body.shape.footprint
+    )
 
 
 def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | None:
-    """Return what stands against pushing faces at ``height`` [m]: the object's height, tipping, the force;
-    None if nothing.
+    """Return what stands against pushing faces at ``height`` [m]: the object's height,
+    tipping, the force; None if nothing.
     """
     belief = task.believed
     if height >= task.object.shape.height:
@@ -79,10 +88,11 @@ def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | Non
 def assignments(
     bases: Sequence[Vector3], points: Sequence[Point], poses: Sequence[Pose2]
 ) -> list[tuple[int, int]]:
-    """Return the ways to give two contacts to two arms that do not cross, the arms nearest to them first.
+    """Return the ways to give two contacts to two arms that do not cross, the arms
+    nearest to them first.
 
-    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion. Item i of
-    an assignment is the arm of contact i.
+    ``bases`` [m] of the arms; ``points`` [m] in B; ``poses`` X_WB along the motion.
+    Item i of an assignment is the arm of contact i.
     """
     out = []
     for arms in ((0, 1), (1, 0)):
@@ -97,7 +107,9 @@ def assignments(
 
 def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact, ...]:
     """Return ``contacts`` given to ``arms``, in the order of the arms."""
-    given = (replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True))
+    given = (
+        replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True)
+    )
     return tuple(sorted(given, key=lambda contact: contact.arm))
 
 

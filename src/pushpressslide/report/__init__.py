@@ -1,1 +1,3 @@
-"""What became of a run: figures, files, plots and pages, from task, plan and record alone."""
+"""What became of a run: figures, files, plots and pages, from task, plan and record
+alone.
+"""

@@ -19,17 +19,34 @@ from pushpressslide.report import series
 Array = NDArray[np.float64]
 
 CONE_TOLERANCE = 0.02
-"""Share by which a measured tangential force may exceed mu f_n before it counts as outside the cone."""
+"""Share by which a measured tangential force may exceed mu f_n before it counts as
+outside the cone.
+"""
 
 
-def contact_figures(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
-    """Return the figures of the contacts of all grasps, and of each; shares are of the ticks in contact."""
-    parts = [_grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.choice.contacts]
+def contact_figures(
+    task: Task, grasps: Sequence[tuple[Plan, Record]]
+) -> dict[str, Any]:
+    """Return the figures of the contacts of all grasps, and of each; shares are of the
+    ticks in contact.
+    """
+    parts = [
+        _grasp_figures(task, grasp, part)
+        for grasp, part in grasps
+        if grasp.choice.contacts
+    ]
     if not parts:
         return {}
     counts = [part.pop("touching") for part in parts]
-    forces = [part["max_normal_force"] for part in parts if part["max_normal_force"] is not None]
-    outside = sum(n * (part["cone_violation_fraction"] or 0.0) for n, part in zip(counts, parts, strict=True))
+    forces = [
+        part["max_normal_force"]
+        for part in parts
+        if part["max_normal_force"] is not None
+    ]
+    outside = sum(
+        n * (part["cone_violation_fraction"] or 0.0)
+        for n, part in zip(counts, parts, strict=True)
+    )
     return {
         "max_normal_force": max(forces, default=None),
         "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
@@ -42,7 +59,8 @@ def contact_figures(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> dict[s
 def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
-    move, contact = series.in_phase(record, "move"), series.contact_phase(record)
+    move = series.in_phase(record, "move")
+    contact = series.contact_phase(record)
     felt = normals[series.in_phase(record, "touch", "move", "release")]
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
@@ -81,19 +99,26 @@ def _mean(values: Array) -> float | None:
 
 
 def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Return of each grasp that pins a point about which point the object really turned, in B [m].
+    """Return of each grasp that pins a point about which point the object really
+    turned, in B [m].
 
-    Beside it: the pinned point, the centre of pressure, and the virtual axle about which the object would
-    turn if the press did not hold it, as the plan has them.
+    Beside it: the pinned point, the centre of pressure, and the virtual axle about
+    which the object would turn if the press did not hold it, as the plan has them.
     """
     out = []
     for grasp, record in grasps:
-        figures, at = grasp.choice.parameters, np.flatnonzero(series.contact_phase(record))
+        figures = grasp.choice.parameters
+        at = np.flatnonzero(series.contact_phase(record))
         if "pressure_x" not in figures or len(at) == 0:
             continue
-        first, last = (Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1]))
-        vx, vy, w = screw(first.compose(task.object.X_GB), last.compose(task.object.X_GB))
-        turned, pinned = (-vy / w, vx / w), grasp.choice.contacts[0].point
+        first, last = (
+            Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1])
+        )
+        vx, vy, w = screw(
+            first.compose(task.object.X_GB), last.compose(task.object.X_GB)
+        )
+        turned = (-vy / w, vx / w)
+        pinned = grasp.choice.contacts[0].point
         others = {
             "center_of_pressure": (figures["pressure_x"], figures["pressure_y"]),
             "virtual_axle": (figures["axle_x"], figures["axle_y"]),
@@ -106,7 +131,8 @@ def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, 
                 "pressed": pinned,
                 **others,
                 "distance": {
-                    name: math.dist(turned, point) for name, point in {"pressed": pinned, **others}.items()
+                    name: math.dist(turned, point)
+                    for name, point in {"pressed": pinned, **others}.items()
                 },
             }
         )

@@ -1,4 +1,6 @@
-"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json; each whole or not at all."""
+"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json; each
+whole or not at all.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,20 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole as write_whole
 from pushpressslide.report.metrics import plain
-from pushpressslide.report.plan_files import choices_from_dict, plan_from_dict, plan_to_dict
+from pushpressslide.report.plan_files import (
+    choices_from_dict,
+    plan_from_dict,
+    plan_to_dict,
+)
 
-TASK, PLAN, RECORD, RESULT = "task.yaml", "plan.json", "record.npz", "result.json"
+TASK = "task.yaml"
+PLAN = "plan.json"
+RECORD = "record.npz"
+RESULT = "result.json"
 META = "meta_json"
-"""Name of the array of record.npz that holds, as JSON text, all of a Record that is not a time series."""
+"""Name of the array of record.npz that holds, as JSON text, all of a Record that is not
+a time series.
+"""
 
 
 T = TypeVar("T")
@@ -37,12 +48,15 @@ class Run:
     plan: Plan
     record: Record
     result: Mapping[str, Any]
-    choices: tuple[Choice, ...] = ()  # all that were weighed, refused ones too; empty if not kept
+    # all that were weighed, refused ones too; empty if not kept
+    choices: tuple[Choice, ...] = ()
 
 
 def to_json(value: Any) -> str:
     """Return ``value`` as strict JSON text (no NaN), indented, with a final newline."""
-    return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    return (
+        json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    )
 
 
 def save_run(
@@ -53,9 +67,11 @@ def save_run(
     result: Mapping[str, Any],
     choices: Sequence[Choice] = (),
 ) -> None:
-    """Write a run to folder ``out``. result.json comes last: a folder that has one is complete.
+    """Write a run to folder ``out``. result.json comes last: a folder that has one is
+    complete.
 
-    An older result.json is taken away first, so that a folder is never half of one run and half of another.
+    An older result.json is taken away first, so that a folder is never half of one run
+    and half of another.
     """
     from pushpressslide.pipeline.task_file import dump_task
 
@@ -68,15 +84,20 @@ def save_run(
 
 
 def load_run(folder: Path) -> Run:
-    """Return the run in ``folder``; raises PushPressSlideError where it is missing, unfinished or damaged."""
+    """Return the run in ``folder``; raises PushPressSlideError where it is missing,
+    unfinished or damaged.
+    """
     from pushpressslide.pipeline.task_file import load_task
 
     if not folder.is_dir():
-        raise PushPressSlideError(f"{folder}: there is no such folder; give one that `pps run` has written")
+        raise PushPressSlideError(
+            f"{folder}: there is no such folder; give one that `pps run` has written"
+        )
     for name in (RESULT, TASK, PLAN, RECORD):
         if not (folder / name).is_file():
             raise PushPressSlideError(
-                f"{folder}: has no {name}; give a folder that a finished `pps run` has written"
+                f"{folder}: has no {name}; give a folder that a finished `pps run` has "
+                "written"
             )
     result = _read(folder / RESULT, lambda path: json.loads(path.read_text("utf-8")))
     stored = _read(folder / PLAN, lambda path: json.loads(path.read_text("utf-8")))
@@ -90,14 +111,24 @@ def load_run(folder: Path) -> Run:
 def _read(path: Path, reader: Callable[[Path], T]) -> T:
     try:
         return reader(path)
-    except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+    except (
+        KeyError,
+        TypeError,
+        ValueError,
+        OSError,
+        EOFError,
+        zipfile.BadZipFile,
+    ) as error:
         raise PushPressSlideError(
-            f"{path}: is damaged or of another version ({type(error).__name__}: {error})"
+            f"{path}: is damaged or of another version ({type(error).__name__}: "
+            f"{error})"
         ) from error
 
 
 def record_to_bytes(record: Record) -> bytes:
-    """Return a record as the bytes of an .npz file: its arrays, and the rest as JSON text under ``META``."""
+    """Return a record as the bytes of an .npz file: its arrays, and the rest as JSON
+    text under ``META``.
+    """
     rest = {
         "reason": record.reason,
         "reason_text": record.reason_text,

@@ -1,4 +1,6 @@
-"""The page of identified pushes: a table, and for each set a figure of predictions, surface and support."""
+"""The page of identified pushes: a table, and for each set a figure of predictions,
+surface and support.
+"""
 
 from __future__ import annotations
 
@@ -35,16 +37,23 @@ MODELS = {
 """Label, colour and line of each model."""
 
 LEGEND = (
-    "rho: of the ellipsoid fitted to all pushes of the set, beside the mean distance of the load at rest to "
-    "its centre, from the places of the pins or for an even load on the base. Friction: of object and board, "
-    "from the forces. Errors: angle between predicted and measured direction of motion (vx, vy, 50 mm w), "
-    "mean over pushes that were held out of the fit. No fit: from the places of the pins, or the outline of "
+    "rho: of the ellipsoid fitted to all pushes of the set, beside the mean distance "
+    "of the load at rest to "
+    "its centre, from the places of the pins or for an even load on the base. "
+    "Friction: of object and board, "
+    "from the forces. Errors: angle between predicted and measured direction of motion "
+    "(vx, vy, 50 mm w), "
+    "mean over pushes that were held out of the fit. No fit: from the places of the "
+    "pins, or the outline of "
     "the base as a rigid face on an elastic board, and the weight alone."
 )
 CAPTION = (
-    "Above, held-out pushes: how often the error is below a bound, and the turn that each push was predicted "
-    "to make (mean over the splits) against the turn it made. Below, fitted to all pushes: force and moment "
-    "of each push with the surfaces (the band spans the directions of the force), and the support with the "
+    "Above, held-out pushes: how often the error is below a bound, and the turn that "
+    "each push was predicted "
+    "to make (mean over the splits) against the turn it made. Below, fitted to all "
+    "pushes: force and moment "
+    "of each push with the surfaces (the band spans the directions of the force), and "
+    "the support with the "
     "loads at rest and the forces of the pushes."
 )
 
@@ -52,42 +61,63 @@ CAPTION = (
 def write_identification(
     identifications: Sequence[Identification], out: Path, how: str, notes: Sequence[str]
 ) -> Path:
-    """Write ``out``/report.html and ``out``/plots/<set>.png; return the path of the page.
+    """Write ``out``/report.html and ``out``/plots/<set>.png; return the path of the
+    page.
 
     ``how`` says how the pushes were split; ``notes`` what was left out.
     """
-    body = ["<h1>Support identified from pushes</h1>", f"<p>{escape(how)} {escape(LEGEND)}</p>"]
+    body = [
+        "<h1>Support identified from pushes</h1>",
+        f"<p>{escape(how)} {escape(LEGEND)}</p>",
+    ]
     body.append(_table(identifications))
     body += [f"<p>{escape(note)}</p>" for note in notes]
     for found in identifications:
         name = found.push_set.name
         picture = style.png(set_figure(found))
         write_whole(out / "plots" / f"{name.replace('/', '-')}.png", picture)
-        body.append(f"<section><h2>{escape(name)}</h2>{image(picture, name, CAPTION)}</section>")
-    return write_whole(out / "report.html", document("Support identified from pushes", "".join(body)))
+        body.append(
+            f"<section><h2>{escape(name)}</h2>{image(picture, name, CAPTION)}</section>"
+        )
+    return write_whole(
+        out / "report.html", document("Support identified from pushes", "".join(body))
+    )
 
 
 def predicted_rho(found: Identification) -> tuple[float, float | None]:
-    """Return rho [m] from the layout: of the pins, or of an even load; and of a rigid face, None on pins."""
+    """Return rho [m] from the layout: of the pins, or of an even load; and of a rigid
+    face, None on pins.
+    """
     uniform = found.push_set.uniform_pressure()
     expected = rho_pole(found.push_set.static_pressure())
     return (expected, None) if uniform is None else (rho_pole(uniform), expected)
 
 
 HEAD = (
-    "set", "pushes", "friction", "rho", "rho predicted", "for a rigid face", *(m[0] for m in MODELS.values()),
-)  # fmt: skip
+    "set",
+    "pushes",
+    "friction",
+    "rho",
+    "rho predicted",
+    "for a rigid face",
+    *(m[0] for m in MODELS.values()),
+)
 
 
 def cells(found: Identification) -> list[str]:
-    """Return the row of a set under ``HEAD``: rho in mm, mean held-out errors in degrees; "" for none."""
+    """Return the row of a set under ``HEAD``: rho in mm, mean held-out errors in
+    degrees; "" for none.
+    """
     lengths = (found.ellipsoid.rho, *predicted_rho(found))
     return [
         found.push_set.name,
         str(len(found.push_set.pairs)),
         f"{found.pressure.friction:.3f}",
         *("" if rho is None else f"{1e3 * rho:.1f}" for rho in lengths),
-        *(f"{math.degrees(found.scores[m].mean):.1f}" if m in found.scores else "" for m in MODELS),
+        *(
+            f"{math.degrees(found.scores[m].mean):.1f}" if m in found.scores else ""
+            for m in MODELS
+        ),
     ]
 
 
@@ -108,7 +138,9 @@ def set_figure(found: Identification) -> Figure:
     from matplotlib.figure import Figure
 
     with mpl.rc_context(style.SETTINGS):
-        made = Figure(figsize=(style.WIDTH + 1.0, 7.6), dpi=style.DPI, layout="constrained")
+        made = Figure(
+            figsize=(style.WIDTH + 1.0, 7.6), dpi=style.DPI, layout="constrained"
+        )
         (errors, turns), (surface, support) = made.subplots(2, 2)
         _errors(errors, found)
         _turns(turns, found)
@@ -122,7 +154,13 @@ def _errors(axes: Axes, found: Identification) -> None:
         if name in found.scores:
             errors = np.sort(np.degrees(found.scores[name].errors.ravel()))
             share = 100.0 * np.arange(1, len(errors) + 1) / len(errors)
-            axes.plot(errors, share, line, color=color, label=f"{label}: mean {errors.mean():.1f}°")
+            axes.plot(
+                errors,
+                share,
+                line,
+                color=color,
+                label=f"{label}: mean {errors.mean():.1f}°",
+            )
     axes.set_xlim(0.0, 45.0)
     axes.set_ylim(0.0, 101.0)
     axes.set_xlabel("error of the direction [deg]")
@@ -139,7 +177,14 @@ def _turns(axes: Axes, found: Identification) -> None:
         predicted = _turn(found.scores[name].mean_directions)
         size = 22 if mark == "x" else 16
         axes.scatter(
-            measured, predicted, size, color=color, marker=mark, linewidths=1.0, label=label, zorder=2
+            measured,
+            predicted,
+            size,
+            color=color,
+            marker=mark,
+            linewidths=1.0,
+            label=label,
+            zorder=2,
         )
     axes.set_aspect("equal")
     for axis in (axes.xaxis, axes.yaxis):
@@ -165,7 +210,9 @@ def _surface(axes: Axes, found: Identification) -> None:
     label, color, _ = MODELS["ellipsoid"]
     axes.plot(*(found.ellipsoid.max_force * outline), color=color, label=label)
     force = np.hypot(w[:, 0], w[:, 1])
-    axes.scatter(force, 1e3 * w[:, 2], 14, color=style.BLACK, zorder=3, label="measured")
+    axes.scatter(
+        force, 1e3 * w[:, 2], 14, color=style.BLACK, zorder=3, label="measured"
+    )
     axes.set_xlim(left=0.0)
     axes.set_xlabel("force [N]")
     axes.set_ylabel("moment about the CoM [N mm]")
@@ -174,7 +221,8 @@ def _surface(axes: Axes, found: Identification) -> None:
 
 
 def _radius(found: Identification, angle: Array) -> Array:
-    """Return the norm [N] of (|F|, tau / rho) on the fitted surface, for each angle atan2(tau / rho, |F|).
+    """Return the norm [N] of (|F|, tau / rho) on the fitted surface, for each angle
+    atan2(tau / rho, |F|).
 
     One column for each of 24 directions of the force; for the loads at rest.
     """
@@ -182,31 +230,48 @@ def _radius(found: Identification, angle: Array) -> Array:
     steep, around = np.meshgrid(angle, turn, indexing="ij")
     flat = np.cos(steep)
     moment = found.ellipsoid.rho * np.sin(steep)
-    wrenches = np.stack([flat * np.cos(around), flat * np.sin(around), moment], axis=2).reshape(-1, 3)
+    wrenches = np.stack(
+        [flat * np.cos(around), flat * np.sin(around), moment], axis=2
+    ).reshape(-1, 3)
     levels = found.pressure.slides(wrenches, np.zeros(len(wrenches)))[1]
     out: Array = (found.pressure.max_force / levels).reshape(steep.shape)
     return out
 
 
 def _support(axes: Axes, found: Identification) -> None:
-    push_set, pressure = found.push_set, found.pressure
+    push_set = found.push_set
+    pressure = found.pressure
     outline = 1e3 * np.array([*push_set.base, push_set.base[0]])
     axes.plot(*outline.T, color=style.GREY, lw=1.2, label="base")
     points = 1e3 * pressure.points
     if push_set.pins:
         axes.scatter(*points.T, 900.0 * pressure.shares, color=style.SKY, lw=0.0)
         for point, share in zip(points, pressure.shares, strict=True):
-            axes.annotate(f"{100.0 * share:.0f} %", point, ha="center", va="center", fontsize=8)
+            axes.annotate(
+                f"{100.0 * share:.0f} %", point, ha="center", va="center", fontsize=8
+            )
     else:
         areas = pressure.radii**2
         ratio = pressure.shares / areas * areas.sum()
-        spots = axes.scatter(*points.T, 22, c=ratio, cmap="cividis_r", vmin=0.0, vmax=3.0, lw=0.0)
-        axes.figure.colorbar(spots, ax=axes, label="pressure over its mean", shrink=0.8, extend="max")
-    contacts, forces = 1e3 * push_set.pairs.contacts, push_set.pairs.wrenches[:, :2]
+        spots = axes.scatter(
+            *points.T, 22, c=ratio, cmap="cividis_r", vmin=0.0, vmax=3.0, lw=0.0
+        )
+        axes.figure.colorbar(
+            spots, ax=axes, label="pressure over its mean", shrink=0.8, extend="max"
+        )
+    contacts = 1e3 * push_set.pairs.contacts
+    forces = push_set.pairs.wrenches[:, :2]
     axes.quiver(
-        *contacts.T, *forces.T, pivot="tip", angles="xy", scale_units="xy", scale=0.22, width=0.003,
-        color=style.ORANGE, label="forces",
-    )  # fmt: skip
+        *contacts.T,
+        *forces.T,
+        pivot="tip",
+        angles="xy",
+        scale_units="xy",
+        scale=0.22,
+        width=0.003,
+        color=style.ORANGE,
+        label="forces",
+    )
     axes.plot(0.0, 0.0, "+", color=style.BLACK, ms=9, label="CoM")
     axes.set_aspect("equal")
     axes.margins(0.14)

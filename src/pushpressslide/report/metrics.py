@@ -1,4 +1,6 @@
-"""The figures of one run: result.json, field by field; docs/result.md says what each means."""
+"""The figures of one run: result.json, field by field; docs/result.md says what each
+means.
+"""
 
 from __future__ import annotations
 
@@ -25,22 +27,41 @@ Array = NDArray[np.float64]
 
 SCHEMA = 1
 MOTION_FIELDS = (
-    "start_pose", "final_pose", "duration", "motion_duration", "rms_position_error", "rms_yaw_error",
-    "rms_end_effector_error", "max_position_error", "max_yaw_error", "path_rms_error", "path_max_error",
-    "path_length", "tracking",
-)  # fmt: skip
+    "start_pose",
+    "final_pose",
+    "duration",
+    "motion_duration",
+    "rms_position_error",
+    "rms_yaw_error",
+    "rms_end_effector_error",
+    "max_position_error",
+    "max_yaw_error",
+    "path_rms_error",
+    "path_max_error",
+    "path_length",
+    "tracking",
+)
 CONTACT_FIELDS = (
-    "max_normal_force", "contact_loss_time", "cone_violation_fraction", "slip_distance", "contacts",
+    "max_normal_force",
+    "contact_loss_time",
+    "cone_violation_fraction",
+    "slip_distance",
+    "contacts",
     "pivots",
-)  # fmt: skip
+)
 
 
 def result(
-    task: Task, plan: Plan, record: Record, versions: Mapping[str, str | None] | None = None
+    task: Task,
+    plan: Plan,
+    record: Record,
+    versions: Mapping[str, str | None] | None = None,
 ) -> dict[str, Any]:
-    """Return the contents of result.json: SI units, radians, null where a figure does not apply, never NaN.
+    """Return the contents of result.json: SI units, radians, null where a figure does
+    not apply, never NaN.
 
-    Computed from ``task``, ``plan`` and ``record`` alone; ``versions`` defaults to those of this process.
+    Computed from ``task``, ``plan`` and ``record`` alone; ``versions`` defaults to
+    those of this process.
     """
     out: dict[str, Any] = {
         "schema": SCHEMA,
@@ -50,7 +71,11 @@ def result(
         "modes": list(record.modes),
     }
     known = series.ticks(record) > 0
-    final = _goal_errors(task, record) if known else (math.nan, math.nan, math.nan, math.nan)
+    final = (
+        _goal_errors(task, record)
+        if known
+        else (math.nan, math.nan, math.nan, math.nan)
+    )
     success, reason = _verdict(task, record, final[0], final[1])
     out |= {
         "success": success,
@@ -65,11 +90,15 @@ def result(
         grasps = series.by_grasp(plan, record)
         out |= _motion_figures(task, grasps, record) | contact_figures(task, grasps)
         out["pivots"] = pivots(task, grasps)
-    duration = float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
+    duration = (
+        float(record.arrays["time"][-1] - record.arrays["time"][0]) if known else 0.0
+    )
     out |= {
         **_torques(task, record),
         "joint_limit_margin": _joint_margin(task, record) if known else None,
-        "realtime_factor": duration / record.wall_time if record.wall_time > 0.0 else None,
+        "realtime_factor": duration / record.wall_time
+        if record.wall_time > 0.0
+        else None,
         "wall_time": record.wall_time,
         "time_step": record.meta.get("time_step"),
         "tick_us": _tick_times(record) if known else None,
@@ -83,7 +112,9 @@ def result(
 
 
 def plain(value: Any) -> Any:
-    """Return ``value`` made of what JSON knows: NumPy becomes plain, NaN and infinity become None."""
+    """Return ``value`` made of what JSON knows: NumPy becomes plain, NaN and infinity
+    become None.
+    """
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, np.ndarray):
@@ -98,7 +129,9 @@ def plain(value: Any) -> Any:
 
 
 def installed_versions() -> dict[str, str | None]:
-    """Return the versions that bear on a result; None for what is not installed as a package."""
+    """Return the versions that bear on a result; None for what is not installed as a
+    package.
+    """
     out: dict[str, str | None] = {"python": platform.python_version()}
     for name in ("pushpressslide", "drake", "numpy"):
         try:
@@ -108,18 +141,24 @@ def installed_versions() -> dict[str, str | None]:
     return out
 
 
-def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[bool, dict[str, str]]:
-    allowed, seat = task.tolerance, seat_error(task, record)
-    within = max(position, seat) <= allowed.position and yaw <= allowed.yaw  # False for NaN
+def _verdict(
+    task: Task, record: Record, position: float, yaw: float
+) -> tuple[bool, dict[str, str]]:
+    allowed = task.tolerance
+    seat = seat_error(task, record)
+    # False for NaN
+    within = max(position, seat) <= allowed.position and yaw <= allowed.yaw
     place = (
-        f"ended {1e3 * position:.1f} mm and {math.degrees(yaw):.2f} deg from the goal, tolerance "
+        f"ended {1e3 * position:.1f} mm and {math.degrees(yaw):.2f} deg from the goal, "
+        "tolerance "
         f"{1e3 * allowed.position:g} mm and {math.degrees(allowed.yaw):g} deg"
     )
     if seat > allowed.position:
         place += f", {1e3 * seat:.0f} mm short of the opening's back"
     if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
         place = f"engine {record.engine} does not move {task.tool.body!r}: where it ends is not known"
-    code, text = record.reason, record.reason_text
+    code = record.reason
+    text = record.reason_text
     if code == "goal_reached":
         return within, {
             "code": "goal_reached" if within else "goal_missed",
@@ -129,13 +168,17 @@ def _verdict(task: Task, record: Record, position: float, yaw: float) -> tuple[b
 
 
 def _goal_errors(task: Task, record: Record) -> tuple[float, float, float, float]:
-    """Position [m] and yaw error [rad], >= 0, of the body that the goal names; then the position error along
-    the goal's axes [m], signed.
+    """Position [m] and yaw error [rad], >= 0, of the body that the goal names; then the
+    position error along the goal's axes [m], signed.
     """
-    poses, goal = record.arrays["object_pose"], task.goal
+    poses = record.arrays["object_pose"]
+    goal = task.goal
     if task.tool is not None:
-        body, goal = record.arrays.get(f"body_{task.tool.body}"), task.tool.goal
-        poses = series.planar_poses(body) if body is not None else np.full((1, 3), math.nan)
+        body = record.arrays.get(f"body_{task.tool.body}")
+        goal = task.tool.goal
+        poses = (
+            series.planar_poses(body) if body is not None else np.full((1, 3), math.nan)
+        )
     x, y, yaw = (float(v) for v in poses[-1])
     if not all(math.isfinite(v) for v in (x, y, yaw)):
         return math.nan, math.nan, math.nan, math.nan
@@ -147,16 +190,24 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if values.size else math.nan
 
 
-def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record) -> dict[str, Any]:
+def _motion_figures(
+    task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record
+) -> dict[str, Any]:
     arrays = record.arrays
-    time, pose = arrays["time"], arrays["object_pose"]
+    time = arrays["time"]
+    pose = arrays["object_pose"]
     move = series.in_phase(record, "move")
     offset = pose - arrays["reference_pose"]
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
-    tips = [_tip_errors(task, c, part) for grasp, part in grasps for c in grasp.choice.contacts]
+    tips = [
+        _tip_errors(task, c, part)
+        for grasp, part in grasps
+        for c in grasp.choice.contacts
+    ]
     cross_track = series.path_errors(task, record)[move]
-    tracked, stretch = series.tracked_poses(task, record)[move, :2], arrays["stretch"][move]
+    tracked = series.tracked_poses(task, record)[move, :2]
+    stretch = arrays["stretch"][move]
     errors = arrays["tracking_error"][move]
     return {
         "start_pose": pose[0],
@@ -166,11 +217,15 @@ def _motion_figures(task: Task, grasps: Sequence[tuple[Plan, Record]], record: R
         "rms_position_error": _rms(position_error),
         "rms_yaw_error": _rms(yaw_error),
         "rms_end_effector_error": _rms(np.concatenate(tips)) if tips else math.nan,
-        "max_position_error": float(position_error.max()) if position_error.size else None,
+        "max_position_error": float(position_error.max())
+        if position_error.size
+        else None,
         "max_yaw_error": float(np.abs(yaw_error).max()) if yaw_error.size else None,
         "path_rms_error": _rms(cross_track),
         "path_max_error": float(cross_track.max()) if cross_track.size else None,
-        "path_length": sum(float(series.travel(tracked[stretch == i])[-1]) for i in np.unique(stretch)),
+        "path_length": sum(
+            float(series.travel(tracked[stretch == i])[-1]) for i in np.unique(stretch)
+        ),
         "tracking": {
             name: {
                 "rms": _rms(errors[:, i]),
@@ -188,28 +243,39 @@ def _in_contact(record: Record) -> float:
 
 
 def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
-    """Distance [m] of a tip from its place on the object where the reference has it, at every tick of the
-    move.
+    """Distance [m] of a tip from its place on the object where the reference has it, at
+    every tick of the move.
     """
-    arrays, move = record.arrays, series.in_phase(record, "move")
+    arrays = record.arrays
+    move = series.in_phase(record, "move")
     point, _ = contact.tip_place(task.robots[contact.arm].tip_radius)
-    wanted = series.compose(arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point)))
-    off: Array = np.linalg.norm(arrays["tip_position"][move, contact.arm, :2] - wanted[move, :2], axis=1)
+    wanted = series.compose(
+        arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point))
+    )
+    off: Array = np.linalg.norm(
+        arrays["tip_position"][move, contact.arm, :2] - wanted[move, :2], axis=1
+    )
     return off
 
 
 def _torques(task: Task, record: Record) -> dict[str, float | None]:
-    """How often a joint is asked for more than its torque limit, and the most that one is asked for."""
+    """How often a joint is asked for more than its torque limit, and the most that one
+    is asked for.
+    """
     names = [f"torque_share_{i}" for i in range(len(task.robots))]
     shares = np.array([record.arrays[name] for name in names if name in record.arrays])
     return {
-        "torque_limit_violation_fraction": float((shares > 1.0).any(axis=0).mean()) if shares.size else None,
+        "torque_limit_violation_fraction": float((shares > 1.0).any(axis=0).mean())
+        if shares.size
+        else None,
         "max_torque_share": float(shares.max()) if shares.size else None,
     }
 
 
 def robot_facts(robot: Robot) -> RobotFacts | None:
-    """Return the facts of a task's robot; None where its description can no longer be read."""
+    """Return the facts of a task's robot; None where its description can no longer be
+    read.
+    """
     if robot.model in MODELS:
         return load_facts(robot.model)
     from pushpressslide.robots.description import read_description
@@ -231,11 +297,18 @@ def _joint_margin(task: Task, record: Record) -> float | None:
 
 
 def _tick_times(record: Record) -> dict[str, dict[str, float] | None]:
-    """Median and 99th percentile [us] over phase "move"; None for a part that this engine does not have."""
-    move, out = series.in_phase(record, "move"), {}
+    """Median and 99th percentile [us] over phase "move"; None for a part that this
+    engine does not have.
+    """
+    move = series.in_phase(record, "move")
+    out = {}
     for part in ("track", "allocate", "execute", "total"):
         values = 1e6 * record.arrays.get(f"tick_{part}", np.zeros(len(move)))[move]
-        median, high = (float(v) for v in np.percentile(values, (50, 99))) if values.size else (0.0, 0.0)
+        median, high = (
+            (float(v) for v in np.percentile(values, (50, 99)))
+            if values.size
+            else (0.0, 0.0)
+        )
         out[part] = {"median": median, "p99": high} if high > 0.0 else None
     return out
 
@@ -247,7 +320,9 @@ def _bodies(task: Task, record: Record) -> dict[str, Any]:
             poses[name.removeprefix("body_")] = series.planar_poses(values)
     return {
         name: {
-            "final_pose": [*p[-1, :2], wrap_angle(float(p[-1, 2]))] if np.isfinite(p[-1, 2]) else None,
+            "final_pose": [*p[-1, :2], wrap_angle(float(p[-1, 2]))]
+            if np.isfinite(p[-1, 2])
+            else None,
             "displacement": float(np.hypot(*(p[-1, :2] - p[0, :2]))),
         }
         for name, p in poses.items()
@@ -256,7 +331,11 @@ def _bodies(task: Task, record: Record) -> dict[str, Any]:
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
     """What was foreseen, of all stretches together, to set beside what happened."""
-    margins = [s.choice.friction_margin for s in plan.way if s.choice.friction_margin is not None]
+    margins = [
+        s.choice.friction_margin
+        for s in plan.way
+        if s.choice.friction_margin is not None
+    ]
     return {
         "path_length": sum(series.path_length(stretch.path) for stretch in plan.way),
         "motion_duration": sum(stretch.profile.duration for stretch in plan.way),

@@ -1,4 +1,6 @@
-"""The report of one or more runs as one HTML file: images inside, nothing loaded from elsewhere."""
+"""The report of one or more runs as one HTML file: images inside, nothing loaded from
+elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -40,18 +42,23 @@ CAPTIONS = {
 
 
 def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
-    """Write the page of the runs in ``dirs`` and return its path; also writes each run's plots/*.png.
+    """Write the page of the runs in ``dirs`` and return its path; also writes each
+    run's plots/*.png.
 
-    ``out``: the HTML file; default report.html in the run's folder, or for several runs in the folder that
-    holds them all. Several runs are compared first. Raises PushPressSlideError where a folder holds no
-    finished run.
+    ``out``: the HTML file; default report.html in the run's folder, or for several runs
+    in the folder that holds them all. Several runs are compared first. Raises
+    PushPressSlideError where a folder holds no finished run.
     """
     if not dirs:
-        raise PushPressSlideError("report: no folder given; give at least one that `pps run` has written")
+        raise PushPressSlideError(
+            "report: no folder given; give at least one that `pps run` has written"
+        )
     runs = [load_run(Path(folder)) for folder in dirs]
     if out is None:
         home = (
-            runs[0].folder if len(runs) == 1 else Path(os.path.commonpath([r.folder.resolve() for r in runs]))
+            runs[0].folder
+            if len(runs) == 1
+            else Path(os.path.commonpath([r.folder.resolve() for r in runs]))
         )
         out = home / "report.html"
     names = _labels(runs)
@@ -61,13 +68,17 @@ def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
         body.append(_run_section(runs[0], out, ""))
     else:
         body.append(_comparison(runs, names))
-        body += [_run_section(run, out, name) for run, name in zip(runs, names, strict=True)]
+        body += [
+            _run_section(run, out, name) for run, name in zip(runs, names, strict=True)
+        ]
     return write_whole(out, document(title, "".join(body)))
 
 
 def document(title: str, body: str) -> str:
     """Return a whole HTML page, its style inside, around ``body``."""
-    css = resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
+    css = (
+        resources.files("pushpressslide.report").joinpath("page.css").read_text("utf-8")
+    )
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -84,18 +95,25 @@ def image(data: bytes, alt: str, caption: str = "") -> str:
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
-    """Short names that tell the runs apart: the task's if all differ, else the folder's."""
+    """Short names that tell the runs apart: the task's if all differ, else the
+    folder's.
+    """
     tasks = [run.task.name for run in runs]
     if len(set(tasks)) == len(runs):
         return tasks
     folders = [run.folder.resolve().name for run in runs]
     return (
-        folders if len(set(folders)) == len(runs) else [f"{i + 1}: {name}" for i, name in enumerate(folders)]
+        folders
+        if len(set(folders)) == len(runs)
+        else [f"{i + 1}: {name}" for i, name in enumerate(folders)]
     )
 
 
 def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
-    curves = [(name, run.record, run.task, run.plan) for name, run in zip(names, runs, strict=True)]
+    curves = [
+        (name, run.record, run.task, run.plan)
+        for name, run in zip(names, runs, strict=True)
+    ]
     return (
         "<section><h2>Side by side</h2>"
         + comparison_table(names, [run.result for run in runs])
@@ -124,14 +142,19 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f"<h2>{escape(name)}</h2>" if name else "",
         f'<p class="verdict {"good" if won else "bad"}">'
         f"<strong>{'Goal reached' if won else 'Goal missed'}</strong> "
-        f"<code>{escape(str(result['reason']['code']))}</code> {escape(str(result['reason']['text']))}</p>",
+        f"<code>{escape(str(result['reason']['code']))}</code> "
+        f"{escape(str(result['reason']['text']))}</p>",
         f"<p>{escape(run.task.description)}</p>" if run.task.description else "",
         f'<p class="links">{links}</p>',
         "<h3>Task</h3>",
         _task_table(run.task, run.result),
         "<h3>Choice of mode</h3>",
         _choice_part(run),
-        image(style.png(plan_figure(run.plan)), "plan", "The plan, made before anything moves."),
+        image(
+            style.png(plan_figure(run.plan)),
+            "plan",
+            "The plan, made before anything moves.",
+        ),
         stretches_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(result),
@@ -164,7 +187,9 @@ def _robot(robot: Robot) -> str:
 
 
 def _with_belief(true: float, believed: float, unit: str = "") -> str:
-    return f"{true:g}{unit}" + (f" (believed {believed:g}{unit})" if believed != true else "")
+    return f"{true:g}{unit}" + (
+        f" (believed {believed:g}{unit})" if believed != true else ""
+    )
 
 
 def _task_table(task: Task, result: Mapping[str, Any]) -> str:
@@ -174,7 +199,9 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
     elif isinstance(shape, Cylinder):
         form = f"cylinder, radius {1e3 * shape.radius:g} mm, height {1e3 * shape.height:g} mm"
     else:
-        form = f"prism on {len(shape.polygon)} corners, height {1e3 * shape.height:g} mm"
+        form = (
+            f"prism on {len(shape.polygon)} corners, height {1e3 * shape.height:g} mm"
+        )
     belief = task.believed
     mu = _with_belief(task.support.friction, belief.support_friction)
     mu_c = _with_belief(task.contact_friction, belief.contact_friction)
@@ -183,7 +210,10 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
     if task.tool is not None:
         end = task.tool.goal
         tool = [
-            (f"Goal of {task.tool.body}", _pose(end.x, end.y, end.yaw) + f", pushed by face {task.tool.face}")
+            (
+                f"Goal of {task.tool.body}",
+                _pose(end.x, end.y, end.yaw) + f", pushed by face {task.tool.face}",
+            )
         ]
     rows = [
         ("Object", f"{form}, {mass}"),
@@ -191,7 +221,11 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
         ("Start", _pose(task.start.x, task.start.y, task.start.yaw)),
         ("Goal", _pose(task.goal.x, task.goal.y, task.goal.yaw)),
         *tool,
-        ("Tolerance", f"{1e3 * task.tolerance.position:g} mm, {math.degrees(task.tolerance.yaw):g}°"),
+        (
+            "Tolerance",
+            f"{1e3 * task.tolerance.position:g} mm, "
+            f"{math.degrees(task.tolerance.yaw):g}°",
+        ),
         ("Robots", "; ".join(_robot(robot) for robot in task.robots)),
     ]
     error = task.start_error
@@ -199,12 +233,21 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
         rows.insert(3, ("True start, off by", _pose(error.x, error.y, error.yaw)))
     if task.obstacles:
         rows.append(
-            ("Obstacles", ", ".join(o.name + (" (can move)" if o.movable else "") for o in task.obstacles))
+            (
+                "Obstacles",
+                ", ".join(
+                    o.name + (" (can move)" if o.movable else "")
+                    for o in task.obstacles
+                ),
+            )
         )
     step = result.get("time_step")
     pace = f", time step {1e3 * step:g} ms" if step else ""
     rows.append(("Engine", f"{result['engine']}, seed {result['seed']}{pace}"))
-    return table((), [[f"<th scope=row>{escape(k)}</th>", f"<td>{escape(v)}</td>"] for k, v in rows])
+    return table(
+        (),
+        [[f"<th scope=row>{escape(k)}</th>", f"<td>{escape(v)}</td>"] for k, v in rows],
+    )
 
 
 def _choice_part(run: Run) -> str:
@@ -212,7 +255,11 @@ def _choice_part(run: Run) -> str:
     rows = []
     for choice in gathered(choices):
         chosen = choice in [grasp.choice for grasp in run.plan.grasps]
-        margin = "" if choice.friction_margin is None else f"{math.degrees(choice.friction_margin):.1f}°"
+        margin = (
+            ""
+            if choice.friction_margin is None
+            else f"{math.degrees(choice.friction_margin):.1f}°"
+        )
         cells = (
             ("chosen" if chosen else choice.verdict, ""),
             (choice.mode, ""),
@@ -221,9 +268,19 @@ def _choice_part(run: Run) -> str:
             (margin, "n"),
             (choice.reason, "why"),
         )
-        mark = ' class="chosen"' if chosen else ' class="refused"' if not choice.feasible else ""
+        mark = (
+            ' class="chosen"'
+            if chosen
+            else ' class="refused"'
+            if not choice.feasible
+            else ""
+        )
         rows.append(
-            [f"<td{f' class={css}' if css else ''}>{escape(text)}</td>" for text, css in cells] + [mark]
+            [
+                f"<td{f' class={css}' if css else ''}>{escape(text)}</td>"
+                for text, css in cells
+            ]
+            + [mark]
         )
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
     return table(head, [row[:-1] for row in rows], [row[-1] for row in rows])

@@ -11,7 +11,8 @@ from typing import Any
 from pushpressslide.core.plan import Plan
 from pushpressslide.report.series import path_length
 
-Row = tuple[str, str, float, str, int]  # label, key in result.json (dots go down), factor, unit, decimals
+# label, key in result.json (dots go down), factor, unit, decimals
+Row = tuple[str, str, float, str, int]
 
 GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
@@ -42,7 +43,13 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         (
             ("Largest normal force", "max_normal_force", 1.0, "N", 1),
             ("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
-            ("Outside the friction cone", "cone_violation_fraction", 100.0, "% of ticks", 2),
+            (
+                "Outside the friction cone",
+                "cone_violation_fraction",
+                100.0,
+                "% of ticks",
+                2,
+            ),
             ("Slip along the surface", "slip_distance", 1e3, "mm", 2),
             ("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
             ("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
@@ -55,8 +62,20 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         "Arms",
         (
             ("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
-            ("Beyond a torque limit", "torque_limit_violation_fraction", 100.0, "% of ticks", 2),
-            ("Least distance to a joint limit", "joint_limit_margin", 180.0 / math.pi, "°", 1),
+            (
+                "Beyond a torque limit",
+                "torque_limit_violation_fraction",
+                100.0,
+                "% of ticks",
+                2,
+            ),
+            (
+                "Least distance to a joint limit",
+                "joint_limit_margin",
+                180.0 / math.pi,
+                "°",
+                1,
+            ),
         ),
     ),
     (
@@ -103,7 +122,9 @@ def lookup(result: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def shown(result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int) -> str:
+def shown(
+    result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int
+) -> str:
     """Return a figure with its unit; a dash where it does not apply."""
     value = lookup(result, key)
     if value is None:
@@ -113,11 +134,16 @@ def shown(result: Mapping[str, Any], key: str, factor: float, unit: str, decimal
 
 
 def table(
-    head: Sequence[str], rows: Sequence[Sequence[str]], attributes: Sequence[str] = (), numbers: int = 0
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    attributes: Sequence[str] = (),
+    numbers: int = 0,
 ) -> str:
-    """Return an HTML table that scrolls sideways where it is too wide; ``rows`` hold finished cells.
+    """Return an HTML table that scrolls sideways where it is too wide; ``rows`` hold
+    finished cells.
 
-    ``attributes``: of each row's tag. The last ``numbers`` columns of the head are set to the right.
+    ``attributes``: of each row's tag. The last ``numbers`` columns of the head are set
+    to the right.
     """
     cells = "".join(
         f'<th scope="col"{" class=n" if i >= len(head) - numbers else ""}>{escape(h)}</th>'
@@ -125,7 +151,9 @@ def table(
     )
     top = f"<thead><tr>{cells}</tr></thead>" if head else ""
     marks = attributes or [""] * len(rows)
-    lines = "".join(f"<tr{mark}>{''.join(row)}</tr>" for mark, row in zip(marks, rows, strict=True))
+    lines = "".join(
+        f"<tr{mark}>{''.join(row)}</tr>" for mark, row in zip(marks, rows, strict=True)
+    )
     return f'<div class="scroll"><table>{top}<tbody>{lines}</tbody></table></div>'
 
 
@@ -155,7 +183,10 @@ def figures_table(result: Mapping[str, Any]) -> str:
 def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]]) -> str:
     """Return the figures of several runs, one column each."""
     rows = [
-        ['<th scope="row">Engine</th>', *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results)]
+        [
+            '<th scope="row">Engine</th>',
+            *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results),
+        ]
     ]
     rows.append(
         [
@@ -173,9 +204,17 @@ def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]])
     )
     marks = [""] * len(rows)
     for group, entries in GROUPS:
-        known = [entry for entry in entries if any(lookup(r, entry[1]) is not None for r in results)]
+        known = [
+            entry
+            for entry in entries
+            if any(lookup(r, entry[1]) is not None for r in results)
+        ]
         if known:
-            rows.append([f'<th colspan="{len(names) + 1}" scope="rowgroup">{escape(group)}</th>'])
+            rows.append(
+                [
+                    f'<th colspan="{len(names) + 1}" scope="rowgroup">{escape(group)}</th>'
+                ]
+            )
             marks.append(' class="group"')
         for label, key, factor, unit, decimals in known:
             cells = [
@@ -187,7 +226,9 @@ def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]])
     return table(("", *names), rows, marks, numbers=len(names))
 
 
-def _asked(result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int) -> str:
+def _asked(
+    result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int
+) -> str:
     if key not in ASKED or lookup(result, ASKED[key]) is None:
         return ""
     sign = "≤ " if ASKED[key].startswith("tolerance") else ""
@@ -196,14 +237,22 @@ def _asked(result: Mapping[str, Any], key: str, factor: float, unit: str, decima
 
 def _judged(result: Mapping[str, Any], key: str) -> str:
     """Class of a figure that has a tolerance: kept or not."""
-    asked, value = lookup(result, ASKED.get(key, "")), lookup(result, key)
-    if key not in ASKED or not ASKED[key].startswith("tolerance") or asked is None or value is None:
+    asked = lookup(result, ASKED.get(key, ""))
+    value = lookup(result, key)
+    if (
+        key not in ASKED
+        or not ASKED[key].startswith("tolerance")
+        or asked is None
+        or value is None
+    ):
         return ""
     return "ok" if value <= asked else "no"
 
 
 def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
-    """Return where each arm touches the object, and what its contact went through: one column each."""
+    """Return where each arm touches the object, and what its contact went through: one
+    column each.
+    """
     grasps = plan.grasps if result["contacts"] else (plan,)
     contacts = [c for grasp in grasps for c in grasp.choice.contacts]
     measured = [*(result["contacts"] or ())]
@@ -216,7 +265,10 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     ]
     lines = [
         ("Contact", [KINDS[c.kind] for c in contacts]),
-        ("Place, from the CoM", [f"({1e3 * c.point[0]:.0f}, {1e3 * c.point[1]:.0f}) mm" for c in contacts]),
+        (
+            "Place, from the CoM",
+            [f"({1e3 * c.point[0]:.0f}, {1e3 * c.point[1]:.0f}) mm" for c in contacts],
+        ),
         ("Height", [f"{1e3 * c.height:.0f} mm" for c in contacts]),
     ]
     lines += [
@@ -224,14 +276,19 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
         for label, key, factor, unit, decimals in CONTACT_ROWS
     ]
     rows = [
-        [f'<th scope="row">{label}</th>', *(f'<td class="n">{escape(cell)}</td>' for cell in cells)]
+        [
+            f'<th scope="row">{label}</th>',
+            *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
+        ]
         for label, cells in lines
     ]
     return table(("", *names), rows, numbers=len(names))
 
 
 def _which(grasp: Plan, plan: Plan) -> str:
-    return f"grasp {plan.grasps.index(grasp) + 1}, " if plan.next_grasp is not None else ""
+    return (
+        f"grasp {plan.grasps.index(grasp) + 1}, " if plan.next_grasp is not None else ""
+    )
 
 
 def stretches_table(plan: Plan) -> str:
@@ -240,13 +297,23 @@ def stretches_table(plan: Plan) -> str:
         return ""
     rows = []
     for i, stretch in enumerate(plan.way):
-        goal, axle = stretch.goal, stretch.X_BV
+        goal = stretch.goal
+        axle = stretch.X_BV
         cells = (
-            f"{path_length(stretch.path):.3f} m", f"{stretch.profile.duration:.1f} s",
-            f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, {math.degrees(axle.yaw):.1f}°",
+            f"{path_length(stretch.path):.3f} m",
+            f"{stretch.profile.duration:.1f} s",
+            f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, "
+            f"{math.degrees(axle.yaw):.1f}°",
             f"({goal.x:.3f}, {goal.y:.3f}) m, {math.degrees(goal.yaw):.1f}°",
-        )  # fmt: skip
-        rows.append(
-            [f'<th scope="row">{i + 1}</th>', *(f'<td class="n">{escape(cell)}</td>' for cell in cells)]
         )
-    return table(("Stretch", "Path", "Time", "Tracking point, from the CoM", "Leads to"), rows, numbers=4)
+        rows.append(
+            [
+                f'<th scope="row">{i + 1}</th>',
+                *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
+            ]
+        )
+    return table(
+        ("Stretch", "Path", "Time", "Tracking point, from the CoM", "Leads to"),
+        rows,
+        numbers=4,
+    )

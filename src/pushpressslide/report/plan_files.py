@@ -17,7 +17,9 @@ SCHEMA = 3
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
-    """Return a plan, less its task, as plain data; ``choices`` are all that selection weighed."""
+    """Return a plan, less its task, as plain data; ``choices`` are all that selection
+    weighed.
+    """
     out: dict[str, Any] = {
         "schema": SCHEMA,
         "task": plan.task.name,
@@ -35,7 +37,9 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
 
 
 def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
-    """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on other data."""
+    """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on
+    other data.
+    """
     if data["schema"] != SCHEMA:
         raise ValueError(f"schema {data['schema']}, this version reads {SCHEMA}")
     grasp = None
@@ -50,8 +54,11 @@ def _grasp_from_dict(data: Mapping[str, Any], task: Task, after: Plan | None) ->
     plan = None
     choices = _choice_from_dict(data["choice"]).stretches
     for choice, stretch in reversed(list(zip(choices, data["stretches"], strict=True))):
-        path, profile = _path_from_dict(stretch["path"]), SpeedProfile(**stretch["profile"])
-        plan = Plan(task.parts[choice.leg], choice, path, profile, Pose2(*stretch["X_BV"]), plan)
+        path = _path_from_dict(stretch["path"])
+        profile = SpeedProfile(**stretch["profile"])
+        plan = Plan(
+            task.parts[choice.leg], choice, path, profile, Pose2(*stretch["X_BV"]), plan
+        )
     if plan is None:
         raise ValueError("a plan without stretches")
     return replace(plan, next_grasp=after)
@@ -75,7 +82,9 @@ def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
     return tuple(_choice_from_dict(entry) for entry in data.get("choices", ()))
 
 
-def write_plan(plan: Plan, out: Path, choices: Sequence[Choice] = ()) -> tuple[Path, Path]:
+def write_plan(
+    plan: Plan, out: Path, choices: Sequence[Choice] = ()
+) -> tuple[Path, Path]:
     """Write plan.json and plan.png to folder ``out``; return their paths."""
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.files import to_json
@@ -93,9 +102,14 @@ def _pose_to_list(pose: Pose2) -> list[float]:
 
 
 def _path_to_dict(path: MotionPath) -> dict[str, Any]:
-    """Arcs as (curvature, length), constant twists as (vx, vy, w, length) with their radius."""
+    """Arcs as (curvature, length), constant twists as (vx, vy, w, length) with their
+    radius.
+    """
     if isinstance(path, ArcPath):
-        return {"start": _pose_to_list(path.start), "pieces": [list(piece) for piece in path.pieces]}
+        return {
+            "start": _pose_to_list(path.start),
+            "pieces": [list(piece) for piece in path.pieces],
+        }
     pieces = [[*rate, length] for rate, length in path.pieces]
     return {"start": _pose_to_list(path.start), "pieces": pieces, "radius": path.radius}
 
@@ -103,8 +117,13 @@ def _path_to_dict(path: MotionPath) -> dict[str, Any]:
 def _path_from_dict(data: Mapping[str, Any]) -> MotionPath:
     start = Pose2(*data["start"])
     if "radius" not in data:
-        return ArcPath(start, tuple((float(k), float(length)) for k, length in data["pieces"]))
-    pieces = tuple(((float(x), float(y), float(w)), float(length)) for x, y, w, length in data["pieces"])
+        return ArcPath(
+            start, tuple((float(k), float(length)) for k, length in data["pieces"])
+        )
+    pieces = tuple(
+        ((float(x), float(y), float(w)), float(length))
+        for x, y, w, length in data["pieces"]
+    )
     return TwistPath(start, pieces, float(data["radius"]))
 
 
@@ -132,19 +151,30 @@ def _choice_to_dict(choice: Choice) -> dict[str, Any]:
         "goal": None if choice.goal is None else _pose_to_list(choice.goal),
         "leg": choice.leg,
         "judged": choice.judged,
-        "following": None if choice.following is None else _choice_to_dict(choice.following),
+        "following": None
+        if choice.following is None
+        else _choice_to_dict(choice.following),
     }
 
 
 def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
     contacts = tuple(
-        Contact(**{**c, "point": tuple(c["point"]), "normal": tuple(c["normal"])}) for c in data["contacts"]
+        Contact(**{**c, "point": tuple(c["point"]), "normal": tuple(c["normal"])})
+        for c in data["contacts"]
     )
     path = None if data["path"] is None else _path_from_dict(data["path"])
     return Choice(
-        data["mode"], data["feasible"], data["reason"], contacts, data["path_length"], data["time"],
-        data["friction_margin"], data["parameters"], path,
+        data["mode"],
+        data["feasible"],
+        data["reason"],
+        contacts,
+        data["path_length"],
+        data["time"],
+        data["friction_margin"],
+        data["parameters"],
+        path,
         None if data["goal"] is None else Pose2(*data["goal"]),
-        None if data["following"] is None else _choice_from_dict(data["following"]), data["leg"],
+        None if data["following"] is None else _choice_from_dict(data["following"]),
+        data["leg"],
         data["judged"],
-    )  # fmt: skip
+    )

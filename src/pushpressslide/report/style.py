@@ -1,4 +1,6 @@
-"""One look for every figure: colours that the colour-blind can tell apart (Okabe, Ito 2008), sizes, PNG."""
+"""One look for every figure: colours that the colour-blind can tell apart (Okabe, Ito
+2008), sizes, PNG.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-SKY, AMBER, YELLOW, BLACK = "#56B4E9", "#E69F00", "#F0E442", "#222222"
-GREY, PALE = "#8A8A8A", "#D9D9D9"
+BLUE = "#0072B2"
+ORANGE = "#D55E00"
+GREEN = "#009E73"
+PURPLE = "#CC79A7"
+SKY = "#56B4E9"
+AMBER = "#E69F00"
+YELLOW = "#F0E442"
+BLACK = "#222222"
+GREY = "#8A8A8A"
+PALE = "#D9D9D9"
 CYCLE = (BLUE, ORANGE, GREEN, PURPLE, AMBER, SKY, BLACK)
 PHASE_COLORS = {
     "approach": "#F1F1F1",
@@ -43,8 +52,12 @@ SETTINGS = {
 }
 
 
-def figure(rows: int = 1, height: float = 4.0, *, share_x: bool = True) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``rows`` panels, ``height`` [inch] in all; touches no global state."""
+def figure(
+    rows: int = 1, height: float = 4.0, *, share_x: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure of ``rows`` panels, ``height`` [inch] in all; touches no global
+    state.
+    """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -60,7 +73,13 @@ def png(made: Figure) -> bytes:
 
     buffer = BytesIO()
     with mpl.rc_context(SETTINGS):
-        made.savefig(buffer, format="png", bbox_inches="tight", pad_inches=0.08, metadata={"Software": None})
+        made.savefig(
+            buffer,
+            format="png",
+            bbox_inches="tight",
+            pad_inches=0.08,
+            metadata={"Software": None},
+        )
     return buffer.getvalue()
 
 
@@ -74,29 +93,43 @@ def legend(axes: Axes, **options: Any) -> None:
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         size = SETTINGS["legend.fontsize"]
-        axes.legend(loc="upper left", bbox_to_anchor=(1.005, 1.02), frameon=False, fontsize=size, **options)
+        axes.legend(
+            loc="upper left",
+            bbox_to_anchor=(1.005, 1.02),
+            frameon=False,
+            fontsize=size,
+            **options,
+        )
 
 
 def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
-    """Tint the time of each phase, and mark where a stretch of the plan begins after another; ``label`` also
-    names the phases along the top.
+    """Tint the time of each phase, and mark where a stretch of the plan begins after
+    another; ``label`` also names the phases along the top.
     """
-    time, phase = record.arrays["time"], record.arrays["phase"]
+    time = record.arrays["time"]
+    phase = record.arrays["phase"]
     if not len(time):
         return
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(phase)]
     span = float(time[-1] - time[0]) or 1.0
     for first, stop in pairwise(edges):
         name = PHASES[int(phase[first])]
-        start, end = float(time[first]), float(time[min(stop, len(time) - 1)])
+        start = float(time[first])
+        end = float(time[min(stop, len(time) - 1)])
         axes.axvspan(start, end, color=PHASE_COLORS[name], zorder=0, linewidth=0)
         if first:
             axes.axvline(start, color=PALE, linewidth=0.7, zorder=0.5)
         if label and end - start > 0.06 * span:
             axes.text(
-                0.5 * (start + end), 1.02, name, transform=axes.get_xaxis_transform(), ha="center",
-                va="bottom", fontsize=8.5, color=GREY,
-            )  # fmt: skip
+                0.5 * (start + end),
+                1.02,
+                name,
+                transform=axes.get_xaxis_transform(),
+                ha="center",
+                va="bottom",
+                fontsize=8.5,
+                color=GREY,
+            )
     for begun in np.flatnonzero(np.diff(record.arrays["stretch"])) + 1:
         axes.axvline(float(time[begun]), color=GREY, linewidth=0.9, ls=":", zorder=0.5)
     axes.set_xlim(float(time[0]), float(time[-1]) or 1.0)

@@ -1,4 +1,6 @@
-"""How the object lies on its support in a run: its tilt, its gap, its fall into an opening, and how deep."""
+"""How the object lies on its support in a run: its tilt, its gap, its fall into an
+opening, and how deep.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,22 @@ from pushpressslide.report import series
 
 Array = NDArray[np.float64]
 
-FIELDS = ("max_tilt_deg", "support_gap_max", "fall_height", "fall_speed", "seated_depth")
-ENTERED = 0.003  # [m] of the object's middle behind its place on the support at which it counts as going in
+FIELDS = (
+    "max_tilt_deg",
+    "support_gap_max",
+    "fall_height",
+    "fall_speed",
+    "seated_depth",
+)
+# [m] of the object's middle behind its place on the support at which it counts as going
+# in
+ENTERED = 0.003
 
 
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
-    """Return the largest tilt [deg], the largest gap [m] before the object goes in, how far [m] and how fast
-    [m/s] its middle falls on the way in, and the depth [m] at the end in the opening that the goal lies in;
-    None where they do not apply.
+    """Return the largest tilt [deg], the largest gap [m] before the object goes in, how
+    far [m] and how fast [m/s] its middle falls on the way in, and the depth [m] at the
+    end in the opening that the goal lies in; None where they do not apply.
     """
     out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")
@@ -36,25 +46,27 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
         return out
     out["seated_depth"] = -float(gap[-1])
     if until + 1 < len(gap):
-        height, time = positions[until:, 6], record.arrays["time"][until:]
+        height = positions[until:, 6]
+        time = record.arrays["time"][until:]
         out["fall_height"] = float(height[0] - height.min())
         out["fall_speed"] = max(0.0, -float((np.diff(height) / np.diff(time)).min()))
     return out
 
 
 def seat_error(task: Task, record: Record) -> float:
-    """Return how far [m] the object ends from the back of the opening that the goal lies in; 0 without one,
-    or where the engine does not tell.
+    """Return how far [m] the object ends from the back of the opening that the goal
+    lies in; 0 without one, or where the engine does not tell.
     """
-    positions, opening = record.arrays.get("object_pose_3d"), task.support.opening
+    positions = record.arrays.get("object_pose_3d")
+    opening = task.support.opening
     if positions is None or opening is None or not task.enters:
         return 0.0
     return abs(opening.depth + float(_gap(task, positions)[-1]))
 
 
 def _gap(task: Task, positions: Array) -> Array:
-    """Distance (N,) [m] of the object's middle from where it is on the support, out of it, by positions
-    (N, 7).
+    """Distance (N,) [m] of the object's middle from where it is on the support, out of
+    it, by positions (N, 7).
     """
     frame = task.support.frame
     out = np.array(frame.direction((0.0, 0.0, 1.0)))
@@ -65,5 +77,10 @@ def _gap(task: Task, positions: Array) -> Array:
 def _tilt(task: Task, positions: Array) -> Array:
     """Angle (N,) [rad] between the object's own z axis and where it points at rest."""
     w, x, y, z = positions[:, :4].T
-    axis = np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=1)
-    return np.asarray(np.arccos(np.clip(axis @ np.array(task.support.frame.spin_axis), -1.0, 1.0)))
+    axis = np.stack(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+        axis=1,
+    )
+    return np.asarray(
+        np.arccos(np.clip(axis @ np.array(task.support.frame.spin_axis), -1.0, 1.0))
+    )

@@ -1,4 +1,6 @@
-"""The page of the virtual-axle experiment: one table of measured, predicted and the paper's; its plots."""
+"""The page of the virtual-axle experiment: one table of measured, predicted and the
+paper's; its plots.
+"""
 
 from __future__ import annotations
 
@@ -15,23 +17,40 @@ from pushpressslide.report.page import document, image
 from pushpressslide.report.page_tables import table
 
 COLUMNS = (
-    "force", "direction", "measured", "predicted", "error", "no height", "error", "paper", "error",
-    "turn rate", "grip",
-)  # fmt: skip
+    "force",
+    "direction",
+    "measured",
+    "predicted",
+    "error",
+    "no height",
+    "error",
+    "paper",
+    "error",
+    "turn rate",
+    "grip",
+)
 LEGEND = (
-    "Virtual axle on the line from the CoM to the contact, in mm: 0 at the CoM, positive towards the "
-    "contact. Force: its angle from that line, the same in the body all the time; below 90° the contact is "
-    "pulled forward, above it is pushed back. Predicted: exact limit surface under the load as the drag at "
-    "the contact's height moves it; no height: the same, but the drag in the support's plane; paper: "
-    "x_cop − (c r0)²/d with c = 0.6 and r0 the half diagonal, one value for all directions. Error: measured "
-    "minus the column before. Turn rate in mrad/s. Grip: largest share of the tip's friction that was used."
+    "Virtual axle on the line from the CoM to the contact, in mm: 0 at the CoM, "
+    "positive towards the "
+    "contact. Force: its angle from that line, the same in the body all the time; "
+    "below 90° the contact is "
+    "pulled forward, above it is pushed back. Predicted: exact limit surface under the "
+    "load as the drag at "
+    "the contact's height moves it; no height: the same, but the drag in the support's "
+    "plane; paper: "
+    "x_cop − (c r0)²/d with c = 0.6 and r0 the half diagonal, one value for all "
+    "directions. Error: measured "
+    "minus the column before. Turn rate in mrad/s. Grip: largest share of the tip's "
+    "friction that was used."
 )
 FIGURE_COLUMNS = ("figure", "", "paper", "recomputed", "exact")
 CHECK_COLUMNS = ("changed", "measured", "predicted", "error")
 
 
 def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
-    """Write ``out``/report.html, table.md and axles.png from a result; return the page's path."""
+    """Write ``out``/report.html, table.md and axles.png from a result; return the
+    page's path.
+    """
     png = style.png(directions_figure(result))
     write_whole(out / "axles.png", png)
     write_whole(out / "table.md", markdown(result))
@@ -40,7 +59,9 @@ def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
 
 
 def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
-    """Return verdict, figure ``png`` and tables as HTML, under headings of the level ``heading``."""
+    """Return verdict, figure ``png`` and tables as HTML, under headings of the level
+    ``heading``.
+    """
     tolerance = 1e3 * result["tolerance"]
 
     def judged(row: Sequence[str]) -> str:
@@ -51,7 +72,11 @@ def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
 
     parts = [
         f'<p class="verdict {"good" if _all_within(result) else "bad"}">{escape(verdict(result))}</p>',
-        image(png, "axle over force angle", "Dots: measured. Lines: predicted, for each press and height."),
+        image(
+            png,
+            "axle over force angle",
+            "Dots: measured. Lines: predicted, for each press and height.",
+        ),
         titled("The paper's figures, recomputed"),
         _html(FIGURE_COLUMNS, (("", row) for row in _figure_rows(result)), numbers=3),
         titled("Every probe"),
@@ -59,7 +84,10 @@ def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
         _html(COLUMNS, _probe_rows(result), numbers=len(COLUMNS) - 2, judge=judged),
     ]
     if result["checks"]:
-        parts += [titled("What the figures depend on"), _html(CHECK_COLUMNS, _check_rows(result), numbers=3)]
+        parts += [
+            titled("What the figures depend on"),
+            _html(CHECK_COLUMNS, _check_rows(result), numbers=3),
+        ]
     return "".join(parts)
 
 
@@ -74,16 +102,22 @@ def markdown(result: Mapping[str, Any]) -> str:
         *_grouped_markdown(COLUMNS, _probe_rows(result)),
     ]
     if result["checks"]:
-        parts += ["## What the figures depend on", *_grouped_markdown(CHECK_COLUMNS, _check_rows(result))]
+        parts += [
+            "## What the figures depend on",
+            *_grouped_markdown(CHECK_COLUMNS, _check_rows(result)),
+        ]
     return "\n\n".join(parts) + "\n"
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Say in how many probes measured and predicted agree, and how far off each formula is."""
+    """Say in how many probes measured and predicted agree, and how far off each formula
+    is.
+    """
     s = result["summary"]
     skipped = s["probes"] - s["measured"]
     text = (
-        f"{s['within_tolerance']} of {s['measured']} probes are within {1e3 * result['tolerance']:.0f} mm of "
+        f"{s['within_tolerance']} of {s['measured']} probes are within "
+        f"{1e3 * result['tolerance']:.0f} mm of "
         f"the prediction{f'; {skipped} were not run' if skipped else ''}."
     )
     for key, words in (
@@ -111,13 +145,17 @@ def _error(row: Mapping[str, Any], key: str) -> str:
 
 
 def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the cells of every probe, each with the title of its group: one height and one press."""
+    """Yield the cells of every probe, each with the title of its group: one height and
+    one press.
+    """
     settings = {(c["height"], c["load"]): c for c in result["curves"]}
     for row in result["rows"]:
         at = settings[row["height"], row["load"]]
         title = (
-            f"Contact {1e3 * row['height']:.0f} mm high, pressed with {row['load']:g} N: centre of pressure "
-            f"{_mm(at['cop'])} mm, d {_mm(at['lever'])} mm; the paper's formula {1e3 * at['paper']:.0f} mm, "
+            f"Contact {1e3 * row['height']:.0f} mm high, pressed with {row['load']:g} "
+            "N: centre of pressure "
+            f"{_mm(at['cop'])} mm, d {_mm(at['lever'])} mm; the paper's formula "
+            f"{1e3 * at['paper']:.0f} mm, "
             f"added up as it prints it {1e3 * at['paper_printed']:.0f} mm away"
         )
         cells = [f"{row['angle']:g}°", row["direction"]]
@@ -127,7 +165,10 @@ def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
         cells.append(_mm(row["measured"]))
         for key in ("predicted", "without_height", "paper"):
             cells += [_mm(row[key]), _error(row, key)]
-        cells += [f"{1e3 * row['measured_turn_rate']:.0f}", f"{row['measured_friction_use']:.2f}"]
+        cells += [
+            f"{1e3 * row['measured_turn_rate']:.0f}",
+            f"{row['measured_friction_use']:.2f}",
+        ]
         yield title, cells
 
 
@@ -147,9 +188,17 @@ def _figure_rows(result: Mapping[str, Any]) -> list[list[str]]:
 
 def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """The probes that were done again, each below the one of the table that it varies."""
-    at = {(row["angle"], row["load"], row["height"], row["variant"]): row for row in result["rows"]}
-    at |= {(row["angle"], row["load"], row["height"], row["variant"]): row for row in result["checks"]}
-    cases = dict.fromkeys((row["angle"], row["load"], row["height"]) for row in result["checks"])
+    at = {
+        (row["angle"], row["load"], row["height"], row["variant"]): row
+        for row in result["rows"]
+    }
+    at |= {
+        (row["angle"], row["load"], row["height"], row["variant"]): row
+        for row in result["checks"]
+    }
+    cases = dict.fromkeys(
+        (row["angle"], row["load"], row["height"]) for row in result["checks"]
+    )
     variants = dict.fromkeys(row["variant"] for row in result["checks"])
     out = []
     for case in cases:
@@ -160,12 +209,18 @@ def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
             if row["measured"] is None:
                 cells += [row["skipped"], "", ""]
             else:
-                cells += [_mm(row["measured"]), _mm(row["predicted"]), _error(row, "predicted")]
+                cells += [
+                    _mm(row["measured"]),
+                    _mm(row["predicted"]),
+                    _error(row, "predicted"),
+                ]
             out.append((title, cells))
     return out
 
 
-def _grouped_markdown(head: Sequence[str], rows: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
+def _grouped_markdown(
+    head: Sequence[str], rows: Iterable[tuple[str, Sequence[str]]]
+) -> list[str]:
     parts = []
     for title, group in groupby(rows, key=lambda pair: pair[0]):
         parts += [f"**{title}**", _markdown(head, [row for _, row in group])]
@@ -183,19 +238,28 @@ def _html(
     numbers: int,
     judge: Callable[[Sequence[str]], str] | None = None,
 ) -> str:
-    """Return rows of (title of the group, cells) as an HTML table, the last ``numbers`` columns to the right.
+    """Return rows of (title of the group, cells) as an HTML table, the last ``numbers``
+    columns to the right.
 
     ``judge`` gives the class of a row's fifth cell.
     """
-    lines, marks = [], []
+    lines = []
+    marks = []
     for title, group in groupby(rows, key=lambda pair: pair[0]):
         if title:
-            lines.append([f'<th colspan="{len(head)}" scope="rowgroup">{escape(title)}</th>'])
+            lines.append(
+                [f'<th colspan="{len(head)}" scope="rowgroup">{escape(title)}</th>']
+            )
             marks.append(' class="group"')
         for _, row in group:
             css = ["n" if i >= len(head) - numbers else "" for i in range(len(row))]
             if judge is not None:
                 css[4] += f" {judge(row)}"
-            lines.append([f'<td class="{c}">{escape(cell)}</td>' for c, cell in zip(css, row, strict=True)])
+            lines.append(
+                [
+                    f'<td class="{c}">{escape(cell)}</td>'
+                    for c, cell in zip(css, row, strict=True)
+                ]
+            )
             marks.append("")
     return table(head, lines, marks, numbers=numbers)

@@ -1,1 +1,3 @@
-"""Robots as arrays: published facts, kinematics both ways, reach, joint paths; no physics engine."""
+"""Robots as arrays: published facts, kinematics both ways, reach, joint paths; no
+physics engine.
+"""

@@ -1,4 +1,6 @@
-"""Joint paths along a path of the tip: each posture is found from the one before it, so it never flips."""
+"""Joint paths along a path of the tip: each posture is found from the one before it, so
+it never flips.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ START_STEP = 0.3  # [rad] of any joint in one Newton step
 
 @dataclass(frozen=True)
 class Continuation:
-    """A joint path of k samples; where it fails it says so and holds the nearest postures found."""
+    """A joint path of k samples; where it fails it says so and holds the nearest
+    postures found.
+    """
 
     q: Array  # (k, n) [rad; m of slides]
     position_residual: Array  # (k,) [m]
@@ -66,10 +70,11 @@ def continuation(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> Continuation:
-    """Return one arm's joint path along positions (k, 3) [m] and tool yaws (k,) [rad], from q_start (n,).
+    """Return one arm's joint path along positions (k, 3) [m] and tool yaws (k,) [rad],
+    from q_start (n,).
 
-    joint_margin: [rad] a sample nearer to a limit fails as "joint_limit"; largest_step: [rad] a joint that
-    moves more between two samples fails as "jump". Never raises.
+    joint_margin: [rad] a sample nearer to a limit fails as "joint_limit"; largest_step:
+    [rad] a joint that moves more between two samples fails as "jump". Never raises.
     """
     return continuations(
         kin,
@@ -91,10 +96,11 @@ def continuations(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3);
-    one attitude or b.
+    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions
+    (k, 3) or (b, k, 3); one attitude or b.
 
-    For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as ``continuation``.
+    For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as
+    ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
@@ -102,27 +108,55 @@ def continuations(
     if isinstance(attitude, ToolAttitude):
         R = attitude.rotation(yaws)
     else:
-        R = np.stack([held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)])
-    way = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(np.diff(yaws, axis=1))
-    lower, upper = kin.facts.lower, kin.facts.upper
-    q = np.clip(np.broadcast_to(np.asarray(q_starts, dtype=np.float64), (b, kin.facts.size)), lower, upper)
+        R = np.stack(
+            [held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)]
+        )
+    way = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(
+        np.diff(yaws, axis=1)
+    )
+    lower = kin.facts.lower
+    upper = kin.facts.upper
+    q = np.clip(
+        np.broadcast_to(np.asarray(q_starts, dtype=np.float64), (b, kin.facts.size)),
+        lower,
+        upper,
+    )
     path = np.empty((b, k, kin.facts.size))
-    distance, angle = np.empty((b, k)), np.empty((b, k))
+    distance = np.empty((b, k))
+    angle = np.empty((b, k))
     for i in range(k):
-        # The elbow moves once per sample, in proportion to the tip's way, so that sampling does not matter.
-        free = limit_gradient(kin, q) * (NULL_RATE * way[:, i - 1, None]) if i else np.zeros_like(q)
+        # The elbow moves once per sample, in proportion to the tip's way, so that
+        # sampling does not matter.
+        free = (
+            limit_gradient(kin, q) * (NULL_RATE * way[:, i - 1, None])
+            if i
+            else np.zeros_like(q)
+        )
         open_ = np.arange(b)
         for step in range(ITERATIONS if i else START_ITERATIONS):
-            e, J = task_error(kin, q[open_], p[open_, i], R[open_, i], R[open_, i, :, 2])
-            off_by = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+            e, J = task_error(
+                kin, q[open_], p[open_, i], R[open_, i], R[open_, i, :, 2]
+            )
+            off_by = (
+                np.linalg.norm(e[:, :3], axis=-1),
+                np.linalg.norm(e[:, 3:], axis=-1),
+            )
             angle[open_, i], distance[open_, i] = off_by
             if step:
-                far = (off_by[0] >= 0.1 * ANGLE_TOLERANCE) | (off_by[1] >= 0.1 * POSITION_TOLERANCE)
-                open_, e, J = open_[far], e[far], J[far]
+                far = (off_by[0] >= 0.1 * ANGLE_TOLERANCE) | (
+                    off_by[1] >= 0.1 * POSITION_TOLERANCE
+                )
+                open_ = open_[far]
+                e = e[far]
+                J = J[far]
                 if len(open_) == 0:
                     break
-            dq = damped_step(J, e, free if step == 0 else np.zeros((len(open_), q.shape[1])))
-            dq *= START_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), START_STEP)
+            dq = damped_step(
+                J, e, free if step == 0 else np.zeros((len(open_), q.shape[1]))
+            )
+            dq *= START_STEP / np.maximum(
+                np.abs(dq).max(axis=-1, keepdims=True), START_STEP
+            )
             q[open_] = np.clip(q[open_] + dq, lower, upper)
         path[:, i] = q
     margins = kin.joint_margin(path)
@@ -137,6 +171,16 @@ def continuations(
         at = int(failed[0]) if len(failed) else None
         status: ContinuationStatus = "ok"
         if at is not None:
-            status = "joint_limit" if tight[j, at] else "unreachable" if off[j, at] else "jump"
-        out.append(Continuation(path[j], distance[j], angle[j], margins[j], conditions[j], status, at))
+            status = (
+                "joint_limit"
+                if tight[j, at]
+                else "unreachable"
+                if off[j, at]
+                else "jump"
+            )
+        out.append(
+            Continuation(
+                path[j], distance[j], angle[j], margins[j], conditions[j], status, at
+            )
+        )
     return tuple(out)

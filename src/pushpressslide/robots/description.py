@@ -1,7 +1,9 @@
-"""Facts of any serial robot, read from its URDF or SDF file: the chain from the root link to the tip frame.
+"""Facts of any serial robot, read from its URDF or SDF file: the chain from the root
+link to the tip frame.
 
-Kinematics and limits only; dynamics are the engine's business. Of SDF the common part is read: one model,
-link poses in the model's frame, joints at their child link. For anything else convert the file to URDF.
+Kinematics and limits only; dynamics are the engine's business. Of SDF the common part
+is read: one model, link poses in the model's frame, joints at their child link. For
+anything else convert the file to URDF.
 """
 
 from __future__ import annotations
@@ -17,7 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.robots.facts import JointFacts, JointKind, RobotFacts, rotation_from_rpy
+from pushpressslide.robots.facts import (
+    JointFacts,
+    JointKind,
+    RobotFacts,
+    rotation_from_rpy,
+)
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -39,24 +46,32 @@ class _Frame:
 
 
 def read_description(model: str, tip_frame: str | None) -> RobotFacts:
-    """Return the facts of the robot in a URDF or SDF file, with ``tip_frame`` as its flange and its tip.
+    """Return the facts of the robot in a URDF or SDF file, with ``tip_frame`` as its
+    flange and its tip.
 
-    Raises PushPressSlideError, in one line, if the file is missing or cannot be read, if the tip frame is not
-    named or not there, or if the chain to it has a joint of a kind that is not known.
+    Raises PushPressSlideError, in one line, if the file is missing or cannot be read,
+    if the tip frame is not named or not there, or if the chain to it has a joint of a
+    kind that is not known.
     """
     path = Path(model)
     if path.suffix.lower() not in (".urdf", ".sdf"):
-        raise PushPressSlideError("choose panda, iiwa7, hand, or the path of a .urdf or .sdf file")
+        raise PushPressSlideError(
+            "choose panda, iiwa7, hand, or the path of a .urdf or .sdf file"
+        )
     if not path.is_file():
         raise PushPressSlideError("there is no such file")
     try:
-        # Files often use Drake's prefix without declaring it; what it marks is not needed here.
-        root = ElementTree.fromstring(re.sub(r"(</?|\s)drake:", r"\1drake_", path.read_text("utf-8")))
+        # Files often use Drake's prefix without declaring it; what it marks is not
+        # needed here.
+        root = ElementTree.fromstring(
+            re.sub(r"(</?|\s)drake:", r"\1drake_", path.read_text("utf-8"))
+        )
     except (ElementTree.ParseError, UnicodeDecodeError) as error:
         raise PushPressSlideError(f"it is not XML ({error})") from error
     if tip_frame is None:
         raise PushPressSlideError(
-            "a model given by path needs tip_frame, the name of the frame at the tip's centre"
+            "a model given by path needs tip_frame, the name of the frame at the tip's "
+            "centre"
         )
     try:
         if path.suffix.lower() == ".urdf":
@@ -82,21 +97,38 @@ def _facts(
     for frame in frames:
         if frame.name == tip_frame:
             chain.append(
-                JointFacts(f"{tip_frame}_mount", "fixed", frame.parent, tip_frame, frame.xyz, frame.rpy)
+                JointFacts(
+                    f"{tip_frame}_mount",
+                    "fixed",
+                    frame.parent,
+                    tip_frame,
+                    frame.xyz,
+                    frame.rpy,
+                )
             )
             link = frame.parent
     if link not in links:
         known = ", ".join([*links, *(frame.name for frame in frames)])
-        raise PushPressSlideError(f"it has no frame {tip_frame!r}; there are {known[:300]}")
-    while link in by_child and by_child[link].parent != "world" and len(chain) <= len(joints):
+        raise PushPressSlideError(
+            f"it has no frame {tip_frame!r}; there are {known[:300]}"
+        )
+    while (
+        link in by_child
+        and by_child[link].parent != "world"
+        and len(chain) <= len(joints)
+    ):
         chain.append(by_child[link])
         link = by_child[link].parent
     chain.reverse()
     moving = [joint for joint in chain if joint.kind != "fixed"]
     if not moving:
-        raise PushPressSlideError(f"no joint moves between its root {link!r} and the tip frame {tip_frame!r}")
+        raise PushPressSlideError(
+            f"no joint moves between its root {link!r} and the tip frame {tip_frame!r}"
+        )
     home = tuple(0.5 * (joint.lower + joint.upper) for joint in moving)
-    return RobotFacts(root.get("name") or path.stem, (), tuple(chain), link, tip_frame, home)
+    return RobotFacts(
+        root.get("name") or path.stem, (), tuple(chain), link, tip_frame, home
+    )
 
 
 def _triple(text: str | None, default: Triple = (0.0, 0.0, 0.0)) -> Triple:
@@ -108,7 +140,9 @@ def _triple(text: str | None, default: Triple = (0.0, 0.0, 0.0)) -> Triple:
 
 def _kind(name: str, kind: str) -> JointKind:
     if kind not in KINDS:
-        raise PushPressSlideError(f"its joint {name!r} is of kind {kind!r}; known are {', '.join(KINDS)}")
+        raise PushPressSlideError(
+            f"its joint {name!r} is of kind {kind!r}; known are {', '.join(KINDS)}"
+        )
     return KINDS[kind]
 
 
@@ -117,11 +151,15 @@ def _limits(kind: str, values: dict[str, str | None]) -> dict[str, float]:
         text = values.get(key)
         return default if text is None else float(text)
 
-    lower, upper = value("lower", -TURNS), value("upper", TURNS)
+    lower = value("lower", -TURNS)
+    upper = value("upper", TURNS)
     if kind == "continuous" or not lower < upper:
-        lower, upper = -TURNS, TURNS
-    lower, upper = max(lower, -4.0 * TURNS), min(upper, 4.0 * TURNS)
-    effort, velocity = value("effort", math.inf), value("velocity", math.inf)
+        lower = -TURNS
+        upper = TURNS
+    lower = max(lower, -4.0 * TURNS)
+    upper = min(upper, 4.0 * TURNS)
+    effort = value("effort", math.inf)
+    velocity = value("velocity", math.inf)
     # A negative limit means none in SDF, and so does a zero that somebody left in.
     effort, velocity = (math.inf if v <= 0.0 else v for v in (effort, velocity))
     return {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
@@ -130,14 +168,24 @@ def _limits(kind: str, values: dict[str, str | None]) -> dict[str, float]:
 def _urdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
     joints = []
     for joint in root.findall("joint"):
-        name, kind = joint.attrib["name"], joint.attrib["type"]
-        parent, child, origin = joint.find("parent"), joint.find("child"), joint.find("origin")
+        name = joint.attrib["name"]
+        kind = joint.attrib["type"]
+        parent = joint.find("parent")
+        child = joint.find("child")
+        origin = joint.find("origin")
         if parent is None or child is None:
             raise ValueError(f"joint {name!r} lacks its parent or child")
-        xyz, rpy = (_triple(None if origin is None else origin.get(key)) for key in ("xyz", "rpy"))
+        xyz, rpy = (
+            _triple(None if origin is None else origin.get(key))
+            for key in ("xyz", "rpy")
+        )
         axis = joint.find("axis")
         limit = joint.find("limit")
-        limits = _limits(kind, {} if limit is None else dict(limit.attrib)) if kind != "fixed" else {}
+        limits = (
+            _limits(kind, {} if limit is None else dict(limit.attrib))
+            if kind != "fixed"
+            else {}
+        )
         a = _triple(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0))
         joints.append(
             JointFacts(
@@ -152,7 +200,12 @@ def _urdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
             )
         )
     frames = [
-        _Frame(f.attrib["name"], f.attrib["link"], _triple(f.get("xyz")), _triple(f.get("rpy")))
+        _Frame(
+            f.attrib["name"],
+            f.attrib["link"],
+            _triple(f.get("xyz")),
+            _triple(f.get("rpy")),
+        )
         for f in root.findall("frame")
     ]
     return joints, frames, [link.attrib["name"] for link in root.findall("link")]
@@ -169,8 +222,13 @@ def _pose(element: Element) -> tuple[Array, Array]:
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():
         return np.eye(3), np.zeros(3)
-    if pose.get("relative_to") not in (None, "__model__") or pose.get("rotation_format") == "quat_xyzw":
-        raise PushPressSlideError("its SDF poses are relative to other frames; give it as URDF")
+    if (
+        pose.get("relative_to") not in (None, "__model__")
+        or pose.get("rotation_format") == "quat_xyzw"
+    ):
+        raise PushPressSlideError(
+            "its SDF poses are relative to other frames; give it as URDF"
+        )
     v = [float(x) for x in (pose.text or "").split()]
     return rotation_from_rpy((v[3], v[4], v[5])), np.array(v[:3])
 
@@ -190,13 +248,18 @@ def _sdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
     poses = {link.attrib["name"]: _pose(link) for link in model.findall("link")}
     joints = []
     for joint in model.findall("joint"):
-        name, kind = joint.attrib["name"], joint.attrib["type"]
-        parent, child = (joint.findtext("parent") or "").strip(), (joint.findtext("child") or "").strip()
+        name = joint.attrib["name"]
+        kind = joint.attrib["type"]
+        parent = (joint.findtext("parent") or "").strip()
+        child = (joint.findtext("child") or "").strip()
         R_MC, p_MC = poses[child]
         R_MP, p_MP = poses.get(parent, (np.eye(3), np.zeros(3)))
         if joint.find("pose") is not None:
-            raise PushPressSlideError(f"its joint {name!r} stands off its child link; give it as URDF")
-        axis, limits = joint.find("axis"), {}
+            raise PushPressSlideError(
+                f"its joint {name!r} stands off its child link; give it as URDF"
+            )
+        axis = joint.find("axis")
+        limits = {}
         a = np.array([0.0, 0.0, 1.0])
         if kind != "fixed" and axis is not None:
             xyz = axis.find("xyz")
@@ -209,16 +272,33 @@ def _sdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
         xyz_PC: Triple = (float(p[0]), float(p[1]), float(p[2]))
         unit = _unit((float(a[0]), float(a[1]), float(a[2])))
         joints.append(
-            JointFacts(name, _kind(name, kind), parent, child, xyz_PC, _rpy(R_MP.T @ R_MC), unit, **limits)
+            JointFacts(
+                name,
+                _kind(name, kind),
+                parent,
+                child,
+                xyz_PC,
+                _rpy(R_MP.T @ R_MC),
+                unit,
+                **limits,
+            )
         )
     frames = []
     for frame in model.findall("frame"):
         attached = frame.get("attached_to") or ""
         pose = frame.find("pose")
-        given = [float(x) for x in ((pose.text if pose is not None else None) or "0 0 0 0 0 0").split()]
+        given = [
+            float(x)
+            for x in (
+                (pose.text if pose is not None else None) or "0 0 0 0 0 0"
+            ).split()
+        ]
         frames.append(
             _Frame(
-                frame.attrib["name"], attached, (given[0], given[1], given[2]), (given[3], given[4], given[5])
+                frame.attrib["name"],
+                attached,
+                (given[0], given[1], given[2]),
+                (given[3], given[4], given[5]),
             )
         )
     return joints, frames, list(poses)

@@ -26,17 +26,24 @@ TIP_MASS = 0.15
 
 
 def exact_angle(angle: float) -> float:
-    """Return ``angle`` [rad], made an exact multiple of pi/2 if it is a rounded one (within 1e-5)."""
+    """Return ``angle`` [rad], made an exact multiple of pi/2 if it is a rounded one
+    (within 1e-5).
+    """
     quarter = round(angle / (0.5 * math.pi)) * 0.5 * math.pi
     return quarter if abs(angle - quarter) < 1e-5 else angle
 
 
 def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
-    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it; entries of quarter turns are exact."""
+    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it; entries of quarter
+    turns are exact.
+    """
 
     def cos_sin(angle: float) -> tuple[float, float]:
-        c, s = math.cos(angle), math.sin(angle)
-        return (round(c) if abs(c - round(c)) < 1e-15 else c), (round(s) if abs(s - round(s)) < 1e-15 else s)
+        c = math.cos(angle)
+        s = math.sin(angle)
+        return (round(c) if abs(c - round(c)) < 1e-15 else c), (
+            round(s) if abs(s - round(s)) < 1e-15 else s
+        )
 
     (cr, sr), (cp, sp), (cy, sy) = (cos_sin(a) for a in rpy)
     return np.array(
@@ -55,14 +62,19 @@ class LinkFacts:
 
     name: str
     mass: float = 0.0  # [kg]
-    com: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] centre of mass in the link's frame
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad] of the inertia's axes in the link's frame
-    inertia: tuple[float, ...] = (0.0,) * 6  # [kg m^2] ixx, iyy, izz, ixy, ixz, iyz about the centre of mass
+    # [m] centre of mass in the link's frame
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    # [rad] of the inertia's axes in the link's frame
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    # [kg m^2] ixx, iyy, izz, ixy, ixz, iyz about the centre of mass
+    inertia: tuple[float, ...] = (0.0,) * 6
 
 
 @dataclass(frozen=True)
 class JointFacts:
-    """One joint: pose of its frame in the parent link's, axis in its own frame, and its limits."""
+    """One joint: pose of its frame in the parent link's, axis in its own frame, and its
+    limits.
+    """
 
     name: str
     kind: JointKind
@@ -83,7 +95,9 @@ class JointFacts:
 
 @dataclass(frozen=True)
 class Capsule:
-    """All points within ``radius`` [m] of the segment from p to q [m], in the frame of ``link``."""
+    """All points within ``radius`` [m] of the segment from p to q [m], in the frame of
+    ``link``.
+    """
 
     link: str
     p: tuple[float, float, float]
@@ -148,12 +162,16 @@ class RobotFacts:
 
     @cached_property
     def torque_rate_limit(self) -> Array:
-        """Limits of the torque's rate (n,) [N m/s]; infinite where the maker states none."""
+        """Limits of the torque's rate (n,) [N m/s]; infinite where the maker states
+        none.
+        """
         return np.array([j.torque_rate for j in self.moving])
 
     @cached_property
     def armature(self) -> Array:
-        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: motor side times gear ratio^2."""
+        """Rotor inertia as felt at the joint (n,) [kg m^2], [kg] of slides: motor side
+        times gear ratio^2.
+        """
         return np.array([j.rotor_inertia * j.gear_ratio**2 for j in self.moving])
 
 
@@ -170,8 +188,12 @@ def _angles(values: Any) -> tuple[float, float, float]:
 def _link(entry: Mapping[str, Any]) -> LinkFacts:
     if "mass" not in entry:
         return LinkFacts(entry["name"])
-    inertia = tuple(float(entry["inertia"][key]) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
-    com, rpy = _triple(entry["com"]), _angles(entry.get("rpy", (0, 0, 0)))
+    inertia = tuple(
+        float(entry["inertia"][key])
+        for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    )
+    com = _triple(entry["com"])
+    rpy = _angles(entry.get("rpy", (0, 0, 0)))
     return LinkFacts(entry["name"], float(entry["mass"]), com, rpy, inertia)
 
 
@@ -190,8 +212,14 @@ def load_facts(name: str) -> RobotFacts:
     Raises PushPressSlideError for another name.
     """
     if name not in MODELS:
-        raise PushPressSlideError(f"no facts of a robot {name!r}; there are {', '.join(MODELS)}")
-    text = resources.files("pushpressslide.robots").joinpath("models", f"{name}.yaml").read_text("utf-8")
+        raise PushPressSlideError(
+            f"no facts of a robot {name!r}; there are {', '.join(MODELS)}"
+        )
+    text = (
+        resources.files("pushpressslide.robots")
+        .joinpath("models", f"{name}.yaml")
+        .read_text("utf-8")
+    )
     data = yaml.safe_load(text)
     return RobotFacts(
         name=data["name"],
@@ -202,7 +230,8 @@ def load_facts(name: str) -> RobotFacts:
         home_posture=tuple(float(v) for v in data["home"]),
         base_radius=float(data["base_radius"]),
         capsules=tuple(
-            Capsule(c["link"], _triple(c["p"]), _triple(c["q"]), float(c["radius"])) for c in data["capsules"]
+            Capsule(c["link"], _triple(c["p"]), _triple(c["q"]), float(c["radius"]))
+            for c in data["capsules"]
         ),
         visuals=tuple(data["visuals"]),
         colors={key: _triple(value) for key, value in data["colors"].items()},

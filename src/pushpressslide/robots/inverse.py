@@ -1,4 +1,6 @@
-"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps off limits."""
+"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps
+off limits.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ ANGLE_TOLERANCE = 1e-6  # [rad]
 SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
 LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
 POLISHING = 8  # last iterations, without regard to the margin
-STRUCTURED_SEEDS = 11  # the home posture with its elbow and its wrist varied, and with the wrist turned over
+# the home posture with its elbow and its wrist varied, and with the wrist turned over
+STRUCTURED_SEEDS = 11
 RANDOM_SEEDS = 4  # postures drawn within the limits, besides the structured ones
 
 
@@ -34,16 +37,25 @@ class IkSolution:
 
 
 def orientation_error(R: Array, R_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad], world axes, that turn R into R_wanted (..., 3, 3)."""
+    """Return the rotation vectors (..., 3) [rad], world axes, that turn R into R_wanted
+    (..., 3, 3).
+    """
     D = R_wanted @ np.swapaxes(R, -1, -2)
     v = 0.5 * np.stack(
-        [D[..., 2, 1] - D[..., 1, 2], D[..., 0, 2] - D[..., 2, 0], D[..., 1, 0] - D[..., 0, 1]], axis=-1
+        [
+            D[..., 2, 1] - D[..., 1, 2],
+            D[..., 0, 2] - D[..., 2, 0],
+            D[..., 1, 0] - D[..., 0, 1],
+        ],
+        axis=-1,
     )
     s = np.linalg.norm(v, axis=-1, keepdims=True)
     c = 0.5 * (np.trace(D, axis1=-2, axis2=-1)[..., None] - 1.0)
     angle = np.arctan2(s, c)
     # Half a turn off, the axis is lost in v: any axis will do to get moving.
-    axis = np.where((s > 1e-9) | (c > 0.0), v / np.maximum(s, 1e-300), np.array([1.0, 0.0, 0.0]))
+    axis = np.where(
+        (s > 1e-9) | (c > 0.0), v / np.maximum(s, 1e-300), np.array([1.0, 0.0, 0.0])
+    )
     out: Array = axis * angle
     return out
 
@@ -55,8 +67,8 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def axis_error(z: Array, z_wanted: Array) -> Array:
-    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way to z_wanted, (3,) or
-    (..., 3).
+    """Return the rotation vectors (..., 3) [rad] that turn unit vectors z the short way
+    to z_wanted, (3,) or (..., 3).
     """
     v = _cross(z, z_wanted)
     s = np.sqrt((v * v).sum(axis=-1, keepdims=True))
@@ -64,27 +76,37 @@ def axis_error(z: Array, z_wanted: Array) -> Array:
     axis = v / np.maximum(s, 1e-300)
     opposite = (s <= 1e-9) & (c <= 0.0)
     if opposite.any():
-        other = _cross(z_wanted, np.roll(z_wanted, 1, axis=-1) + np.array([0.1, 0.2, 0.3]))
-        axis = np.where(opposite, other / np.linalg.norm(other, axis=-1, keepdims=True), axis)
+        other = _cross(
+            z_wanted, np.roll(z_wanted, 1, axis=-1) + np.array([0.1, 0.2, 0.3])
+        )
+        axis = np.where(
+            opposite, other / np.linalg.norm(other, axis=-1, keepdims=True), axis
+        )
     out: Array = axis * np.arctan2(s, c)
     return out
 
 
 def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
-    """Return the gradient (..., n) of the smooth least joint margin; it fades out at ``relevant`` [rad]."""
-    below, above = q - kin.facts.lower, kin.facts.upper - q
+    """Return the gradient (..., n) of the smooth least joint margin; it fades out at
+    ``relevant`` [rad].
+    """
+    below = q - kin.facts.lower
+    above = kin.facts.upper - q
     margin = np.minimum(below, above)
     least = margin.min(axis=-1, keepdims=True)
     weight = np.exp(-SHARPNESS * (margin - least))
     weight /= weight.sum(axis=-1, keepdims=True)
-    out: Array = np.where(below < above, weight, -weight) * np.clip(2.0 * (1.0 - least / relevant), 0.0, 1.0)
+    out: Array = np.where(below < above, weight, -weight) * np.clip(
+        2.0 * (1.0 - least / relevant), 0.0, 1.0
+    )
     return out
 
 
 def task_error(
     kin: ArmKinematics, q: Array, p: Array, R_wanted: Array | None, axis: Array
 ) -> tuple[Array, Array]:
-    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) towards p and R_wanted, or p and axis.
+    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) towards p and
+    R_wanted, or p and axis.
 
     With the yaw free, the turn about the axis, (3,) or (..., 3), is taken out of both.
     """
@@ -99,31 +121,44 @@ def task_error(
 
 
 def damped_step(J: Array, e: Array, secondary: Array) -> Array:
-    """Return dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in J's null space."""
+    """Return dq (..., n): damped least squares for e (..., 6), plus ``secondary`` in
+    J's null space.
+    """
     damping = 0.05 * (e * e).sum(axis=-1) + 1e-10
     A = J @ np.swapaxes(J, -1, -2) + damping[..., None, None] * np.eye(6)
     wanted = e - (J @ secondary[..., None])[..., 0]
-    out: Array = secondary + (np.swapaxes(J, -1, -2) @ np.linalg.solve(A, wanted[..., None]))[..., 0]
+    out: Array = (
+        secondary
+        + (np.swapaxes(J, -1, -2) @ np.linalg.solve(A, wanted[..., None]))[..., 0]
+    )
     return out
 
 
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
-    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them, elbow and wrist varied.
+    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them,
+    elbow and wrist varied.
 
-    A robot read from a file has no ready posture: its starts are spread over the joint ranges.
+    A robot read from a file has no ready posture: its starts are spread over the joint
+    ranges.
     """
-    facts, home = kin.facts, kin.facts.home
-    m, n = len(p), facts.size
+    facts = kin.facts
+    home = kin.facts.home
+    m = len(p)
+    n = facts.size
     rng = np.random.default_rng(0)
     span = np.minimum(facts.upper, 3.0) - np.maximum(facts.lower, -3.0)
     count = RANDOM_SEEDS + STRUCTURED_SEEDS
     random = np.maximum(facts.lower, -3.0) + span * (0.1 + 0.8 * rng.random((count, n)))
     if not facts.links:
-        spread: Array = np.clip(np.broadcast_to(random, (m, count, n)), facts.lower, facts.upper)
+        spread: Array = np.clip(
+            np.broadcast_to(random, (m, count, n)), facts.lower, facts.upper
+        )
         return spread
     structured = np.tile(home, (STRUCTURED_SEEDS, 1))
     if n == 7 and facts.moving[0].kind == "revolute":
-        for i, (elbow, wrist) in enumerate((a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)):
+        for i, (elbow, wrist) in enumerate(
+            (a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)
+        ):
             structured[i, 0] += elbow
             structured[i, 2] -= elbow
             structured[i, 6] += wrist
@@ -132,8 +167,12 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     seeds = np.concatenate([structured, random[:RANDOM_SEEDS]])
     out: Array = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
     if facts.moving[0].kind == "revolute":
-        azimuth = np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
-        out[:, :STRUCTURED_SEEDS, 0] += np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
+        azimuth = (
+            np.arctan2(p[:, 1] - kin.base[1], p[:, 0] - kin.base[0]) - kin.base_yaw
+        )
+        out[:, :STRUCTURED_SEEDS, 0] += (
+            np.remainder(azimuth + math.pi, 2.0 * math.pi)[:, None] - math.pi
+        )
     out = np.clip(out, facts.lower, facts.upper)
     return out
 
@@ -148,24 +187,29 @@ def solve_ik(
     iterations: int = 60,
     best_margin: bool = True,
 ) -> IkSolution:
-    """Return for each target the posture with the largest joint margin, from several starts.
+    """Return for each target the posture with the largest joint margin, from several
+    starts.
 
-    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with tool_yaw [rad] scalar
-    or (m,), None: free; or of each target its own, as axes (m, 3) or rotations R_WT (m, 3, 3).
-    q_seed: (n,), (s, n) or (m, s, n), None: ``default_seeds``; joint_margin: [rad] to keep from every limit;
-    best_margin False takes the first posture found for a target, without improving its margin.
+    target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with
+    tool_yaw [rad] scalar or (m,), None: free; or of each target its own, as axes (m, 3)
+    or rotations R_WT (m, 3, 3). q_seed: (n,), (s, n) or (m, s, n), None:
+    ``default_seeds``; joint_margin: [rad] to keep from every limit; best_margin False
+    takes the first posture found for a target, without improving its margin.
     """
     p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
-    m, n = len(p), kin.facts.size
+    m = len(p)
+    n = kin.facts.size
     if q_seed is None:
         seeds = default_seeds(kin, p)
     else:
         given = np.asarray(q_seed, dtype=np.float64)
         seeds = np.broadcast_to(
-            given if given.ndim > 1 else given[None], (m, *np.atleast_2d(given).shape[-2:])
+            given if given.ndim > 1 else given[None],
+            (m, *np.atleast_2d(given).shape[-2:]),
         )
     s = seeds.shape[1]
-    q, P = seeds.reshape(m * s, n).copy(), np.repeat(p, s, axis=0)
+    q = seeds.reshape(m * s, n).copy()
+    P = np.repeat(p, s, axis=0)
     R = None
     if isinstance(attitude, ToolAttitude):
         axis = np.broadcast_to(attitude.axis, (m * s, 3))
@@ -173,29 +217,43 @@ def solve_ik(
             yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
             R = np.repeat(attitude.rotation(yaws), s, axis=0)
     elif attitude.ndim == 3:
-        axis, R = np.repeat(attitude[..., 2], s, axis=0), np.repeat(attitude, s, axis=0)
+        axis = np.repeat(attitude[..., 2], s, axis=0)
+        R = np.repeat(attitude, s, axis=0)
     else:
         axis = np.repeat(attitude, s, axis=0)
     room = 0.5 * (kin.facts.upper - kin.facts.lower)
     inset = np.minimum(joint_margin, 0.99 * room)
-    lower, upper = kin.facts.lower + inset, kin.facts.upper - inset
+    lower = kin.facts.lower + inset
+    upper = kin.facts.upper - inset
     climbing = max(iterations - POLISHING, 0) if best_margin else 0
     e, J = task_error(kin, q, P, R, axis)
-    errors, open_ = e, np.arange(m * s)
+    errors = e
+    open_ = np.arange(m * s)
     for i in range(iterations):
         if not best_margin:
             met = np.repeat(_solved(errors).reshape(m, s).any(axis=1), s)
             keep = ~met[open_]
             if not keep.any():
                 break
-            open_, e, J = open_[keep], e[keep], J[keep]
-        free = 0.15 * limit_gradient(kin, q[open_]) if i < climbing else np.zeros((len(open_), n))
+            open_ = open_[keep]
+            e = e[keep]
+            J = J[keep]
+        free = (
+            0.15 * limit_gradient(kin, q[open_])
+            if i < climbing
+            else np.zeros((len(open_), n))
+        )
         dq = damped_step(J, e, free)
-        dq *= LARGEST_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP)
+        dq *= LARGEST_STEP / np.maximum(
+            np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP
+        )
         q[open_] = np.clip(q[open_] + dq, lower, upper)
-        e, J = task_error(kin, q[open_], P[open_], None if R is None else R[open_], axis[open_])
+        e, J = task_error(
+            kin, q[open_], P[open_], None if R is None else R[open_], axis[open_]
+        )
         errors[open_] = e
-    angle, distance = np.linalg.norm(errors[:, :3], axis=-1), np.linalg.norm(errors[:, 3:], axis=-1)
+    angle = np.linalg.norm(errors[:, :3], axis=-1)
+    distance = np.linalg.norm(errors[:, 3:], axis=-1)
     margin = kin.joint_margin(q)
     ok = _solved(errors) & (margin >= joint_margin - 1e-9)
     score = np.where(ok, margin, -10.0 - angle - distance).reshape(m, s)
@@ -204,6 +262,7 @@ def solve_ik(
 
 
 def _solved(e: Array) -> NDArray[np.bool_]:
-    angle, distance = np.linalg.norm(e[:, :3], axis=-1), np.linalg.norm(e[:, 3:], axis=-1)
+    angle = np.linalg.norm(e[:, :3], axis=-1)
+    distance = np.linalg.norm(e[:, 3:], axis=-1)
     out: NDArray[np.bool_] = (angle < ANGLE_TOLERANCE) & (distance < POSITION_TOLERANCE)
     return out

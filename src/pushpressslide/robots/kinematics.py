@@ -1,7 +1,9 @@
-"""Forward kinematics of a serial robot with its tip: arrays in, arrays out, one posture or many at once.
+"""Forward kinematics of a serial robot with its tip: arrays in, arrays out, one posture
+or many at once.
 
-Tip frame T: origin at the centre of the tip's sphere, z along the tool out of the flange. The tool yaw is
-defined in ``tool.py``; for an upright tool it is the angle of T's x axis in the world's horizontal plane.
+Tip frame T: origin at the centre of the tip's sphere, z along the tool out of the
+flange. The tool yaw is defined in ``tool.py``; for an upright tool it is the angle of
+T's x axis in the world's horizontal plane.
 """
 
 from __future__ import annotations
@@ -13,7 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts, rotation_from_rpy
+from pushpressslide.robots.facts import (
+    MODELS,
+    RobotFacts,
+    load_facts,
+    rotation_from_rpy,
+)
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 Array = NDArray[np.float64]
@@ -27,20 +34,22 @@ def _skew(a: Array) -> Array:
 class ArmKinematics:
     """Where the links and the tip of one robot are, for its n joint positions q.
 
-    Every method takes q of shape (n,) or (..., n) and returns arrays with the same leading shape. World axes;
-    angles in rad, lengths in m.
+    Every method takes q of shape (n,) or (..., n) and returns arrays with the same
+    leading shape. World axes; angles in rad, lengths in m.
     """
 
     facts: RobotFacts
-    base: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] of the base link's origin in the world
+    # [m] of the base link's origin in the world
+    base: tuple[float, float, float] = (0.0, 0.0, 0.0)
     base_yaw: float = 0.0  # [rad] about the world's z
     tip_length: float = 0.15  # [m] from the flange to the centre of the tip's sphere
     tip_radius: float = 0.02  # [m]
 
     @cached_property
     def _chain(self) -> tuple[Array, Array, Array, Array]:
-        """Of each joint (n, 1, 4, 4): its frame in the one before it, as constant + sin + cos + slide parts;
-        the tip's (4, 4) in the last one; axes (n, 1, 1, 3); which joints slide (n, 1).
+        """Of each joint (n, 1, 4, 4): its frame in the one before it, as constant + sin
+        + cos + slide parts; the tip's (4, 4) in the last one; axes (n, 1, 1, 3); which
+        joints slide (n, 1).
         """
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = rotation_from_rpy((0.0, 0.0, self.base_yaw)), self.base
@@ -50,7 +59,10 @@ class ArmKinematics:
             step[:3, :3], step[:3, 3] = rotation_from_rpy(joint.rpy), joint.xyz
             T = T @ step
             if joint.kind != "fixed":
-                constant, sine, cosine, slide = T.copy(), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
+                constant = T.copy()
+                sine = np.zeros((4, 4))
+                cosine = np.zeros((4, 4))
+                slide = np.zeros((4, 4))
                 if joint.kind == "prismatic":
                     slide[:3, 3] = T[:3, :3] @ joint.axis
                 else:
@@ -62,16 +74,23 @@ class ArmKinematics:
         T[:3, 3] += self.tip_length * T[:3, 2]
         slides = np.array([[float(j.kind == "prismatic")] for j in self.facts.moving])
         axes = np.array([j.axis for j in self.facts.moving])
-        return np.array(parts).swapaxes(0, 1)[:, :, None], T, axes[:, None, None], slides
+        return (
+            np.array(parts).swapaxes(0, 1)[:, :, None],
+            T,
+            axes[:, None, None],
+            slides,
+        )
 
     @cached_property
     def span(self) -> tuple[Array, float, float]:
-        """The shoulder (3,) [m] in the world, a fixed point of the first axis; how far [m] along the tool the
-        tip is from the wrist, a point of the last axis; and the most [m] that wrist and shoulder can be
-        apart, whatever the joints' limits: infinite for an arm with slides, or a tool beside its last axis.
+        """The shoulder (3,) [m] in the world, a fixed point of the first axis; how far
+        [m] along the tool the tip is from the wrist, a point of the last axis; and the
+        most [m] that wrist and shoulder can be apart, whatever the joints' limits:
+        infinite for an arm with slides, or a tool beside its last axis.
         """
         (constant, _, cosine, _), tip, axes, slides = self._chain
-        T, axis = (constant + cosine)[:, 0], axes[:, 0, 0]
+        T = (constant + cosine)[:, 0]
+        axis = axes[:, 0, 0]
         out = T[0, :3, :3] @ axis[0]
         shoulder = T[0, :3, 3] + out * (axis[0] @ T[1, :3, 3])
         beside = np.linalg.norm(np.cross(axis[-1], tip[:3, 3])) + np.linalg.norm(
@@ -80,24 +99,31 @@ class ArmKinematics:
         if slides.any() or beside > 1e-9:
             return shoulder, 0.0, np.inf
         # the wrist: where the last axis comes nearest to the one before it
-        before, out = T[-1, :3, :3].T @ axis[-2], axis[-1]
+        before = T[-1, :3, :3].T @ axis[-2]
+        out = axis[-1]
         normal = np.cross(out, before)
         origin = -(T[-1, :3, :3].T @ T[-1, :3, 3])
         wrist = origin @ np.cross(before, normal) / max(normal @ normal, 1e-12) * out
-        # the links from each axis to the next, and where it is shorter over two of them at once, the one
-        # between turned so that they reach farthest
+        # the links from each axis to the next, and where it is shorter over two of them
+        # at once, the one between turned so that they reach farthest
         links = [T[1, :3, 3] - axis[0] * (axis[0] @ T[1, :3, 3]), *T[2:-1, :3, 3]]
         links.append(T[-1, :3, 3] + T[-1, :3, :3] @ wrist)
         longest = [0.0, float(np.linalg.norm(links[0]))]
         for i in range(1, len(links)):
             way = longest[i] + float(np.linalg.norm(links[i]))
-            a, b = T[i, :3, :3].T @ links[i - 1], links[i]
-            along, across = axis[i] @ (a + b), [np.linalg.norm(np.cross(axis[i], v)) for v in (a, b)]
-            longest.append(min(way, longest[i - 1] + float(np.hypot(along, sum(across)))))
+            a = T[i, :3, :3].T @ links[i - 1]
+            b = links[i]
+            along = axis[i] @ (a + b)
+            across = [np.linalg.norm(np.cross(axis[i], v)) for v in (a, b)]
+            longest.append(
+                min(way, longest[i - 1] + float(np.hypot(along, sum(across))))
+            )
         return shoulder, float((tip[:3, 3] - wrist) @ tip[:3, 2]), longest[-1]
 
     def _frames(self, q: Array) -> Array:
-        """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the world, for q (m, n)."""
+        """Return the moved frames (n + 1, m, 4, 4) of the n joints and the tip in the
+        world, for q (m, n).
+        """
         (constant, sine, cosine, slide), tip, _, slides = self._chain
         turns = q.T[:, :, None, None]
         frames = np.empty((len(constant) + 1, len(q), 4, 4))
@@ -116,25 +142,33 @@ class ArmKinematics:
         return T[..., :3, :3], T[..., :3, 3]
 
     def jacobian(self, q: Array) -> Array:
-        """Return J (..., 6, n): [angular; linear] velocity of the tip frame, world axes, per joint speed."""
+        """Return J (..., 6, n): [angular; linear] velocity of the tip frame, world
+        axes, per joint speed.
+        """
         return self.tip_and_jacobian(q)[2]
 
     def tip_and_jacobian(self, q: Array) -> tuple[Array, Array, Array]:
         """Return R_WT (..., 3, 3), p_WT (..., 3) and J (..., 6, n) at once."""
         q = np.asarray(q, dtype=np.float64)
-        lead, n = q.shape[:-1], q.shape[-1]
+        lead = q.shape[:-1]
+        n = q.shape[-1]
         frames = self._frames(q.reshape(-1, n))
         _, _, axes, slides = self._chain
         T = frames[-1].reshape(*lead, 4, 4)
-        dx, dy, dz = (frames[:-1, :, :3, :3] * axes).sum(axis=-1).transpose(2, 0, 1)  # (n, m) each
+        # (n, m) each
+        dx, dy, dz = (frames[:-1, :, :3, :3] * axes).sum(axis=-1).transpose(2, 0, 1)
         ax, ay, az = (frames[-1, :, :3, 3] - frames[:-1, :, :3, 3]).transpose(2, 0, 1)
-        J = np.array([dx, dy, dz, dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax])
+        J = np.array(
+            [dx, dy, dz, dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax]
+        )
         if slides.any():
             J = np.where(slides, np.concatenate([np.zeros_like(J[:3]), J[:3]]), J)
         return T[..., :3, :3], T[..., :3, 3], J.transpose(2, 0, 1).reshape(*lead, 6, n)
 
     def link_poses(self, q: Array) -> dict[str, tuple[Array, Array]]:
-        """Return rotation (..., 3, 3) and origin (..., 3) of every link from base to flange, and of "tip"."""
+        """Return rotation (..., 3, 3) and origin (..., 3) of every link from base to
+        flange, and of "tip".
+        """
         q = np.asarray(q, dtype=np.float64)
         lead = q.shape[:-1]
         frames = self._frames(q.reshape(-1, q.shape[-1])).reshape(-1, *lead, 4, 4)
@@ -145,7 +179,10 @@ class ArmKinematics:
         for joint in self.facts.joints:
             if joint.kind == "fixed":
                 R, p = out[joint.parent]
-                out[joint.child] = (R @ rotation_from_rpy(joint.rpy), p + R @ np.array(joint.xyz))
+                out[joint.child] = (
+                    R @ rotation_from_rpy(joint.rpy),
+                    p + R @ np.array(joint.xyz),
+                )
             else:
                 out[joint.child] = next(moved)
         out["tip"] = next(moved)
@@ -156,7 +193,9 @@ class ArmKinematics:
         return attitude.yaw(self.tip_pose(q)[0])
 
     def joint_margin(self, q: Array) -> Array:
-        """Return the least distance (...) [rad; m of slides] of a joint to its limits; negative outside."""
+        """Return the least distance (...) [rad; m of slides] of a joint to its limits;
+        negative outside.
+        """
         q = np.asarray(q, dtype=np.float64)
         out: Array = np.minimum(q - self.facts.lower, self.facts.upper - q).min(axis=-1)
         return out
@@ -165,7 +204,8 @@ class ArmKinematics:
 def arm_kinematics(robot: Robot) -> ArmKinematics:
     """Return the kinematics of a task's robot.
 
-    Raises PushPressSlideError for a model that is not in ``facts.MODELS`` nor a readable URDF or SDF file.
+    Raises PushPressSlideError for a model that is not in ``facts.MODELS`` nor a
+    readable URDF or SDF file.
     """
     if robot.model in MODELS:
         return _known(robot)
@@ -178,5 +218,9 @@ def arm_kinematics(robot: Robot) -> ArmKinematics:
 @lru_cache(maxsize=32)
 def _known(robot: Robot) -> ArmKinematics:
     return ArmKinematics(
-        load_facts(robot.model), robot.base, robot.base_yaw, robot.tip_length, robot.tip_radius
+        load_facts(robot.model),
+        robot.base,
+        robot.base_yaw,
+        robot.tip_length,
+        robot.tip_radius,
     )

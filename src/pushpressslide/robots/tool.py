@@ -1,9 +1,11 @@
-"""How the tool is held: its axis constant in the support's frame, or turning with the object as its yaw does.
+"""How the tool is held: its axis constant in the support's frame, or turning with the
+object as its yaw does.
 
-The tip frame T has its origin at the centre of the tip's sphere and its z axis along the tool, out of the
-flange. Frame S is the support's: x and y along the surface, z out of it towards the robots (on a table the
-world's axes; left-handed on a wall, see core/support_frame.py). An upright tool points along -z_S. The TOOL
-YAW is the angle, from x_S to y_S, of the tool's x axis projected on their plane.
+The tip frame T has its origin at the centre of the tip's sphere and its z axis along
+the tool, out of the flange. Frame S is the support's: x and y along the surface, z out
+of it towards the robots (on a table the world's axes; left-handed on a wall, see
+core/support_frame.py). An upright tool points along -z_S. The TOOL YAW is the angle,
+from x_S to y_S, of the tool's x axis projected on their plane.
 """
 
 from __future__ import annotations
@@ -26,11 +28,13 @@ TOOL_TILTS = tuple(math.radians(a) for a in (0.0, 12.0, 24.0, 36.0))
 
 @dataclass(frozen=True)
 class ToolAttitude:
-    """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning towards ``azimuth``.
+    """Direction of the tool's axis: tilted by ``tilt`` from upright, the tip leaning
+    towards ``azimuth``.
 
-    In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange stands off the tip in
-    the direction opposite to ``azimuth``. With ``turns`` that is so at tool yaw 0, and the whole tool turns
-    in their plane with its yaw, as if fixed to the object.
+    In S the axis is (sin tilt cos azimuth, sin tilt sin azimuth, -cos tilt): the flange
+    stands off the tip in the direction opposite to ``azimuth``. With ``turns`` that is
+    so at tool yaw 0, and the whole tool turns in their plane with its yaw, as if fixed
+    to the object.
 
     Raises PushPressSlideError for a tilt outside [0, pi/2).
     """
@@ -42,13 +46,19 @@ class ToolAttitude:
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt < 0.5 * math.pi:
-            raise PushPressSlideError(f"tool tilt {self.tilt!r} rad is not allowed; it lies in [0, pi/2)")
+            raise PushPressSlideError(
+                f"tool tilt {self.tilt!r} rad is not allowed; it lies in [0, pi/2)"
+            )
 
     @property
     def axis(self) -> Array:
         """Unit vector (3,) along the tool, out of the flange, in the world."""
         s = math.sin(self.tilt)
-        axis_S = (s * math.cos(self.azimuth), s * math.sin(self.azimuth), -math.cos(self.tilt))
+        axis_S = (
+            s * math.cos(self.azimuth),
+            s * math.sin(self.azimuth),
+            -math.cos(self.tilt),
+        )
         out: Array = np.array(self.axes) @ np.array(axis_S)
         return out
 
@@ -56,41 +66,68 @@ class ToolAttitude:
         """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)
         if self.turns:
-            cos, sin, zero = np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)
-            turn = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1)
+            cos = np.cos(yaw)
+            sin = np.sin(yaw)
+            zero = np.zeros_like(yaw)
+            turn = np.stack(
+                [cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1.0], axis=-1
+            )
             fixed = replace(self, axes=WORLD_AXES, turns=False).rotation_at(0.0)
             return self._in_world(turn.reshape(*yaw.shape, 3, 3) @ fixed)
-        s, c = math.sin(self.tilt), math.cos(self.tilt)
+        s = math.sin(self.tilt)
+        c = math.cos(self.tilt)
         z = np.array([s * math.cos(self.azimuth), s * math.sin(self.azimuth), -c])
-        x = np.stack([np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c], axis=-1)
+        x = np.stack(
+            [np.cos(yaw), np.sin(yaw), (z[0] * np.cos(yaw) + z[1] * np.sin(yaw)) / c],
+            axis=-1,
+        )
         x /= np.linalg.norm(x, axis=-1, keepdims=True)
         R_ST = np.stack([x, np.cross(z, x), np.broadcast_to(z, x.shape)], axis=-1)
         return self._in_world(R_ST)
 
     def _in_world(self, R_ST: Array) -> Array:
-        """Turn the x and z axes of T, given in S, into the world; its y axis follows, whatever S's hand."""
+        """Turn the x and z axes of T, given in S, into the world; its y axis follows,
+        whatever S's hand.
+        """
         if self.axes is WORLD_AXES:
             return R_ST
         axes = np.array(self.axes)
-        out: Array = axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
+        out: Array = (
+            axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
+        )
         return out
 
     def rotation_at(self, tool_yaw: float) -> Array:
-        """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats, for a control loop."""
-        s, cz = math.sin(self.tilt), -math.cos(self.tilt)
-        zx, zy = s * math.cos(self.azimuth), s * math.sin(self.azimuth)
-        cos, sin = math.cos(tool_yaw), math.sin(tool_yaw)
+        """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats,
+        for a control loop.
+        """
+        s = math.sin(self.tilt)
+        cz = -math.cos(self.tilt)
+        zx = s * math.cos(self.azimuth)
+        zy = s * math.sin(self.azimuth)
+        cos = math.cos(tool_yaw)
+        sin = math.sin(tool_yaw)
         x, y = (1.0, 0.0) if self.turns else (cos, sin)
         up = -(zx * x + zy * y) / cz
         size = math.sqrt(1.0 + up * up)
-        x, y, up = x / size, y / size, up / size
-        R_ST = np.array([[x, zy * up - cz * y, zx], [y, cz * x - zx * up, zy], [up, zx * y - zy * x, cz]])
+        x = x / size
+        y = y / size
+        up = up / size
+        R_ST = np.array(
+            [
+                [x, zy * up - cz * y, zx],
+                [y, cz * x - zx * up, zy],
+                [up, zx * y - zy * x, cz],
+            ]
+        )
         if self.turns:
             R_ST = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ R_ST
         return self._in_world(R_ST)
 
     def yaw(self, R_WT: Array) -> Array:
-        """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3, 3)."""
+        """Return the tool yaws (...) [rad], in (-pi, pi], of tool rotations (..., 3,
+        3).
+        """
         x = R_WT[..., :, 0] @ np.array(self.axes)
         out: Array = np.arctan2(x[..., 1], x[..., 0])
         return out

@@ -1,4 +1,6 @@
-"""The facts of a robot as URDF text, made in memory: kinematics, inertias, limits, rotors, smooth shapes."""
+"""The facts of a robot as URDF text, made in memory: kinematics, inertias, limits,
+rotors, smooth shapes.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,19 @@ def numbers(values: Iterable[float]) -> str:
 def pose_between(
     p: Sequence[float], q: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Return midpoint (3,) [m], roll-pitch-yaw (3,) [rad] that turn z from p to q, and the distance [m]."""
+    """Return midpoint (3,) [m], roll-pitch-yaw (3,) [rad] that turn z from p to q, and
+    the distance [m].
+    """
     d = [float(b) - float(a) for a, b in zip(p, q, strict=True)]
     length = math.sqrt(sum(v * v for v in d))
     middle = tuple(0.5 * (float(a) + float(b)) for a, b in zip(p, q, strict=True))
     if length == 0.0:
         return middle, (0.0, 0.0, 0.0), 0.0
-    return middle, (0.0, math.atan2(math.hypot(d[0], d[1]), d[2]), math.atan2(d[1], d[0])), length
+    return (
+        middle,
+        (0.0, math.atan2(math.hypot(d[0], d[1]), d[2]), math.atan2(d[1], d[0])),
+        length,
+    )
 
 
 def _between(shape: str, p: Sequence[float], q: Sequence[float], radius: float) -> str:
@@ -55,7 +63,11 @@ def _link(facts: RobotFacts, link: LinkFacts, collision: bool) -> str:
             f'<mass value="{link.mass!r}"/>'
             f'<inertia ixx="{ixx}" iyy="{iyy}" izz="{izz}" ixy="{ixy}" ixz="{ixz}" iyz="{iyz}"/></inertial>'
         )
-    parts += [_visual(facts, i) for i, entry in enumerate(facts.visuals) if entry["link"] == link.name]
+    parts += [
+        _visual(facts, i)
+        for i, entry in enumerate(facts.visuals)
+        if entry["link"] == link.name
+    ]
     if collision:
         parts += [
             f'<collision name="{c.link}_capsule_{i}">{_between("capsule", c.p, c.q, c.radius)}</collision>'
@@ -86,21 +98,29 @@ def _joint(joint: JointFacts) -> str:
 
 
 def _filters(facts: RobotFacts) -> list[str]:
-    """Groups of three neighbouring links, whose capsules overlap by construction and so ignore each other."""
+    """Groups of three neighbouring links, whose capsules overlap by construction and so
+    ignore each other.
+    """
     chain = [facts.base, *(joint.child for joint in facts.joints)]
     solid = [name for name in chain if any(c.link == name for c in facts.capsules)]
     out = []
     for i in range(max(1, len(solid) - 2)):
         members = "".join(f'<drake:member link="{name}"/>' for name in solid[i : i + 3])
         ignored = f'<drake:ignored_collision_filter_group name="neighbours_{i}"/>'
-        group = f'<drake:collision_filter_group name="neighbours_{i}">{members}{ignored}'
+        group = (
+            f'<drake:collision_filter_group name="neighbours_{i}">{members}{ignored}'
+        )
         out.append(f"{group}</drake:collision_filter_group>")
     return out
 
 
 def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
-    """Return the robot's URDF, base to flange, without a tip; ``collision`` adds capsules for clearances."""
-    body = [_link(facts, link, collision) for link in facts.links] + [_joint(joint) for joint in facts.joints]
+    """Return the robot's URDF, base to flange, without a tip; ``collision`` adds
+    capsules for clearances.
+    """
+    body = [_link(facts, link, collision) for link in facts.links] + [
+        _joint(joint) for joint in facts.joints
+    ]
     if collision:
         body += _filters(facts)
     head = f'<robot name="{facts.name}" xmlns:drake="http://drake.mit.edu">'

@@ -1,1 +1,3 @@
-"""Reduced-order models: the car, unicycle or holonomic base that a pushed or pressed object moves like."""
+"""Reduced-order models: the car, unicycle or holonomic base that a pushed or pressed
+object moves like.
+"""

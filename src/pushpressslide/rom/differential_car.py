@@ -1,4 +1,6 @@
-"""An object pushed from behind by two normal forces moves like a differential car that only goes forward."""
+"""An object pushed from behind by two normal forces moves like a differential car that
+only goes forward.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,12 @@ from pushpressslide.core.pose import Point, Pose2
 
 @dataclass(frozen=True, slots=True)
 class DifferentialCar:
-    """The reduced model of two parallel pushes by normal forces (docs/mechanics.md, section 5, mode 2).
+    """The reduced model of two parallel pushes by normal forces (docs/mechanics.md,
+    section 5, mode 2).
 
-    Vehicle frame V: origin at the centre of pressure, x along the pushes. The normals cannot pull, so the
-    curvature lies in [-left_offset/rho^2, right_offset/rho^2]: no turning on the spot, no reverse. Raises
-    ValueError for offsets <= 0.
+    Vehicle frame V: origin at the centre of pressure, x along the pushes. The normals
+    cannot pull, so the curvature lies in [-left_offset/rho^2, right_offset/rho^2]: no
+    turning on the spot, no reverse. Raises ValueError for offsets <= 0.
     """
 
     cop: Point  # [m] in B
@@ -26,7 +29,8 @@ class DifferentialCar:
     def __post_init__(self) -> None:
         if not (self.left_offset > 0.0 and self.right_offset > 0.0 and self.rho > 0.0):
             raise ValueError(
-                f"offsets {self.left_offset}, {self.right_offset} and rho {self.rho} m; must be > 0"
+                f"offsets {self.left_offset}, {self.right_offset} and rho {self.rho} "
+                "m; must be > 0"
             )
 
     @property
@@ -50,16 +54,24 @@ class DifferentialCar:
         """Bounds of the inputs (speed [m/s], curvature [1/m])."""
         return (0.0, math.inf), self.curvature_limits
 
-    def xdot(self, x: tuple[float, float, float], u: tuple[float, float]) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s], curvature [1/m])."""
+    def xdot(
+        self, x: tuple[float, float, float], u: tuple[float, float]
+    ) -> tuple[float, float, float]:
+        """Return the rate of the pose x of V in the world for u = (speed [m/s],
+        curvature [1/m]).
+        """
         return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[0] * u[1])
 
     def normals(self, curvature: float, max_force: float) -> tuple[float, float]:
-        """Return left and right normal force [N], on the limit surface; outside the limits one is < 0.
+        """Return left and right normal force [N], on the limit surface; outside the
+        limits one is < 0.
 
-        F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2 kappa F; ``max_force`` [N] is mu_s N.
+        F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2 kappa F; ``max_force`` [N] is
+        mu_s N.
         """
         force = max_force / math.hypot(1.0, self.rho * curvature)
         torque = self.rho * self.rho * curvature * force
         width = self.left_offset + self.right_offset
-        return (self.right_offset * force - torque) / width, (self.left_offset * force + torque) / width
+        return (self.right_offset * force - torque) / width, (
+            self.left_offset * force + torque
+        ) / width

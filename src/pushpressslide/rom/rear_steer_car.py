@@ -1,4 +1,6 @@
-"""An object pushed from one side moves like a rear-steered car, seen from its virtual front axle (VFA)."""
+"""An object pushed from one side moves like a rear-steered car, seen from its virtual
+front axle (VFA).
+"""
 
 from __future__ import annotations
 
@@ -7,19 +9,22 @@ from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, Pose2, cross
 
-# Steering beyond this angle [rad] is not used even where the friction cone allows it: at pi/2 the VFA stops.
+# Steering beyond this angle [rad] is not used even where the friction cone allows it:
+# at pi/2 the VFA stops.
 STEERING_LIMIT = 1.5
 
 
 @dataclass(frozen=True, slots=True)
 class RearSteerCar:
-    """The reduced model of one sticking side push (docs/mechanics.md, sections 2 and 3, "Offset contact").
+    """The reduced model of one sticking side push (docs/mechanics.md, sections 2 and 3,
+    "Offset contact").
 
-    Vehicle frame V: origin at the VFA, x along the heading axis e, from the contact through the centre of
-    pressure. The steering is the angle of the contact force from e, positive to the left. On the ellipsoid
-    the VFA has no side slip under any steering: its velocity is along e, and the path that it follows has
-    curvature -(D/rho^2) tan(steering). Raises ValueError for a contact that cannot push towards the centre of
-    pressure at all.
+    Vehicle frame V: origin at the VFA, x along the heading axis e, from the contact
+    through the centre of pressure. The steering is the angle of the contact force from
+    e, positive to the left. On the ellipsoid the VFA has no side slip under any
+    steering: its velocity is along e, and the path that it follows has curvature
+    -(D/rho^2) tan(steering). Raises ValueError for a contact that cannot push towards
+    the centre of pressure at all.
     """
 
     contact: Point  # [m] in B
@@ -30,7 +35,9 @@ class RearSteerCar:
 
     def __post_init__(self) -> None:
         if not (self.rho > 0.0 and self.mu >= 0.0):
-            raise ValueError(f"rho {self.rho} m, mu {self.mu}; need rho > 0 and mu >= 0")
+            raise ValueError(
+                f"rho {self.rho} m, mu {self.mu}; need rho > 0 and mu >= 0"
+            )
         if abs(math.hypot(self.normal[0], self.normal[1]) - 1.0) > 1e-6:
             raise ValueError(f"normal {self.normal}; must be a unit vector")
         if not self.lever > 0.0:
@@ -38,7 +45,8 @@ class RearSteerCar:
         low, high = self.steering_limits
         if low > high:
             raise ValueError(
-                f"the heading axis is {math.degrees(self.eta):.1f} degrees off the inward normal; "
+                f"the heading axis is {math.degrees(self.eta):.1f} degrees off the "
+                "inward normal; "
                 "no force in the cone pushes along it"
             )
 
@@ -51,12 +59,16 @@ class RearSteerCar:
     def axis(self) -> Point:
         """Heading axis e: unit vector in B from the contact to the centre of pressure."""
         d = self.lever
-        return ((self.cop[0] - self.contact[0]) / d, (self.cop[1] - self.contact[1]) / d)
+        return (
+            (self.cop[0] - self.contact[0]) / d,
+            (self.cop[1] - self.contact[1]) / d,
+        )
 
     @property
     def eta(self) -> float:
         """Angle [rad] of the heading axis from the inward normal, positive to the left."""
-        e, n = self.axis, self.normal
+        e = self.axis
+        n = self.normal
         return math.atan2(cross(n, e), n[0] * e[0] + n[1] * e[1])
 
     @property
@@ -67,12 +79,19 @@ class RearSteerCar:
     @property
     def X_BV(self) -> Pose2:
         """Pose of the vehicle frame in the body frame."""
-        e, length = self.axis, self.wheelbase
-        return Pose2(self.cop[0] + length * e[0], self.cop[1] + length * e[1], math.atan2(e[1], e[0]))
+        e = self.axis
+        length = self.wheelbase
+        return Pose2(
+            self.cop[0] + length * e[0],
+            self.cop[1] + length * e[1],
+            math.atan2(e[1], e[0]),
+        )
 
     @property
     def steering_limits(self) -> tuple[float, float]:
-        """Least and greatest steering [rad]: [-atan mu - eta, atan mu - eta], within +-STEERING_LIMIT."""
+        """Least and greatest steering [rad]: [-atan mu - eta, atan mu - eta], within
+        +-STEERING_LIMIT.
+        """
         half = math.atan(self.mu)
         low = max(-half - self.eta, -STEERING_LIMIT)
         high = min(half - self.eta, STEERING_LIMIT)
@@ -80,13 +99,17 @@ class RearSteerCar:
 
     @property
     def curvature_limits(self) -> tuple[float, float]:
-        """Least and greatest curvature [1/m] of the VFA's path; they need not have zero between them."""
+        """Least and greatest curvature [1/m] of the VFA's path; they need not have zero
+        between them.
+        """
         low, high = self.steering_limits
         return self.curvature(high), self.curvature(low)
 
     @property
     def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m], to the better side; infinite if the car can only go straight."""
+        """Smallest turning radius [m], to the better side; infinite if the car can only
+        go straight.
+        """
         largest = max(abs(k) for k in self.curvature_limits)
         return 1.0 / largest if largest > 0.0 else math.inf
 
@@ -100,28 +123,42 @@ class RearSteerCar:
         return -math.tan(steering) / self.wheelbase
 
     def steering(self, curvature: float) -> float:
-        """Return the steering [rad] that gives ``curvature`` [1/m]; not limited to the cone."""
+        """Return the steering [rad] that gives ``curvature`` [1/m]; not limited to the
+        cone.
+        """
         return -math.atan(self.wheelbase * curvature)
 
-    def xdot(self, x: tuple[float, float, float], u: tuple[float, float]) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s], steering [rad])."""
+    def xdot(
+        self, x: tuple[float, float, float], u: tuple[float, float]
+    ) -> tuple[float, float, float]:
+        """Return the rate of the pose x of V in the world for u = (speed [m/s],
+        steering [rad]).
+        """
         speed, steering = u
-        return (speed * math.cos(x[2]), speed * math.sin(x[2]), speed * self.curvature(steering))
+        return (
+            speed * math.cos(x[2]),
+            speed * math.sin(x[2]),
+            speed * self.curvature(steering),
+        )
 
     def force(self, steering: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface; ``max_force`` [N] is mu_s N.
+        """Return the contact force [N] in B, on the limit surface; ``max_force`` [N] is
+        mu_s N.
 
         |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
         """
-        c, s = math.cos(steering), math.sin(steering)
+        c = math.cos(steering)
+        s = math.sin(steering)
         f = max_force / math.sqrt(1.0 + (self.lever * s / self.rho) ** 2)
         e = self.axis
         return (f * (c * e[0] - s * e[1]), f * (s * e[0] + c * e[1]))
 
     def contact_velocity(self, speed: float, steering: float) -> Point:
-        """Return the velocity [m/s] in B of the contact point when the VFA moves with ``speed`` [m/s].
+        """Return the velocity [m/s] in B of the contact point when the VFA moves with
+        ``speed`` [m/s].
 
-        v (e + (1 + D^2/rho^2) tan(steering) t): the pusher's own angle is psi, larger than the steering.
+        v (e + (1 + D^2/rho^2) tan(steering) t): the pusher's own angle is psi, larger
+        than the steering.
         """
         e = self.axis
         k = (1.0 + (self.lever / self.rho) ** 2) * math.tan(steering)

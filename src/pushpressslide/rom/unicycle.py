@@ -1,4 +1,6 @@
-"""An object pressed from above at one place moves like a unicycle, seen from its virtual axle."""
+"""An object pressed from above at one place moves like a unicycle, seen from its
+virtual axle.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,13 @@ from pushpressslide.core.pose import Point, Pose2
 
 @dataclass(frozen=True, slots=True)
 class Unicycle:
-    """The reduced model of one sticking top press (docs/mechanics.md, sections 2 and 4).
+    """The reduced model of one sticking top press (docs/mechanics.md, sections 2 and
+    4).
 
-    Vehicle frame V: origin at the virtual axle, x along the heading axis: from the centre of pressure to the
-    contact, or the other way round when driven ``backward``. On the ellipsoid the axle has no side slip under
-    any contact force. Raises ValueError for a contact at the centre of pressure, where the object only
+    Vehicle frame V: origin at the virtual axle, x along the heading axis: from the
+    centre of pressure to the contact, or the other way round when driven ``backward``.
+    On the ellipsoid the axle has no side slip under any contact force. Raises
+    ValueError for a contact at the centre of pressure, where the object only
     translates.
     """
 
@@ -22,14 +26,16 @@ class Unicycle:
     cop: Point  # [m] in B, with the press
     rho: float  # [m] > 0
     backward: bool = False  # drive with the contact behind the axle
-    shift: float = 0.0  # [m] ahead by which the drag at the contact's height moves the centre of pressure
+    # [m] ahead by which the drag at the contact's height moves the centre of pressure
+    shift: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.rho > 0.0:
             raise ValueError(f"rho {self.rho} m; must be > 0")
         if self.contact == self.cop:
             raise ValueError(
-                f"contact {self.contact} is at the centre of pressure; the object only translates"
+                f"contact {self.contact} is at the centre of pressure; the object only "
+                "translates"
             )
 
     @property
@@ -42,7 +48,10 @@ class Unicycle:
     def axis(self) -> Point:
         """Heading axis e: unit vector in B."""
         d = self.lever
-        return ((self.contact[0] - self.cop[0]) / d, (self.contact[1] - self.cop[1]) / d)
+        return (
+            (self.contact[0] - self.cop[0]) / d,
+            (self.contact[1] - self.cop[1]) / d,
+        )
 
     @property
     def reach(self) -> float:
@@ -51,9 +60,16 @@ class Unicycle:
 
     @property
     def X_BV(self) -> Pose2:
-        """Pose of the vehicle frame in the body frame: origin cop + (shift - rho^2/d) e."""
-        e, ahead = self.axis, self.shift - self.reach
-        return Pose2(self.cop[0] + ahead * e[0], self.cop[1] + ahead * e[1], math.atan2(e[1], e[0]))
+        """Pose of the vehicle frame in the body frame: origin cop + (shift - rho^2/d)
+        e.
+        """
+        e = self.axis
+        ahead = self.shift - self.reach
+        return Pose2(
+            self.cop[0] + ahead * e[0],
+            self.cop[1] + ahead * e[1],
+            math.atan2(e[1], e[0]),
+        )
 
     @property
     def length(self) -> float:
@@ -67,20 +83,30 @@ class Unicycle:
 
     @property
     def input_bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (speed [m/s], turn rate [rad/s]): none, if the press is hard enough."""
+        """Bounds of the inputs (speed [m/s], turn rate [rad/s]): none, if the press is
+        hard enough.
+        """
         return (-math.inf, math.inf), (-math.inf, math.inf)
 
-    def xdot(self, x: tuple[float, float, float], u: tuple[float, float]) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s], turn rate [rad/s])."""
+    def xdot(
+        self, x: tuple[float, float, float], u: tuple[float, float]
+    ) -> tuple[float, float, float]:
+        """Return the rate of the pose x of V in the world for u = (speed [m/s], turn
+        rate [rad/s]).
+        """
         return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[1])
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface, for a motion of V; zero for none.
+        """Return the contact force [N] in B, on the limit surface, for a motion of V;
+        zero for none.
 
-        f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
+        f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d sin(phi)/rho)^2);
+        ``max_force`` [N] is mu_s N.
         """
-        e, d = self.axis, self.lever
-        along, across = speed, self.reach * turn_rate
+        e = self.axis
+        d = self.lever
+        along = speed
+        across = self.reach * turn_rate
         size = math.hypot(along, across)
         if size == 0.0:
             return (0.0, 0.0)
@@ -89,10 +115,15 @@ class Unicycle:
 
     def contact_velocity(self, speed: float, turn_rate: float) -> Point:
         """Return the velocity [m/s] in B of the contact point: v e + (d + rho^2/d) w t."""
-        e, d = self.axis, self.lever
+        e = self.axis
+        d = self.lever
         across = (d + self.reach - self.shift) * turn_rate
         return (speed * e[0] - across * e[1], speed * e[1] + across * e[0])
 
     def least_friction_force(self, force_angle: float, max_force: float) -> float:
-        """Return mu_a N_a [N] that the press needs to stick at ``force_angle`` [rad] from the axis."""
-        return max_force / math.sqrt(1.0 + (self.lever * math.sin(force_angle) / self.rho) ** 2)
+        """Return mu_a N_a [N] that the press needs to stick at ``force_angle`` [rad]
+        from the axis.
+        """
+        return max_force / math.sqrt(
+            1.0 + (self.lever * math.sin(force_angle) / self.rho) ** 2
+        )

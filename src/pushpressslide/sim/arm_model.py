@@ -1,5 +1,5 @@
-"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that the controller knows
-only its robot.
+"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that
+the controller knows only its robot.
 """
 
 from __future__ import annotations
@@ -29,11 +29,19 @@ class ArmModel:
         self.size = plant.num_positions(self.instance.model_instance)
 
     def state(self, q: Array, v: Array) -> ArmState:
-        """Return what a torque controller needs at joint positions ``q`` (n,) and velocities ``v`` (n,)."""
-        plant, context = self._plant, self._context
+        """Return what a torque controller needs at joint positions ``q`` (n,) and
+        velocities ``v`` (n,).
+        """
+        plant = self._plant
+        context = self._context
         plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
         J = plant.CalcJacobianSpatialVelocity(
-            context, JacobianWrtVariable.kV, self._tip, np.zeros(3), self._world, self._world
+            context,
+            JacobianWrtVariable.kV,
+            self._tip,
+            np.zeros(3),
+            self._world,
+            self._world,
         )
         X = self._tip.CalcPoseInWorld(context)
         M = plant.CalcMassMatrix(context)
@@ -41,5 +49,13 @@ class ArmModel:
         V = J @ v
         p = X.translation()
         return ArmState(
-            q, v, (p[0], p[1], p[2]), X.rotation().matrix(), (V[3], V[4], V[5]), V[:3], J, M, bias
+            q,
+            v,
+            (p[0], p[1], p[2]),
+            X.rotation().matrix(),
+            (V[3], V[4], V[5]),
+            V[:3],
+            J,
+            M,
+            bias,
         )

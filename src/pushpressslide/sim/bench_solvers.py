@@ -1,5 +1,5 @@
-"""The allocation problems put to Drake's solvers, for the benchmarks: one program each, of which a call
-changes the wrench and, for presses, the radii of the discs.
+"""The allocation problems put to Drake's solvers, for the benchmarks: one program each,
+of which a call changes the wrench and, for presses, the radii of the discs.
 """
 
 from __future__ import annotations
@@ -15,11 +15,18 @@ PUSH_SOLVERS = {"OSQP": OsqpSolver, "Clarabel": ClarabelSolver, "SCS": ScsSolver
 PRESS_SOLVERS = {"Clarabel": ClarabelSolver, "SCS": ScsSolver}
 
 
-def drake_pushes(name: str, grasp: Array, cones: Array, cost: Array) -> Callable[[Array], Array | None]:
-    """Return a solver of: least f^T H f with G f the wrench and C f >= 0; ``name`` in PUSH_SOLVERS."""
-    program, solver = MathematicalProgram(), PUSH_SOLVERS[name]()
+def drake_pushes(
+    name: str, grasp: Array, cones: Array, cost: Array
+) -> Callable[[Array], Array | None]:
+    """Return a solver of: least f^T H f with G f the wrench and C f >= 0; ``name`` in
+    PUSH_SOLVERS.
+    """
+    program = MathematicalProgram()
+    solver = PUSH_SOLVERS[name]()
     forces = program.NewContinuousVariables(4)
-    balance = program.AddLinearEqualityConstraint(grasp, np.zeros(3), forces).evaluator()
+    balance = program.AddLinearEqualityConstraint(
+        grasp, np.zeros(3), forces
+    ).evaluator()
     program.AddLinearConstraint(cones, np.zeros(4), np.full(4, np.inf), forces)
     program.AddQuadraticCost(2.0 * cost, np.zeros(4), forces)
 
@@ -31,18 +38,28 @@ def drake_pushes(name: str, grasp: Array, cones: Array, cost: Array) -> Callable
     return solve
 
 
-def drake_presses(name: str, grasp: Array, friction: float) -> Callable[[Array, Array], Array | None]:
-    """Return a solver of: least f^T f with G f the wrench, inside the discs; ``name`` in PRESS_SOLVERS."""
-    program, solver = MathematicalProgram(), PRESS_SOLVERS[name]()
+def drake_presses(
+    name: str, grasp: Array, friction: float
+) -> Callable[[Array, Array], Array | None]:
+    """Return a solver of: least f^T f with G f the wrench, inside the discs; ``name``
+    in PRESS_SOLVERS.
+    """
+    program = MathematicalProgram()
+    solver = PRESS_SOLVERS[name]()
     forces = program.NewContinuousVariables(4)
-    balance = program.AddLinearEqualityConstraint(grasp, np.zeros(3), forces).evaluator()
+    balance = program.AddLinearEqualityConstraint(
+        grasp, np.zeros(3), forces
+    ).evaluator()
     program.AddQuadraticCost(2.0 * np.eye(4), np.zeros(4), forces)
-    rows, discs = [], []
+    rows = []
+    discs = []
     for i in range(2):
         row = np.zeros((3, 4))
         row[(1, 2), (2 * i, 2 * i + 1)] = 1.0
         rows.append(row)
-        discs.append(program.AddLorentzConeConstraint(row, np.zeros(3), forces).evaluator())
+        discs.append(
+            program.AddLorentzConeConstraint(row, np.zeros(3), forces).evaluator()
+        )
 
     def solve(wrench: Array, normals: Array) -> Array | None:
         balance.UpdateCoefficients(grasp, wrench)

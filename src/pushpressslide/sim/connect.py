@@ -1,4 +1,6 @@
-"""A way of the joints around what is in the way: RRT-Connect (Kuffner and LaValle, 2000), then shortened."""
+"""A way of the joints around what is in the way: RRT-Connect (Kuffner and LaValle,
+2000), then shortened.
+"""
 
 from __future__ import annotations
 
@@ -14,21 +16,26 @@ Free = Callable[[Array], bool]
 STRIDE = 0.4  # [rad] or [m] of any joint between two postures of a tree
 LOOK_STEP = 0.05  # [rad] or [m] of any joint between two postures that are looked at
 ROOM = 1.2  # [rad] or [m] by which a joint may leave the range between start and goal
-GROWTHS, SHORTCUTS = 1000, 80
+GROWTHS = 1000
+SHORTCUTS = 80
 
 
-def connect(start: Array, goal: Array, free: Free, lower: Array, upper: Array) -> Array | None:
-    """Return the corners (k, n) of a free way from ``start`` (n,) to ``goal`` (n,), or None.
+def connect(
+    start: Array, goal: Array, free: Free, lower: Array, upper: Array
+) -> Array | None:
+    """Return the corners (k, n) of a free way from ``start`` (n,) to ``goal`` (n,), or
+    None.
 
-    ``free`` says whether one posture (n,) is; joints stay within ``lower`` and ``upper`` (n,). The same
-    question has the same answer every time.
+    ``free`` says whether one posture (n,) is; joints stay within ``lower`` and
+    ``upper`` (n,). The same question has the same answer every time.
     """
     if not (free(start) and free(goal)):
         return None
     rng = np.random.default_rng(0)
     least = np.maximum(lower, np.minimum(start, goal) - ROOM)
     most = np.minimum(upper, np.maximum(start, goal) + ROOM)
-    here, there = _Tree(start), _Tree(goal)
+    here = _Tree(start)
+    there = _Tree(goal)
     for _ in range(GROWTHS):
         reached = here.grow(least + rng.random(len(start)) * (most - least), free)
         if reached is not None:
@@ -49,10 +56,13 @@ class _Tree:
     """Postures that can be reached from a root, each with the one before it."""
 
     def __init__(self, root: Array) -> None:
-        self.postures, self._before = [root], [-1]
+        self.postures = [root]
+        self._before = [-1]
 
     def grow(self, target: Array, free: Free) -> int | None:
-        """Go a stride from the nearest posture towards ``target``; return the new one's number, or None."""
+        """Go a stride from the nearest posture towards ``target``; return the new one's
+        number, or None.
+        """
         near = int(np.abs(np.array(self.postures) - target).max(axis=1).argmin())
         step = target - self.postures[near]
         far = float(np.abs(step).max())

@@ -1,7 +1,8 @@
-"""Between this package's planar data and Drake's spatial data; the only place where the two meet.
+"""Between this package's planar data and Drake's spatial data; the only place where the
+two meet.
 
-Drake's world is the world; planar data are about the support's frame (core/support_frame.py), on a table the
-same.
+Drake's world is the world; planar data are about the support's frame
+(core/support_frame.py), on a table the same.
 """
 
 from __future__ import annotations
@@ -20,27 +21,36 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.wrench import Wrench
 
 
-def rigid_transform(pose: Pose2, z: float, frame: SupportFrame = TABLE) -> RigidTransform:
+def rigid_transform(
+    pose: Pose2, z: float, frame: SupportFrame = TABLE
+) -> RigidTransform:
     """Return the spatial pose, in the world, of a planar pose at height ``z`` [m].
 
-    Its x and y axes are those of the planar pose; its z axis is the height's on a table, and points into a
-    wall.
+    Its x and y axes are those of the planar pose; its z axis is the height's on a
+    table, and points into a wall.
     """
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    x, y = frame.direction((c, s, 0.0)), frame.direction((-s, c, 0.0))
+    c = math.cos(pose.yaw)
+    s = math.sin(pose.yaw)
+    x = frame.direction((c, s, 0.0))
+    y = frame.direction((-s, c, 0.0))
     R = RotationMatrix(np.column_stack([x, y, frame.spin_axis]))
     return RigidTransform(R, frame.point((pose.x, pose.y, z)))
 
 
 def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
-    """Return the planar pose of a spatial one: its origin's x, y and the yaw of its x axis."""
-    (px, py, pz), (ax, ay, az) = X.translation(), X.rotation().col(0)
+    """Return the planar pose of a spatial one: its origin's x, y and the yaw of its x
+    axis.
+    """
+    px, py, pz = X.translation()
+    ax, ay, az = X.rotation().col(0)
     return _planar((px, py, pz), (ax, ay, az), frame)
 
 
-def planar_pose_from_positions(q: NDArray[np.float64], frame: SupportFrame = TABLE) -> Pose2:
-    """Return the planar pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z
-    [m].
+def planar_pose_from_positions(
+    q: NDArray[np.float64], frame: SupportFrame = TABLE
+) -> Pose2:
+    """Return the planar pose of a floating body's seven positions: quaternion (w, x, y,
+    z), then x, y, z [m].
     """
     w, x, y, z, *p = (float(value) for value in q)
     axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
@@ -54,18 +64,20 @@ def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
 
 
 def planar_twist(V: NDArray[np.float64], frame: SupportFrame = TABLE) -> Vector3:
-    """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's spatial velocity: angular,
-    then linear.
+    """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's
+    spatial velocity: angular, then linear.
     """
     vx, vy, _ = frame.components((V[3], V[4], V[5]))
     return (float(vx), float(vy), float(np.dot(frame.spin_axis, V[:3])))
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:
-    """Return the spatial pose of a floating body's seven positions: quaternion (w, x, y, z), then x, y, z
-    [m].
+    """Return the spatial pose of a floating body's seven positions: quaternion (w, x,
+    y, z), then x, y, z [m].
     """
-    return RigidTransform(RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7])
+    return RigidTransform(
+        RotationMatrix(Quaternion(q[:4] / np.linalg.norm(q[:4]))), q[4:7]
+    )
 
 
 def spatial_force(wrench: Wrench) -> SpatialForce:

@@ -18,29 +18,46 @@ LOOKED_AT = 24  # postures of a path
 
 
 def largest_share(
-    plan: Plan, contact: Contact, model: ArmModel, postures: Array, bodies: Sequence[Pose2]
+    plan: Plan,
+    contact: Contact,
+    model: ArmModel,
+    postures: Array,
+    bodies: Sequence[Pose2],
 ) -> float:
-    """Return the largest share of its effort limit that any joint needs along ``postures`` (k, n).
+    """Return the largest share of its effort limit that any joint needs along
+    ``postures`` (k, n).
 
-    At rest, gravity included, with the contact's planned force: of a press the load, and the drag in
-    whatever direction along the support is worst; of a push its part of the drag. ``bodies`` are X_WB, k.
+    At rest, gravity included, with the contact's planned force: of a press the load,
+    and the drag in whatever direction along the support is worst; of a push its part of
+    the drag. ``bodies`` are X_WB, k.
     """
-    frame, effort = plan.task.support.frame, model.instance.facts.effort_limit
-    along = np.array([frame.direction((1.0, 0.0, 0.0)), frame.direction((0.0, 1.0, 0.0))])
+    frame = plan.task.support.frame
+    effort = model.instance.facts.effort_limit
+    along = np.array(
+        [frame.direction((1.0, 0.0, 0.0)), frame.direction((0.0, 1.0, 0.0))]
+    )
     normal, shear = _forces(plan, contact)
     share = 0.0
-    for i in np.unique(np.linspace(0, len(postures) - 1, LOOKED_AT).round().astype(int)):
+    for i in np.unique(
+        np.linspace(0, len(postures) - 1, LOOKED_AT).round().astype(int)
+    ):
         state = model.state(postures[i], np.zeros(model.size))
         J = state.J[3:]
-        pressed = state.bias + normal * np.array(frame.direction(contact.direction(bodies[i]))) @ J
+        pressed = (
+            state.bias
+            + normal * np.array(frame.direction(contact.direction(bodies[i]))) @ J
+        )
         needed = np.abs(pressed) + shear * np.linalg.norm(along @ J, axis=0)
         share = max(share, float(np.max(needed / effort)))
     return share
 
 
 def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
-    """The normal force of a contact and the force along the support that comes with it [N], at most."""
-    contacts, drag = plan.choice.contacts, 0.0
+    """The normal force of a contact and the force along the support that comes with it
+    [N], at most.
+    """
+    contacts = plan.choice.contacts
+    drag = 0.0
     for stretch in plan.stretches:
         drag = max(drag, stretch.choice.parameters["push_force"])
     if contact.kind == "side":
@@ -48,4 +65,6 @@ def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
     index = contacts.index(contact)
     load = max(stretch.choice.contacts[index].load for stretch in plan.stretches)
     presses = math.fsum(c.load for c in contacts)
-    return load, min(plan.task.believed.contact_friction * load, drag * contact.load / presses)
+    return load, min(
+        plan.task.believed.contact_friction * load, drag * contact.load / presses
+    )

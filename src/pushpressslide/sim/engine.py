@@ -1,5 +1,5 @@
-"""Runs a plan in Drake: reads the station's ports, steps the controller, writes joint torques, records
-everything.
+"""Runs a plan in Drake: reads the station's ports, steps the controller, writes joint
+torques, records everything.
 """
 
 from __future__ import annotations
@@ -39,18 +39,21 @@ NO_LOG_ERROR = (0.0, 0.0, 0.0)
 
 
 class _Arm:
-    """One arm at run time: its model, executor, joint path, and where its numbers are in the plant's
-    state.
+    """One arm at run time: its model, executor, joint path, and where its numbers are
+    in the plant's state.
     """
 
     def __init__(self, plan: Plan, index: int, station: Station, models: str) -> None:
         self.model = ArmModel(plan.task.robots[index], models=models)
         self.facts = facts = self.model.instance.facts
-        self.instance, plant = station.scene.robots[index].model_instance, station.plant
+        self.instance = station.scene.robots[index].model_instance
+        plant = station.plant
         joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
         moving = [joint for joint in joints if joint.num_positions() == 1]
         self.q_at = np.array([joint.position_start() for joint in moving])
-        self.v_at = plant.num_positions() + np.array([joint.velocity_start() for joint in moving])
+        self.v_at = plant.num_positions() + np.array(
+            [joint.velocity_start() for joint in moving]
+        )
         self.limits = (facts.effort_limit, facts.torque_rate_limit)
         self.radius = plan.task.robots[index].tip_radius
         self.torque: Array | None = None
@@ -61,15 +64,19 @@ class _Arm:
         """Follow ``path`` with the tool held as in ``attitude`` from now on."""
         motion = plan.task.motion
         self.executor = ArmExecutor(
-            *self.limits, attitude.rotation_at, path.tool_yaw_offset,
-            motion.joint_stiffness if motion.joint_tracking else 0.0, motion.control_period,
+            *self.limits,
+            attitude.rotation_at,
+            path.tool_yaw_offset,
+            motion.joint_stiffness if motion.joint_tracking else 0.0,
+            motion.control_period,
             plan.task.support.frame,
-        )  # fmt: skip
+        )
         self.path = path
 
     def approach(self, t: float) -> tuple[Array, Array]:
         """Joint reference and its velocity at time ``t`` of the approach."""
-        times, q = self.path.approach_time, self.path.approach
+        times = self.path.approach_time
+        q = self.path.approach
         i = int(np.clip(np.searchsorted(times, t) - 1, 0, len(times) - 2))
         span = times[i + 1] - times[i]
         u = min(max((t - times[i]) / span, 0.0), 1.0)
@@ -78,7 +85,8 @@ class _Arm:
 
     def along(self, s: float) -> Array:
         """Joint reference at arc length ``s`` of the path."""
-        grid, q = self.path.arc_length, self.path.move
+        grid = self.path.arc_length
+        q = self.path.move
         if grid[-1] <= 0.0:  # the goal is the start
             return q[0]
         i = int(np.clip(np.searchsorted(grid, s) - 1, 0, len(grid) - 2))
@@ -98,17 +106,19 @@ def run(
     live: Callable[[str], None] | None = None,
     disturb: Callable[[float, Commands], Commands] | None = None,
 ) -> Record:
-    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic for a seed on one kind
-    of machine.
+    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic
+    for a seed on one kind of machine.
 
-    Raises InfeasibleTaskError before anything moves where an arm has no joint path. ``paths`` gives those of
-    each grasp, made before; ``stop`` is asked at every tick whether to end the run (reason "interrupted").
-    ``live`` is told the address of a page that shows the run, in real time, while it goes on. ``disturb``
-    changes the controller's commands at a time [s] on their way to the arms, to try what happens when they
-    fail.
+    Raises InfeasibleTaskError before anything moves where an arm has no joint path.
+    ``paths`` gives those of each grasp, made before; ``stop`` is asked at every tick
+    whether to end the run (reason "interrupted"). ``live`` is told the address of a
+    page that shows the run, in real time, while it goes on. ``disturb`` changes the
+    controller's commands at a time [s] on their way to the arms, to try what happens
+    when they fail.
     """
     task = plan.task
-    dt, frame = task.motion.control_period, task.support.frame
+    dt = task.motion.control_period
+    frame = task.support.frame
     physics_step = time_step or task.motion.time_step
     if paths is None:
         paths = all_joint_paths(plan)
@@ -121,21 +131,41 @@ def run(
     arms = [_Arm(plan, i, station, models) for i in range(len(task.robots))]
     for i, arm in enumerate(arms):
         arm.take(plan, *paths[0][i])
-        station.plant.SetPositions(station.plant_context, arm.instance, arm.path.approach[0])
-    start_tips = [arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position for arm in arms]
-    controller, sensor, recorder = _controller(plan, paths[0]), Sensor(task.sensing, seed, dt), Recorder(plan)
+        station.plant.SetPositions(
+            station.plant_context, arm.instance, arm.path.approach[0]
+        )
+    start_tips = [
+        arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position
+        for arm in arms
+    ]
+    controller = _controller(plan, paths[0])
+    sensor = Sensor(task.sensing, seed, dt)
+    recorder = Recorder(plan)
     (grasp, _), *ahead = zip(plan.grasps, paths, strict=True)
     kept: Commands = (None,) * len(arms)
-    began, reached = 0.0, _arrival(arms)
+    began = 0.0
+    reached = _arrival(arms)
     approach_time = reached
-    expected = sum(stretch.profile.duration for stretch in plan.way) + 4.0 * len(plan.grasps)
-    expected += sum(max(float(path.approach_time[-1]) for path, _ in of) for of in paths)
+    expected = sum(stretch.profile.duration for stretch in plan.way) + 4.0 * len(
+        plan.grasps
+    )
+    expected += sum(
+        max(float(path.approach_time[-1]) for path, _ in of) for of in paths
+    )
     plant = station.plant
     object_q = station.scene.object.floating_positions_start()
-    object_v = station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
-    bodies = {name: body.floating_positions_start() for name, body in station.scene.bodies.items()}
+    object_v = (
+        station.scene.object.floating_velocities_start_in_v() + plant.num_positions()
+    )
+    bodies = {
+        name: body.floating_positions_start()
+        for name, body in station.scene.bodies.items()
+    }
     state: ControllerState | None = None
-    reason: tuple[ReasonCode, str] = ("time_limit", f"limits.time of {task.limits.time:g} s is over")
+    reason: tuple[ReasonCode, str] = (
+        "time_limit",
+        f"limits.time of {task.limits.time:g} s is over",
+    )
     overrun = 0.0
     station.simulator.Initialize()
     started = perf_counter()
@@ -152,22 +182,28 @@ def run(
         tips = []
         for arm, force in zip(arms, forces, strict=True):
             arm.state = arm.model.state(x[arm.q_at], x[arm.v_at])
-            place, velocity = frame.coordinates(arm.state.position), frame.components(arm.state.velocity)
+            place = frame.coordinates(arm.state.position)
+            velocity = frame.components(arm.state.velocity)
             tips.append(TipState(place, velocity, force))
         executed = perf_counter() - executing
         commands: Commands
         followed = state.reference if state is not None else None
         references = []
         if time < reached:
-            commands, log = kept, _waiting(grasp)
+            commands = kept
+            log = _waiting(grasp)
             executing = perf_counter()
             for arm, command in zip(arms, kept, strict=True):
                 assert arm.state is not None
                 q_ref, v_ref = arm.approach(time - began)
                 if command is None:
-                    arm.torque, arm.share = arm.executor.free(arm.state, q_ref, v_ref, arm.torque)
+                    arm.torque, arm.share = arm.executor.free(
+                        arm.state, q_ref, v_ref, arm.torque
+                    )
                 else:
-                    arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
+                    arm.torque, arm.share = arm.executor.contact(
+                        arm.state, command, q_ref, arm.torque
+                    )
                 references.append(q_ref)
         else:
             measurement = sensor.measure(Measurement(time, pose, tuple(tips)))
@@ -187,7 +223,9 @@ def run(
                     )
                 else:
                     q_ref = arm.along(command.progress)
-                    arm.torque, arm.share = arm.executor.contact(arm.state, command, q_ref, arm.torque)
+                    arm.torque, arm.share = arm.executor.contact(
+                        arm.state, command, q_ref, arm.torque
+                    )
                 references.append(q_ref)
         for i, arm in enumerate(arms):
             assert arm.torque is not None
@@ -195,20 +233,36 @@ def run(
         executed += perf_counter() - executing
         total = perf_counter() - tick
         recorder.add(
-            time=time, log=log, true_pose=pose,
+            time=time,
+            log=log,
+            true_pose=pose,
             twist=planar_twist(x[object_v : object_v + 6], frame),
-            commands=commands, tips=[t.position for t in tips], forces=forces,
+            commands=commands,
+            tips=[t.position for t in tips],
+            forces=forces,
             ticks=(*controller.ticks, executed, total),
-            more=_rows(x, object_q, arms, references, tips, bodies), followed=followed,
-        )  # fmt: skip
-        if state is not None and state.phase == "done" and ahead and state.failure is None:
-            kept = tuple(c if i in controller.kept else None for i, c in enumerate(commands))
+            more=_rows(x, object_q, arms, references, tips, bodies),
+            followed=followed,
+        )
+        if (
+            state is not None
+            and state.phase == "done"
+            and ahead
+            and state.failure is None
+        ):
+            kept = tuple(
+                c if i in controller.kept else None for i, c in enumerate(commands)
+            )
             (grasp, taken), *ahead = ahead
             following, attitudes = zip(*taken, strict=True)
-            led = led_in(following, [arm.facts for arm in arms], [x[arm.q_at] for arm in arms])
+            led = led_in(
+                following, [arm.facts for arm in arms], [x[arm.q_at] for arm in arms]
+            )
             for arm, path, attitude in zip(arms, led, attitudes, strict=True):
                 arm.take(grasp, path, attitude)
-            controller, state, began = _controller(grasp, taken), None, time
+            controller = _controller(grasp, taken)
+            state = None
+            began = time
             reached = time + _arrival(arms)
             recorder.begin(grasp)
         if state is not None and state.phase == "done":
@@ -220,10 +274,14 @@ def run(
         if overrun > FORCE_TIME:
             reason = (
                 "force_limit",
-                f"{largest:.1f} N measured, limits.normal_force is {task.limits.normal_force:g} N",
+                f"{largest:.1f} N measured, limits.normal_force is "
+                f"{task.limits.normal_force:g} N",
             )
             break
-        if not np.isfinite(x).all() or math.hypot(pose.x - task.start.x, pose.y - task.start.y) > FAR:
+        if (
+            not np.isfinite(x).all()
+            or math.hypot(pose.x - task.start.x, pose.y - task.start.y) > FAR
+        ):
             reason = ("diverged", f"the object is at ({pose.x:.2f}, {pose.y:.2f})")
             break
         if stop():
@@ -255,7 +313,12 @@ def _controller(grasp: Plan, paths: Sequence[ArmPath]) -> Controller:
     """The controller of a grasp, told how far off the object the arms' ways really end."""
     motion = grasp.task.motion
     gap = min(motion.approach_distance, *(path.gap for path, _ in paths))
-    return Controller(replace(grasp, task=replace(grasp.task, motion=replace(motion, approach_distance=gap))))
+    return Controller(
+        replace(
+            grasp,
+            task=replace(grasp.task, motion=replace(motion, approach_distance=gap)),
+        )
+    )
 
 
 def _arrival(arms: list[_Arm]) -> float:
@@ -265,7 +328,16 @@ def _arrival(arms: list[_Arm]) -> float:
 
 def _waiting(plan: Plan) -> ControlLog:
     """The log of a tick on the way to the object."""
-    return ControlLog("approach", 0.0, plan.task.start, NO_LOG_ERROR, NO_LOG_ERROR, NO_LOG_ERROR, 0.0, "ok")
+    return ControlLog(
+        "approach",
+        0.0,
+        plan.task.start,
+        NO_LOG_ERROR,
+        NO_LOG_ERROR,
+        NO_LOG_ERROR,
+        0.0,
+        "ok",
+    )
 
 
 def _rows(
@@ -287,7 +359,12 @@ def _rows(
         rows[f"torque_share_{i}"] = arm.share
         size = math.hypot(*tip.force)
         if size > 0.3:
-            points.append([p + arm.radius * f / size for p, f in zip(tip.position, tip.force, strict=True)])
+            points.append(
+                [
+                    p + arm.radius * f / size
+                    for p, f in zip(tip.position, tip.force, strict=True)
+                ]
+            )
         else:
             points.append([math.nan] * 3)
     rows["contact_point"] = points

@@ -17,12 +17,16 @@ class GraspPaths:
         self.paths: list[tuple[ArmPath, ...]] = []
 
     def add(self, grasp: Plan) -> None:
-        """Add the plan of one more grasp; raises InfeasibleTaskError as ``joint_paths``."""
+        """Add the plan of one more grasp; raises InfeasibleTaskError as
+        ``joint_paths``.
+        """
         if self.plans:
             last = self.plans[-1]
             kept = last.kept(grasp)
             postures = drawn_back(last, self.paths[-1], kept)
-            found = joint_paths(grasp, force=self.force, postures=postures, holding=kept)
+            found = joint_paths(
+                grasp, force=self.force, postures=postures, holding=kept
+            )
         else:
             found = joint_paths(grasp, force=self.force)
         self.paths.append(found)
@@ -30,7 +34,9 @@ class GraspPaths:
 
 
 def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
-    """Return the joint paths of every grasp of a plan; raises InfeasibleTaskError as ``joint_paths``."""
+    """Return the joint paths of every grasp of a plan; raises InfeasibleTaskError as
+    ``joint_paths``.
+    """
     out = GraspPaths()
     for grasp in plan.grasps:
         out.add(grasp)

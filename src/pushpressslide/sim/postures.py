@@ -1,5 +1,5 @@
-"""Ways of holding an arm while its tip follows a contact: candidates from a grid, by continuation, and how
-far from allowed the others are.
+"""Ways of holding an arm while its tip follows a contact: candidates from a grid, by
+continuation, and how far from allowed the others are.
 """
 
 from __future__ import annotations
@@ -23,13 +23,16 @@ from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 Array = NDArray[np.float64]
 Held = tuple[ToolAttitude, Array]  # with tool yaw offsets (b,)
 
-JOINT_MARGIN = REACH_MARGIN  # [rad] kept from every joint limit, as the reach check of the selection does
-CONDITION_LIMIT = 100.0  # of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+# [rad] kept from every joint limit, as the reach check of the selection does
+JOINT_MARGIN = REACH_MARGIN
+# of the 6 x n Jacobian in rad and m: beyond it a singularity is near
+CONDITION_LIMIT = 100.0
 GOOD_CONDITION = 60.0  # that a stretched arm's is beyond, whose tip is harder to lead
 ENOUGH = 6  # best candidates of each attitude that are handed on
 HELD = 0.1  # [rad] of any joint of an arm that holds on, from where its contact is
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
-YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)  # [rad] tool yaw minus object yaw
+# [rad] tool yaw minus object yaw
+YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)
 YAW_APART = 0.6  # [rad] between the yaws of tools that are not held alike
 POSE = 6  # joints that can hold the tool any way; an arm with fewer keeps it upright
 LEANING = math.radians(95.0)  # from behind the contact, of a turning tool
@@ -54,10 +57,15 @@ class Posture:
 
     def like(self, other: Posture) -> bool:
         """Whether the tool is held much as in another."""
-        mine, theirs = self.attitude, other.attitude
+        mine = self.attitude
+        theirs = other.attitude
         turn = self.offset - other.offset
-        if mine.turns and theirs.turns:  # the same leaning counts, whichever side of the tool leans
-            return mine.tilt == theirs.tilt and _turned(turn + mine.azimuth - theirs.azimuth) < YAW_APART
+        # the same leaning counts, whichever side of the tool leans
+        if mine.turns and theirs.turns:
+            return (
+                mine.tilt == theirs.tilt
+                and _turned(turn + mine.azimuth - theirs.azimuth) < YAW_APART
+            )
         return mine == theirs and _turned(turn) < YAW_APART
 
 
@@ -90,12 +98,16 @@ class Move:
     @property
     def allowed(self) -> bool:
         """Whether every figure is; the tip is not looked at."""
-        return self.margin >= JOINT_MARGIN and self.condition < CONDITION_LIMIT and self.step <= LARGEST_STEP
+        return (
+            self.margin >= JOINT_MARGIN
+            and self.condition < CONDITION_LIMIT
+            and self.step <= LARGEST_STEP
+        )
 
     @property
     def score(self) -> float:
-        """Joint margin and distance from singularity, saturated where more is of no use; upright and near
-        home preferred.
+        """Joint margin and distance from singularity, saturated where more is of no
+        use; upright and near home preferred.
         """
         safe = min(self.margin, 0.4) - 0.01 * min(self.condition, 40.0)
         return safe - 0.15 * self.posture.attitude.tilt - 0.05 * self.turn
@@ -112,7 +124,9 @@ class Miss:
 
 
 def held_at(kin: ArmKinematics, q: Array, axes: Matrix3) -> tuple[ToolAttitude, float]:
-    """Return how the tool is held in posture ``q`` (n,) about a support's ``axes``, and its yaw [rad]."""
+    """Return how the tool is held in posture ``q`` (n,) about a support's ``axes``, and
+    its yaw [rad].
+    """
     R = np.asarray(kin.tip_pose(q)[0])
     x, y, z = R[:, 2] @ np.array(axes)
     attitude = ToolAttitude(math.acos(min(max(-z, 0.1), 1.0)), math.atan2(y, x), axes)
@@ -122,9 +136,13 @@ def held_at(kin: ArmKinematics, q: Array, axes: Matrix3) -> tuple[ToolAttitude, 
 def held_on(
     kin: ArmKinematics, tip: TipPath, q: Array, axes: Matrix3, *, force: bool
 ) -> tuple[list[Move], list[Miss]]:
-    """Return the way of following a tip path that begins in posture ``q`` (n,), or else what it lacks."""
+    """Return the way of following a tip path that begins in posture ``q`` (n,), or else
+    what it lacks.
+    """
     attitude, yaw = held_at(kin, q, axes)
-    found, misses = _followed(kin, tip, [(attitude, yaw - float(tip.yaws[0]))], q[None], force)
+    found, misses = _followed(
+        kin, tip, [(attitude, yaw - float(tip.yaws[0]))], q[None], force
+    )
     posture = [*(move.posture for move in found), *(miss.posture for miss in misses)][0]
     off = float(np.abs(posture.q[0] - q).max())
     if off > HELD and not force:
@@ -136,10 +154,13 @@ def held_on(
 def moves(
     kin: ArmKinematics, tip: TipPath, held: Sequence[Held], *, force: bool
 ) -> tuple[list[Move], list[Move], list[Miss]]:
-    """Return the allowed ways of following a tip path, those of each attitude best first; those with a worse
-    condition, best first; and the others. All are followed at once; ``force`` allows all.
+    """Return the allowed ways of following a tip path, those of each attitude best
+    first; those with a worse condition, best first; and the others. All are followed at
+    once; ``force`` allows all.
     """
-    each = [(attitude, float(offset)) for attitude, offsets in held for offset in offsets]
+    each = [
+        (attitude, float(offset)) for attitude, offsets in held for offset in offsets
+    ]
     turning = [of for of in each if of[0].turns]
     if turning:  # many are tried: those that reach the end too
         reached = iter(_held(kin, tip, -1, turning).converged)
@@ -147,16 +168,25 @@ def moves(
     if not each:
         return [], [], []
     found, misses = _followed(kin, tip, each, _held(kin, tip, 0, each).q, force)
-    good, worse = list[Move](), [move for move in found if move.condition >= GOOD_CONDITION]
+    good = list[Move]()
+    worse = [move for move in found if move.condition >= GOOD_CONDITION]
     for of, _ in held:
-        alike = (move for move in found if move.posture.attitude == of and move.condition < GOOD_CONDITION)
+        alike = (
+            move
+            for move in found
+            if move.posture.attitude == of and move.condition < GOOD_CONDITION
+        )
         good += islice(alike, ENOUGH)
     return good, worse[:ENOUGH], misses
 
 
-def _held(kin: ArmKinematics, tip: TipPath, i: int, each: Sequence[tuple[ToolAttitude, float]]) -> IkSolution:
+def _held(
+    kin: ArmKinematics, tip: TipPath, i: int, each: Sequence[tuple[ToolAttitude, float]]
+) -> IkSolution:
     """Postures at one sample of a tip path, of b attitudes with their tool yaw offsets."""
-    rotations = np.array([held.rotation_at(tip.yaws[i] + offset) for held, offset in each]).reshape(-1, 3, 3)
+    rotations = np.array(
+        [held.rotation_at(tip.yaws[i] + offset) for held, offset in each]
+    ).reshape(-1, 3, 3)
     place = np.tile(tip.positions[i], (len(each), 1))
     return solve_ik(kin, place, rotations, joint_margin=JOINT_MARGIN)
 
@@ -168,11 +198,16 @@ def _followed(
     starts: Array,
     force: bool,
 ) -> tuple[list[Move], list[Miss]]:
-    """Follow a tip path with b attitudes and their tool yaw offsets from postures (b, n)."""
+    """Follow a tip path with b attitudes and their tool yaw offsets from postures (b,
+    n).
+    """
     yaws = tip.yaws + np.array([offset for _, offset in each])[:, None]
     attitudes = [attitude for attitude, _ in each]
-    paths = continuations(kin, tip.positions, yaws, starts, attitudes, JOINT_MARGIN, LARGEST_STEP)
-    found, misses = [], []
+    paths = continuations(
+        kin, tip.positions, yaws, starts, attitudes, JOINT_MARGIN, LARGEST_STEP
+    )
+    found = []
+    misses = []
     for (attitude, offset), path in zip(each, paths, strict=True):
         posture = Posture(attitude, offset, path.q)
         if force or (path.ok and path.condition < CONDITION_LIMIT):
@@ -183,7 +218,9 @@ def _followed(
 
 
 def shortfall(path: Continuation, count: int | None = None) -> float:
-    """Return how far a path, or its first ``count`` samples, is from allowed: a mean over them."""
+    """Return how far a path, or its first ``count`` samples, is from allowed: a mean
+    over them.
+    """
     steps = np.append(0.0, np.abs(np.diff(path.q, axis=0)).max(axis=1))
     short = (
         10.0 * path.position_residual
@@ -204,7 +241,8 @@ def problem(path: Continuation, positions: Array) -> str:
     place = f"with the tip at ({x:.3f}, {y:.3f}, {z:.3f})"
     if path.status == "joint_limit":
         return (
-            f"a joint {path.joint_margins[i]:.3f} rad inside its limit {place}, allowed from {JOINT_MARGIN:g}"
+            f"a joint {path.joint_margins[i]:.3f} rad inside its limit {place}, "
+            f"allowed from {JOINT_MARGIN:g}"
         )
     if path.status == "unreachable":
         return f"{path.position_residual[i] * 1e3:.1f} mm short of reach {place}"
@@ -212,12 +250,16 @@ def problem(path: Continuation, positions: Array) -> str:
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"
 
 
-def attitudes(azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool) -> list[Held]:
-    """Return the ways of holding the tool with their yaw offsets (b,), the preferred first.
+def attitudes(
+    azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bool
+) -> list[Held]:
+    """Return the ways of holding the tool with their yaw offsets (b,), the preferred
+    first.
 
-    ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in the middle of its
-    path; ``axes`` are the support's. ``rolls``: a tool that leans one way all the time would roll its tip
-    over the object, so that one which turns with it is preferred.
+    ``azimuths`` [rad] to which the tip may lean when the object is at ``yaw`` [rad], in
+    the middle of its path; ``axes`` are the support's. ``rolls``: a tool that leans one
+    way all the time would roll its tip over the object, so that one which turns with it
+    is preferred.
     """
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     fixed = [(ToolAttitude(*held, axes), YAW_OFFSETS) for held in tilted]
@@ -225,9 +267,14 @@ def attitudes(azimuths: Sequence[float], yaw: float, axes: Matrix3, *, rolls: bo
     for tilt in TOOL_TILTS[1 if rolls else 2 :]:
         for side in SIDES:
             off = np.array(
-                [[math.remainder(o + side + yaw - a, math.tau) for a in azimuths] for o in YAW_OFFSETS]
+                [
+                    [math.remainder(o + side + yaw - a, math.tau) for a in azimuths]
+                    for o in YAW_OFFSETS
+                ]
             )
             near = np.abs(off).min(axis=1) < LEANING
-            turning.append((ToolAttitude(tilt, side, axes, turns=True), YAW_OFFSETS[near]))
+            turning.append(
+                (ToolAttitude(tilt, side, axes, turns=True), YAW_OFFSETS[near])
+            )
     upright = (ToolAttitude(0.0, azimuths[0], axes), YAW_OFFSETS)
     return [upright, *turning, *fixed] if rolls else [upright, *fixed, *turning]

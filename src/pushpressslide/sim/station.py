@@ -1,8 +1,10 @@
-"""The station: a scene as one Diagram with a port for everything that a robot's controller reads or writes.
+"""The station: a scene as one Diagram with a port for everything that a robot's
+controller reads or writes.
 
 Inputs   joint_torque_<i>    (n,) [N m]
 Outputs  joint_state_<i>     (2 n,) positions, velocities
-         contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force sensor in the tip's
+         contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force
+         sensor in the tip's
                              mount, less the tip's weight
 """
 
@@ -31,24 +33,38 @@ Array = NDArray[np.float64]
 
 
 class ContactForceSensor(LeafSystem):
-    """Turns the reaction force in the tip's mount into the force of the tip on what it touches."""
+    """Turns the reaction force in the tip's mount into the force of the tip on what it
+    touches.
+    """
 
     def __init__(self, plant: MultibodyPlant, robot: RobotInstance) -> None:
         """Read joint and body indices off the finalized plant."""
         super().__init__()
         joint = plant.GetJointByName(robot.tip_joint_name, robot.model_instance)
         # reaction forces are listed by ordinal: the joint's place among all joints
-        self._joint, self._tip = plant.GetJointIndices().index(joint.index()), int(robot.tip_body.index())
-        self._weight = robot.tip_body.default_mass() * plant.gravity_field().gravity_vector()
-        self._R_TJ = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
-        self._reactions = self.DeclareAbstractInputPort("reaction_forces", Value[list[SpatialForce]]([]))
-        self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]([]))
+        self._joint, self._tip = (
+            plant.GetJointIndices().index(joint.index()),
+            int(robot.tip_body.index()),
+        )
+        self._weight = (
+            robot.tip_body.default_mass() * plant.gravity_field().gravity_vector()
+        )
+        self._R_TJ = (
+            joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
+        )
+        self._reactions = self.DeclareAbstractInputPort(
+            "reaction_forces", Value[list[SpatialForce]]([])
+        )
+        self._poses = self.DeclareAbstractInputPort(
+            "body_poses", Value[list[RigidTransform]]([])
+        )
         self.DeclareVectorOutputPort("force", 3, self._calc)
 
     def _calc(self, context: Context, output: Any) -> None:
         reaction = self._reactions.Eval(context)[self._joint].translational()
         R_WT = self._poses.Eval(context)[self._tip].rotation().matrix()
-        # mount on tip + weight + contact on tip = 0 at slow speeds; the tip's own inertia is small
+        # mount on tip + weight + contact on tip = 0 at slow speeds; the tip's own
+        # inertia is small
         output.SetFromVector(R_WT @ (self._R_TJ @ reaction) + self._weight)
 
 
@@ -63,17 +79,29 @@ class Station:
         time_step: float | None = None,
         view: LiveView | None = None,
     ) -> None:
-        """Build the scene of ``plan``'s task with the object at its TRUE start; ``view`` shows it."""
+        """Build the scene of ``plan``'s task with the object at its TRUE start;
+        ``view`` shows it.
+        """
         self.scene: Scene = build_scene(plan, models=models, time_step=time_step)
-        builder, plant = self.scene.builder, self.scene.plant
+        builder = self.scene.builder
+        plant = self.scene.plant
         self.plant = plant
         for i, robot in enumerate(self.scene.robots):
             instance = robot.model_instance
-            builder.ExportInput(plant.get_actuation_input_port(instance), f"joint_torque_{i}")
-            builder.ExportOutput(plant.get_state_output_port(instance), f"joint_state_{i}")
+            builder.ExportInput(
+                plant.get_actuation_input_port(instance), f"joint_torque_{i}"
+            )
+            builder.ExportOutput(
+                plant.get_state_output_port(instance), f"joint_state_{i}"
+            )
             sensor = builder.AddSystem(ContactForceSensor(plant, robot))
-            builder.Connect(plant.get_reaction_forces_output_port(), sensor.GetInputPort("reaction_forces"))
-            builder.Connect(plant.get_body_poses_output_port(), sensor.GetInputPort("body_poses"))
+            builder.Connect(
+                plant.get_reaction_forces_output_port(),
+                sensor.GetInputPort("reaction_forces"),
+            )
+            builder.Connect(
+                plant.get_body_poses_output_port(), sensor.GetInputPort("body_poses")
+            )
             builder.ExportOutput(sensor.GetOutputPort("force"), f"contact_force_{i}")
         if view is not None:
             view.connect(builder, self.scene)
@@ -87,19 +115,27 @@ class Station:
         plant.SetFreeBodyPose(
             self.plant_context,
             self.scene.object,
-            rigid_transform(plan.task.true_start, rest_height(plan.task.object), plan.task.support.frame),
+            rigid_transform(
+                plan.task.true_start,
+                rest_height(plan.task.object),
+                plan.task.support.frame,
+            ),
         )
         self._torques = [
-            self.diagram.GetInputPort(f"joint_torque_{i}") for i in range(len(self.scene.robots))
+            self.diagram.GetInputPort(f"joint_torque_{i}")
+            for i in range(len(self.scene.robots))
         ]
         for port in self._torques:
             port.FixValue(self.context, np.zeros(port.size()))
         self._forces = [
-            self.diagram.GetOutputPort(f"contact_force_{i}") for i in range(len(self.scene.robots))
+            self.diagram.GetOutputPort(f"contact_force_{i}")
+            for i in range(len(self.scene.robots))
         ]
 
     def state_vector(self) -> Array:
-        """Return a copy of the plant's discrete state: all positions, then all velocities."""
+        """Return a copy of the plant's discrete state: all positions, then all
+        velocities.
+        """
         return self.plant_context.get_discrete_state_vector().CopyToVector()
 
     def contact_force(self, i: int) -> tuple[float, float, float]:

@@ -1,5 +1,5 @@
-"""A holonomic law for an object that may be on a wall: the arms give what slides it, less its weight in the
-plane (docs/mechanics.md, section 7).
+"""A holonomic law for an object that may be on a wall: the arms give what slides it,
+less its weight in the plane (docs/mechanics.md, section 7).
 """
 
 from __future__ import annotations
@@ -15,32 +15,48 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 
 
 class CarriedTracker:
-    """The weight acts at the CoM: tips that carry it at another height move the CoP by ``lever`` times it,
-    against its direction. Without a weight in the plane it is the holonomic law.
+    """The weight acts at the CoM: tips that carry it at another height move the CoP by
+    ``lever`` times it, against its direction. Without a weight in the plane it is the
+    holonomic law.
     """
 
     def __init__(
-        self, X_BV: Pose2, surface: DraggedSurface, weight: Point, lever: float, decay: float
+        self,
+        X_BV: Pose2,
+        surface: DraggedSurface,
+        weight: Point,
+        lever: float,
+        decay: float,
     ) -> None:
-        """Bind the law; ``weight`` [N] in the plane, ``lever`` [m/N]: height of the tips above the CoM over
-        the load.
+        """Bind the law; ``weight`` [N] in the plane, ``lever`` [m/N]: height of the
+        tips above the CoM over the load.
         """
-        self._X_BV, self._surface, self._decay = X_BV, surface, decay
-        self._weight, self._lever = weight, lever
+        self._X_BV = X_BV
+        self._surface = surface
+        self._decay = decay
+        self._weight = weight
+        self._lever = lever
         self._level = HolonomicTracker(X_BV, surface, decay=decay)
 
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return the arms' wrench, about the surface's centre, and the twist that follow ``path``, a
-        TwistPath, at ``speed`` [m/s] in its own metric.
+    def step(
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return the arms' wrench, about the surface's centre, and the twist that
+        follow ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
         """
         if not any(self._weight):
             return self._level.step(path, X_WB, progress, speed, grip)
         wx, wy = X_WB.unrotate(self._weight)
         x, y = self._surface.center
-        lifted = replace(self._surface, center=(x - self._lever * wx, y - self._lever * wy))
+        lifted = replace(
+            self._surface, center=(x - self._lever * wx, y - self._lever * wy)
+        )
         law = HolonomicTracker(self._X_BV, lifted, decay=self._decay)
         guidance = law.step(path, X_WB, progress, speed, grip)
-        slid, held = guidance.wrench.moved_to((x, y)), Wrench(wx, wy, 0.0).moved_to((x, y))
+        slid = guidance.wrench.moved_to((x, y))
+        held = Wrench(wx, wy, 0.0).moved_to((x, y))
         return guidance._replace(
-            wrench=Wrench(slid.fx - held.fx, slid.fy - held.fy, slid.tau - held.tau, (x, y))
+            wrench=Wrench(
+                slid.fx - held.fx, slid.fy - held.fy, slid.tau - held.tau, (x, y)
+            )
         )

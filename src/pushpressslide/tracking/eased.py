@@ -1,5 +1,5 @@
-"""A holonomic law that asks for no more than the contacts hold: the pull towards the path is eased until they
-do, the path's own motion is not.
+"""A holonomic law that asks for no more than the contacts hold: the pull towards the
+path is eased until they do, the path's own motion is not.
 """
 
 from __future__ import annotations
@@ -17,14 +17,25 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 
 
 class EasedTracker:
-    """The law with the largest share of its pull at which the contacts hold; without where they never do."""
+    """The law with the largest share of its pull at which the contacts hold; without
+    where they never do.
+    """
 
-    def __init__(self, law: HolonomicTracker | CarriedTracker, holds: Callable[[Wrench], bool]) -> None:
-        """Bind to a law; ``holds`` says of a wrench about its own point whether the contacts can give it."""
-        self._law, self._holds = law, holds
+    def __init__(
+        self, law: HolonomicTracker | CarriedTracker, holds: Callable[[Wrench], bool]
+    ) -> None:
+        """Bind to a law; ``holds`` says of a wrench about its own point whether the
+        contacts can give it.
+        """
+        self._law = law
+        self._holds = holds
 
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s]; ``grip`` in (0, 1] eases too."""
+    def step(
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return wrench and twist that follow ``path`` at ``speed`` [m/s]; ``grip`` in
+        (0, 1] eases too.
+        """
         for share in SHARES:
             guidance = self._law.step(path, X_WB, progress, speed, share * grip)
             if self._holds(guidance.wrench):

@@ -1,9 +1,9 @@
-"""Follows a path of twists with an object that can be driven any way, or any way within a cone
-(docs/mechanics.md, section 9).
+"""Follows a path of twists with an object that can be driven any way, or any way within
+a cone (docs/mechanics.md, section 9).
 
-The path's twist, plus a pull towards the nearest pose of the path that is in proportion to the error and to
-the speed: friction knows no time, so errors decay over a way and not over a time. Errors are REFERENCE MINUS
-ACTUAL.
+The path's twist, plus a pull towards the nearest pose of the path that is in proportion
+to the error and to the speed: friction knows no time, so errors decay over a way and
+not over a time. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 IntoCone = Callable[[Wrench], Wrench | None]
-"""The nearest wrench that the contacts can give; None where the one asked for is such."""
+"""The nearest wrench that the contacts can give; None where the one asked for is such.
+"""
 
 TURN = 2.0 * math.pi
 DECAY = 0.04  # [m] of way over which an error falls to 1/e
@@ -42,31 +43,42 @@ class HolonomicTracker:
         share: float = SHARE,
     ) -> None:
         """Bind the law; ``decay`` [m] > 0, ``share`` in [0, 1)."""
-        self._X_BV, self._surface, self._into_cone = X_BV, surface, into_cone
-        self._decay, self._share = decay, share
+        self._X_BV = X_BV
+        self._surface = surface
+        self._into_cone = into_cone
+        self._decay = decay
+        self._share = share
         self._axes = (cos(X_BV.yaw), sin(X_BV.yaw))
 
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench and twist that follow ``path``, a TwistPath, at ``speed`` [m/s] in its own metric.
+    def step(
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return wrench and twist that follow ``path``, a TwistPath, at ``speed`` [m/s]
+        in its own metric.
 
         ``grip`` in (0, 1] eases the pull.
         """
         assert isinstance(path, TwistPath)
         X_WV = X_WB.compose(self._X_BV)
         progress = path.nearest(X_WV, progress)
-        wanted, (vx, vy, w) = path.pose(progress), path.rate(progress)
+        wanted = path.pose(progress)
+        vx, vy, w = path.rate(progress)
         x, y = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
         turned = remainder(wanted.yaw - X_WV.yaw, TURN)
-        c, s = cos(turned), sin(turned)
+        c = cos(turned)
+        s = sin(turned)
         vx, vy = c * vx - s * vy, s * vx + c * vy  # the path's twist, in V as it is
         size = hypot(vx, vy)
         tx, ty = (vx / size, vy / size) if size > 0.0 else (1.0, 0.0)
         error = (tx * x + ty * y, tx * y - ty * x, turned)
 
         off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
-        most = grip * self._share * self._decay  # [m] of error that is pulled at in proportion
+        # [m] of error that is pulled at in proportion
+        most = grip * self._share * self._decay
         pull = speed / self._decay * (most / off if off > most else 1.0)
-        vx, vy, w = speed * vx + pull * x, speed * vy + pull * y, speed * w + pull * turned
+        vx = speed * vx + pull * x
+        vy = speed * vy + pull * y
+        w = speed * w + pull * turned
         a, b = self._axes
         twist = Twist(a * vx - b * vy, b * vx + a * vy, w, self._X_BV.position)
         surface = self._surface
@@ -74,16 +86,24 @@ class HolonomicTracker:
         nearest = self._into_cone(wrench) if self._into_cone is not None else None
         if nearest is not None:
             twist, wrench = self._driven(twist, wrench, nearest)
-        fx, fy = wrench.fx, wrench.fy
+        fx = wrench.fx
+        fy = wrench.fy
         steering = math.atan2(a * fy - b * fx, a * fx + b * fy)
         return Guidance(
-            progress, wrench, twist.moved_to((0.0, 0.0)), steering, error,
+            progress,
+            wrench,
+            twist.moved_to((0.0, 0.0)),
+            steering,
+            error,
             nearest is not None or off > most,
-        )  # fmt: skip
+        )
 
-    def _driven(self, twist: Twist, wanted: Wrench, nearest: Wrench) -> tuple[Twist, Wrench]:
-        """Return the twist that ``nearest`` drives, in the place of ``twist`` and slower by as much as that
-        is less than what was ``wanted``, and its wrench on the surface.
+    def _driven(
+        self, twist: Twist, wanted: Wrench, nearest: Wrench
+    ) -> tuple[Twist, Wrench]:
+        """Return the twist that ``nearest`` drives, in the place of ``twist`` and
+        slower by as much as that is less than what was ``wanted``, and its wrench on
+        the surface.
         """
         surface = self._surface
         nearest = nearest.moved_to(surface.center)
@@ -91,10 +111,17 @@ class HolonomicTracker:
         if size == 0.0:
             return Twist(0.0, 0.0, 0.0), nearest
         at = twist.moved_to(surface.center)
-        power = wanted.fx * at.vx + wanted.fy * at.vy + wanted.tau * at.w  # max_force times |(v, rho w)|
-        k, scale = power * size / surface.max_force**2, surface.max_force / size
+        # max_force times |(v, rho w)|
+        power = wanted.fx * at.vx + wanted.fy * at.vy + wanted.tau * at.w
+        k = power * size / surface.max_force**2
+        scale = surface.max_force / size
         way = surface.twist_direction(nearest)
         return (
             Twist(k * way.vx, k * way.vy, k * way.w, surface.center),
-            Wrench(scale * nearest.fx, scale * nearest.fy, scale * nearest.tau, surface.center),
+            Wrench(
+                scale * nearest.fx,
+                scale * nearest.fy,
+                scale * nearest.tau,
+                surface.center,
+            ),
         )

@@ -1,8 +1,9 @@
 """Look-ahead alignment of a unicycle with its path (docs/mechanics.md, section 4.2).
 
-A virtual target slides along the path, the look-ahead ahead of the vehicle; the turn is in proportion to its
-lateral coordinate in the vehicle's frame. With the gain 4 / look_ahead^2 the lateral error decays
-critically, as (1 + 2 D / look_ahead) exp(-2 D / look_ahead) over a way D. Errors are REFERENCE MINUS ACTUAL.
+A virtual target slides along the path, the look-ahead ahead of the vehicle; the turn is
+in proportion to its lateral coordinate in the vehicle's frame. With the gain 4 /
+look_ahead^2 the lateral error decays critically, as (1 + 2 D / look_ahead) exp(-2 D /
+look_ahead) over a way D. Errors are REFERENCE MINUS ACTUAL.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from pushpressslide.core.pose import Pose2
 
 @dataclass(frozen=True, slots=True)
 class LookAheadAlignment:
-    """The law; ``fixed`` is the paper's literal reading, a target that stays ``look_ahead`` beyond the
-    goal.
+    """The law; ``fixed`` is the paper's literal reading, a target that stays
+    ``look_ahead`` beyond the goal.
     """
 
     look_ahead: float  # [m] > 0
@@ -33,16 +34,19 @@ class LookAheadAlignment:
     ) -> tuple[float, bool]:
         """Return the curvature [1/m] to drive and whether it had to be clipped.
 
-        ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad] reference minus actual,
-        ``path_curvature`` [1/m] that of the path there; ``grip`` narrows the bounds.
+        ``X_WV`` is the vehicle's pose, ``left_error`` [m] and ``heading_error`` [rad]
+        reference minus actual, ``path_curvature`` [1/m] that of the path there;
+        ``grip`` narrows the bounds.
         """
         ell = self.look_ahead
         if self.fixed is None:
             lateral = left_error * cos(heading_error) + ell * sin(heading_error)
             wanted = path_curvature + 4.0 * lateral / (ell * ell)
         else:
-            goal, (x, y, yaw) = self.fixed, X_WV
-            dx, dy = goal.x + ell * cos(goal.yaw) - x, goal.y + ell * sin(goal.yaw) - y
+            goal = self.fixed
+            x, y, yaw = X_WV
+            dx = goal.x + ell * cos(goal.yaw) - x
+            dy = goal.y + ell * sin(goal.yaw) - y
             wanted = 4.0 * (cos(yaw) * dy - sin(yaw) * dx) / (ell * ell)
         limit = grip * self.limit
         if wanted > limit:

@@ -1,5 +1,5 @@
-"""A pushed object driven as a rear-steer car (docs/mechanics.md, section 3). In plain floats, for a control
-loop: what it costs is tested.
+"""A pushed object driven as a rear-steer car (docs/mechanics.md, section 3). In plain
+floats, for a control loop: what it costs is tested.
 """
 
 from __future__ import annotations
@@ -21,17 +21,32 @@ new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
-    def __init__(self, steer: Steering, car: RearSteerCar, reach: float, level: float) -> None:
-        """Bind the law to a car whose axle is ``reach`` [m] ahead of the CoM, pushed with mu_s N = ``level``
-        [N].
+    def __init__(
+        self, steer: Steering, car: RearSteerCar, reach: float, level: float
+    ) -> None:
+        """Bind the law to a car whose axle is ``reach`` [m] ahead of the CoM, pushed
+        with mu_s N = ``level`` [N].
         """
         self._steer = steer
         ex, ey = car.axis
         stretch = 1.0 + (car.lever / car.rho) ** 2
-        self._figures = (reach, math.atan2(ey, ex), ex, ey, level, stretch, -car.lever, -1.0 / car.wheelbase)
+        self._figures = (
+            reach,
+            math.atan2(ey, ex),
+            ex,
+            ey,
+            level,
+            stretch,
+            -car.lever,
+            -1.0 / car.wheelbase,
+        )
 
-    def step(self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose ``X_WB``."""
+    def step(
+        self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose
+        ``X_WB``.
+        """
         reach, axis, ex, ey, level, stretch, arm, turning = self._figures
         yaw = X_WB.yaw + axis
         progress, left, heading, curvature = path.nearest(
@@ -49,8 +64,18 @@ class RearPushTracker:
             Guidance,
             (
                 progress,
-                new(Wrench, (along * ex - across * ey, along * ey + across * ex, arm * across, ORIGIN)),
-                new(Twist, (speed * ex + drift * ey, speed * ey - drift * ex, w, ORIGIN)),
+                new(
+                    Wrench,
+                    (
+                        along * ex - across * ey,
+                        along * ey + across * ex,
+                        arm * across,
+                        ORIGIN,
+                    ),
+                ),
+                new(
+                    Twist, (speed * ex + drift * ey, speed * ey - drift * ex, w, ORIGIN)
+                ),
                 delta,
                 (0.0, left, heading_error),
                 saturated,

@@ -1,5 +1,5 @@
-"""A pressed object driven as a unicycle: along a path, and turned on the spot (docs/mechanics.md, sections 2
-and 4).
+"""A pressed object driven as a unicycle: along a path, and turned on the spot
+(docs/mechanics.md, sections 2 and 4).
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Which force turns a pressed object how: tan(force angle - angle) = gain (curvature - planned one)."""
+    """Which force turns a pressed object how: tan(force angle - angle) = gain
+    (curvature - planned one).
+    """
 
     X_BV: Pose2  # at the axle, x along its motion
     angle: float  # [rad] in B, of the force on the planned curvature
@@ -37,18 +39,28 @@ class Steering:
     cop: Point  # [m] in B, without drag
     level: float  # [N] mu_s N
     stiffness: (
-        float  # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the axis
+        # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from
+        # the axis
+        float
     )
 
     @classmethod
     def of(cls, planned: Mapping[str, float], car: Unicycle) -> Steering:
         """Return how the vehicle of a choice's parameters is steered."""
-        p, steepest = planned, planned["steepest"]
+        p = planned
+        steepest = planned["steepest"]
         return cls(
-            Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]), p.get("angle", car.X_BV.yaw), p.get("turn", 0.0),
-            p.get("gain", car.reach), p.get("right", -steepest), p.get("left", steepest), car.contact,
-            car.cop, p["push_force"], p.get("stiffness", car.lever / car.reach),
-        )  # fmt: skip
+            Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]),
+            p.get("angle", car.X_BV.yaw),
+            p.get("turn", 0.0),
+            p.get("gain", car.reach),
+            p.get("right", -steepest),
+            p.get("left", steepest),
+            car.contact,
+            car.cop,
+            p["push_force"],
+            p.get("stiffness", car.lever / car.reach),
+        )
 
 
 class UnicycleTracker:
@@ -57,32 +69,43 @@ class UnicycleTracker:
     def __init__(self, law: LookAheadAlignment, steering: Steering) -> None:
         """Bind the law to a vehicle."""
         s = steering
-        self._curvature, X_BV = law.curvature, s.X_BV
-        rx, ry = s.contact[0] - s.cop[0], s.contact[1] - s.cop[1]
+        self._curvature = law.curvature
+        X_BV = s.X_BV
+        rx = s.contact[0] - s.cop[0]
+        ry = s.contact[1] - s.cop[1]
         self._axle = (X_BV.x, X_BV.y, X_BV.yaw, math.cos(X_BV.yaw), math.sin(X_BV.yaw))
         self._force = (s.angle, s.curvature, s.gain, s.right, s.left)
         self._press = (rx, ry, 1.0 / math.hypot(rx, ry), s.cop, s.level, s.stiffness)
 
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path`` at ``speed`` [m/s].
+    def step(
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return wrench (about the centre of pressure) and twist that follow ``path``
+        at ``speed`` [m/s].
 
-        ``grip`` has no part: a turn takes less of the press's friction than straight sliding.
+        ``grip`` has no part: a turn takes less of the press's friction than straight
+        sliding.
         """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
         planned, turning, gain, right, left_most = self._force
         rx, ry, inverse, cop, level, stiffness = self._press
         yaw = X_WB.yaw
-        c, s = cos(yaw), sin(yaw)
-        x, y = X_WB.x + c * qx - s * qy, X_WB.y + s * qx + c * qy
+        c = cos(yaw)
+        s = sin(yaw)
+        x = X_WB.x + c * qx - s * qy
+        y = X_WB.y + s * qx + c * qy
         progress, left, heading, curvature = path.nearest(x, y, progress)
         heading_error = remainder(heading - yaw - axis, TURN)
-        turn, _ = self._curvature((x, y, yaw + axis), left, heading_error, curvature, 1.0)
+        turn, _ = self._curvature(
+            (x, y, yaw + axis), left, heading_error, curvature, 1.0
+        )
         wanted = atan(gain * (turn - turning))
         steering = min(max(wanted, right), left_most)
         if steering != wanted:
             turn = turning + tan(steering) / gain
-        fx, fy = cos(planned + steering), sin(planned + steering)
+        fx = cos(planned + steering)
+        fy = sin(planned + steering)
         lever = rx * fy - ry * fx
         # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2)
         size = level / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
@@ -98,16 +121,27 @@ class UnicycleTracker:
 
 
 class PivotTracker:
-    """Turns on the spot: the force across the axis, a little along it to keep the pivot in its place."""
+    """Turns on the spot: the force across the axis, a little along it to keep the pivot
+    in its place.
+    """
 
     def __init__(self, car: Unicycle, X_BV: Pose2, level: float) -> None:
-        """Bind to a vehicle and the frame at its pivot, x along the axis; ``level`` mu_s N [N]."""
-        self._car, self._level, self._X_BV = car, level, X_BV
+        """Bind to a vehicle and the frame at its pivot, x along the axis; ``level``
+        mu_s N [N].
+        """
+        self._car = car
+        self._level = level
+        self._X_BV = X_BV
 
-    def step(self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that turn along ``path`` at ``speed``."""
+    def step(
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
+    ) -> Guidance:
+        """Return wrench (about the centre of pressure) and twist that turn along
+        ``path`` at ``speed``.
+        """
         assert isinstance(path, TwistPath)
-        car, X_BV = self._car, self._X_BV
+        car = self._car
+        X_BV = self._X_BV
         X_WV = X_WB.compose(X_BV)
         progress = path.nearest(X_WV, progress)
         wanted = path.pose(progress)
@@ -116,7 +150,8 @@ class PivotTracker:
         most = PIVOT_SHARE * abs(car.reach * w)
         v = min(max(PIVOT_GAIN * along, -most), most)
         fx, fy = car.force(v, w, self._level)
-        (ex, ey), d = car.axis, car.lever
+        ex, ey = car.axis
+        d = car.lever
         return Guidance(
             progress,
             Wrench(fx, fy, d * (ex * fy - ey * fx), car.cop),
