@@ -23,10 +23,10 @@ if TYPE_CHECKING:
         SimulationError,
         TaskError,
     )
-    from pushpressslide.experiments.run import run
-    from pushpressslide.pipeline.planner import plan
-    from pushpressslide.pipeline.selection import select
-    from pushpressslide.pipeline.task_file import dump_task, load_task
+    from pushpressslide.jobs.run import run
+    from pushpressslide.selection.planner import plan
+    from pushpressslide.selection.select import select
+    from pushpressslide.taskfile.load import dump_task, load_task
 
     __version__: str
 
@@ -49,11 +49,11 @@ _HOMES = {
     "PushPressSlideError": "core.errors",
     "SimulationError": "core.errors",
     "TaskError": "core.errors",
-    "dump_task": "pipeline.task_file",
-    "load_task": "pipeline.task_file",
-    "plan": "pipeline.planner",
-    "run": "experiments.run",
-    "select": "pipeline.selection",
+    "dump_task": "taskfile.load",
+    "load_task": "taskfile.load",
+    "plan": "selection.planner",
+    "run": "jobs.run",
+    "select": "selection.select",
 }
 
 

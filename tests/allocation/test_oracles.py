@@ -4,7 +4,7 @@ NNLS.
 
 import pytest
 
-from pushpressslide.experiments import agreement
+from pushpressslide.studies.bench import agreement
 
 few_and_many = pytest.mark.parametrize(
     "cases", [400, pytest.param(10_000, marks=pytest.mark.long)]

@@ -9,7 +9,7 @@ from typer.testing import CliRunner, Result
 
 from pushpressslide.cli import app
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
-from pushpressslide.experiments.interrupt import Interrupted
+from pushpressslide.jobs.interrupt import Interrupted
 
 
 def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
@@ -50,7 +50,7 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
             return dict(answer)
 
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr("pushpressslide.experiments.run.run_task", run_task)
+        monkeypatch.setattr("pushpressslide.jobs.run.run_task", run_task)
         return invoke("run", "rear-push-rear", *args)
 
     return call
@@ -233,25 +233,3 @@ def test_every_command_of_the_contract_has_help(words: str) -> None:
     assert result.exit_code == 0
     assert "Usage" in result.stdout
     assert words in invoke().stdout
-
-
-def test_a_command_of_a_later_version_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    import importlib
-
-    real = importlib.import_module
-
-    def absent(name: str, *rest: Any) -> Any:
-        if name.startswith("pushpressslide.experiments."):
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-        return real(name, *rest)
-
-    monkeypatch.setattr("pushpressslide.cli.shell.importlib.import_module", absent)
-    for args in (
-        ["bench"],
-        ["reproduce"],
-        ["identify", "data"],
-        ["sweep", "rear-push-rear", "--samples", "2"],
-    ):
-        result = invoke(*args)
-        assert result.exit_code == 2
-        assert result.stderr == f"pps: {args[0]}: not part of this version yet\n"

@@ -56,9 +56,7 @@ def names(folder: Path) -> set[str]:
 
 
 def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
-    patch = (
-        "import pushpressslide.experiments.run as r\nr.select = pressed_after(r.select)"
-    )
+    patch = "import pushpressslide.jobs.run as r\nr.select = pressed_after(r.select)"
     check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
     assert not (tmp_path / "out").exists()
 
@@ -128,7 +126,7 @@ def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(
     tmp_path: Path,
 ) -> None:
     patch = """
-import pushpressslide.experiments.run as r
+import pushpressslide.jobs.run as r
 def select(task, enough):
     try:
         press()
@@ -141,7 +139,7 @@ r.select = select
 
 
 def test_a_sweep_keeps_its_finished_samples_and_goes_on(tmp_path: Path) -> None:
-    patch = "import pushpressslide.experiments.sweep as s\ns.write_whole = pressed_after(s.write_whole)"
+    patch = "import pushpressslide.jobs.sweep as s\ns.write_whole = pressed_after(s.write_whole)"
     out = tmp_path / "out"
     options = f"sweep rear-push-rear --samples 3 --engine planar --jobs 1 --out {out}"
     sweep = options.split()

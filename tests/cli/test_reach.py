@@ -44,7 +44,7 @@ def test_nothing_is_refused_that_selection_could_do() -> None:
 
     from pushpressslide.core.errors import TaskError
     from pushpressslide.core.pose import Pose2
-    from pushpressslide.pipeline.task_checks import check_reach
+    from pushpressslide.taskfile.checks import check_reach
 
     loaded = 0
     for x in (0.60, 0.68, 0.76, 0.84, 0.92, 1.0, 1.2):

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.taskfile.load import load_task
 
 Refusal = Callable[..., str]
 

@@ -14,7 +14,7 @@ from pushpressslide.core.pose import Pose2, cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Wrench
-from pushpressslide.experiments.sampling import random_task
+from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin, press_margin
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_level
@@ -22,9 +22,9 @@ from pushpressslide.mechanics.top import inside_top
 from pushpressslide.mechanics.virtual_axle import sliding
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Mode
-from pushpressslide.pipeline.planner import plan
-from pushpressslide.pipeline.selection import select
-from pushpressslide.planning.pressed_vehicle import press_of
+from pushpressslide.planning.pressed.vehicle import press_of
+from pushpressslide.selection.planner import plan
+from pushpressslide.selection.select import select
 
 BASE = load_task("rear-push-rear")
 every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.controller import RETREAT
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -20,14 +21,13 @@ from pushpressslide.core.task import (
     Robot,
     Task,
 )
-from pushpressslide.pipeline.controller import RETREAT
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim import joint_path
-from pushpressslide.sim.arms import APART, ArmPath, drawn_back, joint_paths
-from pushpressslide.sim.clearance import LOOK, ClearanceModel
-from pushpressslide.sim.joint_path import CLEARANCE
-from pushpressslide.sim.outline import Outline, least_distance
+from pushpressslide.sim.joints import joint_path
+from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
+from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
+from pushpressslide.sim.joints.joint_path import CLEARANCE
+from pushpressslide.sim.joints.outline import Outline, least_distance
 
 
 def check(

@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.experiments.virtual_axle import (
+from pushpressslide.sim.axle_probe import Probe, probe_axle
+from pushpressslide.studies.paper.virtual_axle import (
     TASK,
     TOLERANCE,
     Case,
     run_case,
     virtual_axle,
 )
-from pushpressslide.pipeline.task_file import load_task
-from pushpressslide.sim.axle_probe import Probe, probe_axle
+from pushpressslide.taskfile.load import load_task
 
 
 @cache

@@ -2,8 +2,8 @@
 
 import pushpressslide as pps
 from pushpressslide.sim.arm_model import ArmModel
-from pushpressslide.sim.effort import largest_share
-from pushpressslide.sim.joint_path import joint_path
+from pushpressslide.sim.joints.effort import largest_share
+from pushpressslide.sim.joints.joint_path import joint_path
 
 
 def share(overrides: list[str]) -> float:

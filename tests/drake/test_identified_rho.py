@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from pushpressslide.experiments.identified_rho import LEAST_TIME, identified_rho
-from pushpressslide.experiments.paper_one_arm import IDENTIFIED_RHO
-from pushpressslide.experiments.run import run_task
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.jobs.run import run_task
 from pushpressslide.report.files import load_run
+from pushpressslide.studies.paper.identified_rho import LEAST_TIME, identified_rho
+from pushpressslide.studies.paper.one_arm import IDENTIFIED_RHO
+from pushpressslide.taskfile.load import load_task
 
 
 @pytest.mark.long

@@ -13,14 +13,14 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.experiments.sampling import random_task
-from pushpressslide.pipeline.planner import plan as make_plan
+from pushpressslide.jobs.sampling import random_task
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim import joint_path as search
-from pushpressslide.sim.approach import APPROACH_SPEED, LEAST_GAP, led_in
-from pushpressslide.sim.clearance import ClearanceModel
-from pushpressslide.sim.postures import CONDITION_LIMIT, JOINT_MARGIN
+from pushpressslide.selection.planner import plan as make_plan
+from pushpressslide.sim.joints import joint_path as search
+from pushpressslide.sim.joints.approach import APPROACH_SPEED, LEAST_GAP, led_in
+from pushpressslide.sim.joints.clearance import ClearanceModel
+from pushpressslide.sim.joints.postures import CONDITION_LIMIT, JOINT_MARGIN
 
 
 def base(robot: str = "panda") -> Task:

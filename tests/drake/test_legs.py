@@ -8,9 +8,9 @@ import math
 
 import pytest
 
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
+from pushpressslide.taskfile.load import load_task
 
 # 10 mm a side in place of 20
 TIGHT = ["obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"]

@@ -5,7 +5,7 @@ import pytest
 
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim.outline import Outline, _segment_distance, least_distance
+from pushpressslide.sim.joints.outline import Outline, _segment_distance, least_distance
 
 
 def test_the_distance_of_segments_is_that_of_their_nearest_points() -> None:

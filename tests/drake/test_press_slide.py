@@ -11,9 +11,9 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
+from pushpressslide.taskfile.load import load_task
 
 BACK = [
     "start.x=0.40",

@@ -12,12 +12,12 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.task_file import task_from_data
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.engine import run as run_drake
+from pushpressslide.taskfile.load import task_from_data
 
 ROD = '<frame name="tool" link="panda_link8" xyz="0 0 0.15" rpy="0 0 0"/></robot>'
 

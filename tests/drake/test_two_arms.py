@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
+from pushpressslide.taskfile.load import load_task
 
 
 @pytest.mark.parametrize(

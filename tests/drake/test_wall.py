@@ -17,8 +17,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Box, ObjectModel, Opening, Support, Task
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.task_file import load_task
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.sim.convert import (
     planar_pose,
@@ -26,6 +25,7 @@ from pushpressslide.sim.convert import (
     rigid_transform,
 )
 from pushpressslide.sim.scenes import build_scene, rest_height
+from pushpressslide.taskfile.load import load_task
 
 GRAVITY = 9.81
 WALL = SupportFrame.of_wall((0.9, 0.2, 0.7), 2.0)

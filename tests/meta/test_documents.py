@@ -12,7 +12,7 @@ import yaml
 from pushpressslide.cli import app
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
-from pushpressslide.pipeline.task_file import task_from_data
+from pushpressslide.taskfile.load import task_from_data
 
 ROOT = Path(__file__).parents[2]
 DOCS = sorted((ROOT / "docs").glob("*.md"))

@@ -14,8 +14,8 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
 from pushpressslide.core.wrench import Twist
-from pushpressslide.experiments.sampling import varied_task
-from pushpressslide.experiments.two_arm_sampling import random_two_arm_task
+from pushpressslide.jobs.sampling import varied_task
+from pushpressslide.jobs.two_arm_sampling import random_two_arm_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.modes.bimanual_press_slide import APART, MODE, USE
 from pushpressslide.planar.engine import run as run_planar

@@ -18,10 +18,10 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.modes import MODES
 from pushpressslide.modes.orthogonal_push import OrthogonalPush
-from pushpressslide.pipeline.planner import plan
-from pushpressslide.pipeline.selection import select
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
+from pushpressslide.selection.planner import plan
+from pushpressslide.selection.select import select
 
 MODE = MODES["orthogonal_push"]
 assert isinstance(MODE, OrthogonalPush)

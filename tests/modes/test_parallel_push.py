@@ -14,10 +14,10 @@ from pushpressslide.core.task import Box, Cylinder, ObjectModel, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.modes import MODES
-from pushpressslide.pipeline.planner import plan
-from pushpressslide.pipeline.selection import select
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
+from pushpressslide.selection.planner import plan
+from pushpressslide.selection.select import select
 
 MODE = MODES["parallel_push"]
 SHIPPED = load_task(

@@ -21,7 +21,7 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
-from pushpressslide.experiments.sampling import varied_task
+from pushpressslide.jobs.sampling import varied_task
 from pushpressslide.modes.press_and_push import EDGE, MODE, USE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.planning import levers
@@ -258,7 +258,7 @@ def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(
     far_push,
 ) -> None:
     from pushpressslide.sim.engine import run as run_drake
-    from pushpressslide.sim.joint_path import joint_path
+    from pushpressslide.sim.joints.joint_path import joint_path
 
     made = pps.plan(replace(big_box(5.0, 60.0, 0.3, 0.7), modes=("press_and_push",)))
     paths = tuple(joint_path(made, arm, force=True) for arm in (0, 1))

@@ -6,12 +6,12 @@ from dataclasses import replace
 from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
-from pushpressslide.experiments.sampling import random_task
+from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
-from pushpressslide.planning.pressed_turns import steering_of
-from pushpressslide.planning.pressed_vehicle import press_of
+from pushpressslide.planning.pressed.turns import steering_of
+from pushpressslide.planning.pressed.vehicle import press_of
 
 BASE = load_task("press-slide")
 

@@ -16,9 +16,9 @@ from pushpressslide.core.task import Obstacle, Task
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.modes import MODES
 from pushpressslide.modes.bimanual_press_slide import MODE
-from pushpressslide.pipeline.selection import select
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
+from pushpressslide.selection.select import select
 
 
 def turn(*overrides: str, contacts=None) -> Task:

@@ -12,13 +12,13 @@ import pytest
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.task import Task
-from pushpressslide.experiments.run import simulate
-from pushpressslide.pipeline.planner import plan
-from pushpressslide.pipeline.selection import select
-from pushpressslide.pipeline.task_file import task_from_data
+from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.report.series import by_grasp
+from pushpressslide.selection.planner import plan
+from pushpressslide.selection.select import select
+from pushpressslide.taskfile.load import task_from_data
 
 PIN = (0.42, 0.15)  # [m] in the world, pressed
 

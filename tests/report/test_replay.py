@@ -16,10 +16,10 @@ from pushpressslide.core.task import (
     Prism,
     Support,
 )
-from pushpressslide.sim import frames, replay
-from pushpressslide.sim.frames import look_at, render_frames, write_video
-from pushpressslide.sim.playback import Playback, camera_view, fit_view, ribbon
-from pushpressslide.sim.replay import write_replay
+from pushpressslide.sim.view import frames, replay
+from pushpressslide.sim.view.frames import look_at, render_frames, write_video
+from pushpressslide.sim.view.playback import Playback, camera_view, fit_view, ribbon
+from pushpressslide.sim.view.replay import write_replay
 
 PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
 

@@ -7,8 +7,8 @@ import pytest
 
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.record import Record
-from pushpressslide.pipeline.task_file import load_task
 from pushpressslide.report.support import support_figures
+from pushpressslide.taskfile.load import load_task
 
 HOLD = 50
 FALL = 25

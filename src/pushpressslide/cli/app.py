@@ -47,7 +47,7 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
     """Return the checked task of the command line: its name or file, the overrides, the
     one mode.
     """
-    from pushpressslide.pipeline.task_file import load_task
+    from pushpressslide.taskfile.load import load_task
 
     only = [] if mode is None else [f"modes={json.dumps([mode])}"]
     return load_task(name, [*(sets or ()), *only])

@@ -47,7 +47,7 @@ def modes(as_json: Json = False) -> None:
 @app.command()
 def tasks(as_json: Json = False) -> None:
     """Show the tasks that ship with the package."""
-    from pushpressslide.pipeline.task_file import load_task, shipped_tasks
+    from pushpressslide.taskfile.load import load_task, shipped_tasks
 
     found = {name: load_task(name).description for name in shipped_tasks()}
     if as_json:
@@ -68,9 +68,9 @@ def select(
 ) -> int:
     """Rank the contact modes for a task, with reasons."""
     from pushpressslide.cli import tables
-    from pushpressslide.pipeline.planner import refusal
-    from pushpressslide.pipeline.selection import select as rank
     from pushpressslide.report.files import to_json, write_whole
+    from pushpressslide.selection.planner import refusal
+    from pushpressslide.selection.select import select as rank
 
     loaded = task_of(task, sets)
     folder = results_folder(
@@ -99,10 +99,10 @@ def plan(
     force: Force = False,
 ) -> None:
     """Plan only; writes plan.json and plan.png."""
-    from pushpressslide.pipeline.planner import plan as make_plan
-    from pushpressslide.pipeline.planner import refusal
-    from pushpressslide.pipeline.selection import select as rank
     from pushpressslide.report.plan_files import plan_to_dict, write_plan
+    from pushpressslide.selection.planner import plan as make_plan
+    from pushpressslide.selection.planner import refusal
+    from pushpressslide.selection.select import select as rank
 
     loaded = task_of(task, sets, mode)
     folder = results_folder(
@@ -159,8 +159,8 @@ def run(
         raise PushPressSlideError(
             f"{option} is not allowed with --engine planar; allowed: --engine drake"
         )
-    from pushpressslide.experiments.interrupt import Interrupted
-    from pushpressslide.experiments.run import run_task
+    from pushpressslide.jobs.interrupt import Interrupted
+    from pushpressslide.jobs.run import run_task
 
     try:
         with progress_bar(f"{loaded.name} on {engine.value}", not quiet) as progress:

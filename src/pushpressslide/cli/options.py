@@ -16,6 +16,13 @@ class Engine(StrEnum):
     planar = "planar"
 
 
+class Variation(StrEnum):
+    """What differs from sample to sample of a sweep."""
+
+    truth = "truth"
+    tasks = "tasks"
+
+
 class Models(StrEnum):
     """Whose robot models are used on Drake."""
 

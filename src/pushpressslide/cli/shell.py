@@ -4,7 +4,6 @@ progress.
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import signal
@@ -159,17 +158,6 @@ def results_folder(
             f"--out: {str(out)!r} is not allowed; allowed: a folder that can be written"
         )
     return out
-
-
-def part(module: str, name: str, command: str) -> Callable[..., Any]:
-    """Return a function of a part that this version may lack."""
-    path = f"pushpressslide.{module}"
-    try:
-        return getattr(importlib.import_module(path), name)  # type: ignore[no-any-return]
-    except ModuleNotFoundError as error:
-        if not path.startswith(error.name or "?"):
-            raise
-        raise PushPressSlideError(f"{command}: not part of this version yet") from None
 
 
 @contextmanager

@@ -19,9 +19,9 @@ from pushpressslide.cli.options import (
     Seed,
     Sets,
     TaskName,
+    Variation,
 )
-from pushpressslide.cli.shell import part, progress_bar, results_folder
-from pushpressslide.core.errors import TaskError
+from pushpressslide.cli.shell import progress_bar, results_folder
 
 
 @app.command()
@@ -33,12 +33,12 @@ def sweep(
     ],
     engine: EngineName = Engine.drake,
     vary: Annotated[
-        str,
+        Variation,
         typer.Option(
             "--vary",
             help="truth: what is true of the task; tasks: new tasks for its robots.",
         ),
-    ] = "truth",
+    ] = Variation.truth,
     check_refusals: Annotated[
         int,
         typer.Option(
@@ -62,15 +62,23 @@ def sweep(
 
     In parallel; with the same --out it goes on where it was interrupted.
     """
-    if vary not in ("truth", "tasks"):
-        raise TaskError("pps sweep", "--vary", vary, "allowed: truth, tasks")
+    from pushpressslide.jobs.sweep import sweep as run_sweep
+
     loaded = task_of(task, sets, mode)
-    work = part("experiments.sweep", "sweep", "sweep")
     folder = results_folder(out, f"sweep-{loaded.name}", force)
     with progress_bar(f"{samples} samples on {engine.value}", not quiet) as progress:
-        options = {"engine": engine.value, "jobs": jobs, "seed": seed, "force": force}
-        options |= {"vary": vary, "check_refusals": check_refusals}
-        result = work(loaded, samples=samples, out=folder, progress=progress, **options)
+        result = run_sweep(
+            loaded,
+            samples=samples,
+            out=folder,
+            progress=progress,
+            engine=engine.value,
+            jobs=jobs,
+            seed=seed,
+            force=force,
+            vary=vary.value,
+            check_refusals=check_refusals,
+        )
     print_outcome(result, folder, as_json, quiet)
 
 
@@ -87,10 +95,13 @@ def reproduce(
     force: Force = False,
 ) -> None:
     """Run the paper's experiments, figure beside figure."""
-    work = part("experiments.reproduce", "reproduce", "reproduce")
+    from pushpressslide.studies.paper.reproduce import reproduce as run_experiments
+
     folder = results_folder(out, "reproduce", force)
     with progress_bar("experiments of the paper", not quiet) as progress:
-        page = work(only or None, seed=seed, out=folder, jobs=jobs, progress=progress)
+        page = run_experiments(
+            only or None, seed=seed, out=folder, jobs=jobs, progress=progress
+        )
     typer.echo(page)
 
 
@@ -125,11 +136,18 @@ def identify(
 
     The models are scored on pushes that were held out.
     """
-    work = part("experiments.identify", "identify", "identify")
+    from pushpressslide.jobs.identify import identify as identified
+
     folder = results_folder(out, "identify", force)
     with progress_bar(f"pushes of {data.name}", not quiet) as progress:
-        options = {"seed": seed, "splits": splits, "fit_share": fit_share}
-        result, found = work(data, out=folder, progress=progress, **options)
+        result, found = identified(
+            data,
+            out=folder,
+            progress=progress,
+            seed=seed,
+            splits=splits,
+            fit_share=fit_share,
+        )
     if as_json:
         print_json(result)
     elif not quiet:
@@ -154,10 +172,11 @@ def bench(
 
     Names: pushes, presses, tick, agreement, coverage, turning, select.
     """
-    work = part("experiments.bench", "bench", "bench")
+    from pushpressslide.studies.bench.bench import bench as run_benchmarks
+
     folder = results_folder(out, "bench", force)
     with progress_bar("benchmarks", not quiet) as progress:
-        result = work(names or None, seed=seed, out=folder, progress=progress)
+        result = run_benchmarks(names or None, seed=seed, out=folder, progress=progress)
     if as_json:
         print_json(result)
     elif not quiet:

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
-from pushpressslide.pipeline.planner import gathered
+from pushpressslide.selection.planner import gathered
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice

@@ -1,7 +1,7 @@
 """A task as typed, frozen data: what is to be moved, on what, from where to where, and
 by which robots.
 
-Built in one place, ``pipeline/task_file.py``, which checks every field;
+Built in one place, ``taskfile/load.py``, which checks every field;
 docs/task-file.md documents the file. SI units and radians throughout (the file has
 degrees where its key ends in ``_deg``).
 """

@@ -27,15 +27,15 @@ from pushpressslide.mechanics.pressing import friction_use, press_loads, pressed
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.press_ranking import by_time, soonest
-from pushpressslide.planning.pressed_manoeuvre import (
+from pushpressslide.planning.pressed.manoeuvre import (
     CORRECTED,
     CORRECTING,
     pressed_manoeuvres,
 )
-from pushpressslide.planning.pressed_onward import onward, pressed_at
-from pushpressslide.planning.pressed_turns import steering_of
-from pushpressslide.planning.pressed_vehicle import (
+from pushpressslide.planning.pressed.onward import onward, pressed_at
+from pushpressslide.planning.pressed.ranking import by_time, soonest
+from pushpressslide.planning.pressed.turns import steering_of
+from pushpressslide.planning.pressed.vehicle import (
     BACK_UPS,
     LOOP,
     PLANNED,

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import perf_counter
 
+from pushpressslide.control.controller import Controller
+from pushpressslide.control.recording import Recorder
+from pushpressslide.control.sensing import Sensor
 from pushpressslide.core.control import Measurement
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import ReasonCode, Record
-from pushpressslide.pipeline.controller import Controller
-from pushpressslide.pipeline.recording import Recorder
-from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.planar.world import World, WorldState
 
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run

@@ -73,7 +73,7 @@ def save_run(
     An older result.json is taken away first, so that a folder is never half of one run
     and half of another.
     """
-    from pushpressslide.pipeline.task_file import dump_task
+    from pushpressslide.taskfile.load import dump_task
 
     out.mkdir(parents=True, exist_ok=True)
     (out / RESULT).unlink(missing_ok=True)
@@ -87,7 +87,7 @@ def load_run(folder: Path) -> Run:
     """Return the run in ``folder``; raises PushPressSlideError where it is missing,
     unfinished or damaged.
     """
-    from pushpressslide.pipeline.task_file import load_task
+    from pushpressslide.taskfile.load import load_task
 
     if not folder.is_dir():
         raise PushPressSlideError(

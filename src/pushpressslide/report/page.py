@@ -17,7 +17,6 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.task import Box, Cylinder, Robot, Task
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.pipeline.planner import gathered
 from pushpressslide.report import style
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page_tables import (
@@ -29,6 +28,7 @@ from pushpressslide.report.page_tables import (
 )
 from pushpressslide.report.plane import plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
+from pushpressslide.selection.planner import gathered
 
 CAPTIONS = {
     "path": "What happened: footprints at even steps of the contact phase, with the force at each.",

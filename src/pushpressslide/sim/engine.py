@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.control.controller import Commands, Controller
+from pushpressslide.control.recording import Recorder
+from pushpressslide.control.sensing import Sensor
+from pushpressslide.control.state import ControllerState
 from pushpressslide.core.control import ControlLog, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.record import ReasonCode, Record
 from pushpressslide.execution.arm import ArmExecutor, ArmState
-from pushpressslide.pipeline.control_state import ControllerState
-from pushpressslide.pipeline.controller import Commands, Controller
-from pushpressslide.pipeline.recording import Recorder
-from pushpressslide.pipeline.sensing import Sensor
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.approach import led_in
 from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
-from pushpressslide.sim.grasps import all_joint_paths
-from pushpressslide.sim.joint_path import ArmPath
+from pushpressslide.sim.joints.approach import led_in
+from pushpressslide.sim.joints.joint_path import ArmPath
+from pushpressslide.sim.joints.placements import all_joint_paths
 from pushpressslide.sim.station import Station
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ def run(
         paths = all_joint_paths(plan)
     view = None
     if live is not None:
-        from pushpressslide.sim.live import LiveView
+        from pushpressslide.sim.view.live import LiveView
 
         view = LiveView(plan, live)
     station = Station(plan, models=models, time_step=physics_step, view=view)

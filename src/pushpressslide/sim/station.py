@@ -27,7 +27,7 @@ from pushpressslide.sim.robot_models import RobotInstance
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
 
 if TYPE_CHECKING:
-    from pushpressslide.sim.live import LiveView
+    from pushpressslide.sim.view.live import LiveView
 
 Array = NDArray[np.float64]
 

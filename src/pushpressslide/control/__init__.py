@@ -1,0 +1,1 @@
+"""The controller, closed form, for any mode and any plant."""

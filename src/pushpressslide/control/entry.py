@@ -1,0 +1,95 @@
+"""How a pressed object goes into an opening of the support, up to its back.
+
+Once the support no longer carries it the object drops in, and the tips follow: pressed
+with its load against a damper that keeps them to the speed at which they could still
+stop at the back, the arm's own inertia braked by feed-forward. All is told by how deep
+the tips are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pushpressslide.core.control import Measurement, Vector3
+from pushpressslide.core.footprint import carried
+from pushpressslide.core.plan import Plan
+
+# [m] of any tip beyond where it pressed at first at which the object counts as going in
+ENTERED = 0.002
+SEATED = 0.002
+AT_REST = 0.01  # [m] from the back, [m/s] of the tips at which it counts as seated
+SEAT_TIME = 3.0  # [s] that is waited for it at the end of the motion
+HOLD_TIME = 0.5  # [s] that an object is held at a goal where nothing else carries it
+BRAKE = 1.0
+LANDING = 0.05  # [m/s^2] of the tips before the back, [m/s] at which they meet it
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """The way into the opening that the goal lies in."""
+
+    stop: float  # [m] depth of its back
+    # of each contact: its arm, and the tip's height [m] on the face
+    tips: tuple[tuple[int, float], ...]
+
+    def depths(self, measurement: Measurement) -> list[float]:
+        """Return how much deeper each tip is than when it would just touch the face on
+        the support [m].
+        """
+        return [height - measurement.tips[arm].position[2] for arm, height in self.tips]
+
+    def speeds(
+        self, measurement: Measurement, begun: Sequence[Vector3]
+    ) -> list[float | None]:
+        """Return the speed [m/s] at which each tip may go in; None while the support is
+        pressed.
+
+        ``begun`` [m]: where each tip was when the motion began, pressed into the face
+        by its load.
+        """
+        tips = (measurement.tips[arm] for arm, _ in self.tips)
+        if (
+            max(p[2] - tip.position[2] for p, tip in zip(begun, tips, strict=True))
+            <= ENTERED
+        ):
+            return [None] * len(self.tips)
+        lefts = (max(self.stop - depth, 0.0) for depth in self.depths(measurement))
+        return [math.sqrt(2.0 * BRAKE * left + LANDING * LANDING) for left in lefts]
+
+    def seated(self, measurement: Measurement) -> bool:
+        """Return whether all tips are as deep as they go, and at rest."""
+        fastest = max(abs(measurement.tips[arm].velocity[2]) for arm, _ in self.tips)
+        return min(self.depths(measurement)) > self.stop - SEATED and fastest < AT_REST
+
+
+def braking(speed: float, allowed: float) -> float:
+    """Return the deceleration [m/s^2] that keeps a tip that goes in at ``speed`` [m/s]
+    to what is allowed.
+    """
+    return BRAKE * min(1.0, (speed / allowed) ** 2) if speed > 0.0 else 0.0
+
+
+def entry(plan: Plan) -> Entry | None:
+    """Return the way into the opening that the last stretch's goal lies in; None where
+    it lies in none.
+    """
+    task = plan.stretches[-1].task
+    opening = task.support.opening
+    if opening is None or not task.enters:
+        return None
+    contacts = plan.choice.contacts
+    return Entry(
+        opening.depth,
+        tuple((c.arm, c.tip_place(task.robots[c.arm].tip_radius)[1]) for c in contacts),
+    )
+
+
+def holds(plan: Plan) -> bool:
+    """Return whether the arms must hold the object at its goal, since nothing else
+    carries it there.
+    """
+    return plan.next_grasp is None and not carried(
+        plan.task, plan.stretches[-1].task.goal
+    )

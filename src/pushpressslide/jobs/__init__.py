@@ -1,0 +1,1 @@
+"""What a command does: one run from task to report, sweeps of many, identification."""

@@ -1,0 +1,126 @@
+"""Rho, friction and pressure from recorded pushes; models scored on pushes that were
+held out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.identification.pairs import LENGTH
+from pushpressslide.identification.push_sets import load_sets
+from pushpressslide.identification.scoring import Identification, identified
+from pushpressslide.jobs.run import versions
+from pushpressslide.mechanics.rho import rho_pole
+from pushpressslide.report.files import to_json
+from pushpressslide.report.identification import predicted_rho, write_identification
+
+SCHEMA = 1
+Progress = Callable[[float, float], None]
+
+
+def identify(
+    data: Path,
+    *,
+    out: Path,
+    seed: int = 0,
+    splits: int = 20,
+    fit_share: float = 0.5,
+    progress: Progress | None = None,
+) -> tuple[dict[str, Any], list[Identification]]:
+    """Identify every set of pushes in ``data``, a log or a folder with logs; return
+    what was found.
+
+    Writes result.json, report.html and a plot of each set to ``out``. Raises
+    PushPressSlideError for logs that cannot be read.
+    """
+    sets, others = load_sets(data)
+    found = []
+    for done, push_set in enumerate(sets):
+
+        def moved(part: float, parts: float, done: int = done) -> None:
+            if progress is not None:
+                progress(done + part / parts, len(sets))
+
+        found.append(identified(push_set, fit_share, splits, seed, moved))
+    notes = _notes(found, others)
+    result = {
+        "schema": SCHEMA,
+        "data": str(data),
+        "seed": seed,
+        "splits": splits,
+        "fit_share": fit_share,
+        "length_scale": LENGTH,
+        "sets": {each.push_set.name: _figures(each) for each in found},
+        "mean_error_reduction": _reductions(found),
+        "notes": notes,
+        "versions": versions(),
+    }
+    # of an older run: a folder that has one is complete
+    (out / "result.json").unlink(missing_ok=True)
+    how = f"{splits} random splits, {100.0 * fit_share:g} % of each set's pushes fitted, the rest held out."
+    write_identification(found, out, how, notes)
+    write_whole(out / "result.json", to_json(result))
+    return result, found
+
+
+def _figures(found: Identification) -> dict[str, Any]:
+    """What result.json holds of one set; SI units, radians."""
+    push_set = found.push_set
+    layout, rigid = predicted_rho(found)
+    return {
+        "logs": [recording.path.name for recording in push_set.recordings],
+        "pushes": len(push_set.pairs),
+        "refused": list(push_set.refused),
+        "pins": [list(pin) for pin in push_set.pins] or None,
+        "loads": found.pressure.shares.tolist() if push_set.pins else None,
+        "contact_height": float(push_set.pairs.heights.mean()),
+        "friction": found.pressure.friction,
+        "friction_ellipsoid": found.ellipsoid.max_force / push_set.weight,
+        "rho": found.ellipsoid.rho,
+        "rho_predicted": layout,
+        "rho_predicted_rigid_face": rigid,
+        "rho_pressure": rho_pole(found.pressure.at_rest),
+        "errors": {
+            name: {"mean": s.mean, "spread": s.spread}
+            for name, s in found.scores.items()
+        },
+    }
+
+
+def _reductions(found: Sequence[Identification]) -> dict[str, float]:
+    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, of each
+    model.
+    """
+    names = [
+        name for name in found[0].scores if all(name in each.scores for each in found)
+    ]
+    return {
+        name: sum(
+            1.0 - each.scores[name].mean / each.scores["ellipsoid"].mean
+            for each in found
+        )
+        / len(found)
+        for name in names
+    }
+
+
+def _notes(found: Sequence[Identification], others: Sequence[Path]) -> list[str]:
+    """Say what was not used."""
+    notes = []
+    for each in found:
+        notes += [
+            f"{each.push_set.name}: {line} (not used)."
+            for line in each.push_set.refused
+        ]
+        for recording in each.push_set.recordings:
+            held = len(recording.pushes)
+            announced = recording.announced
+            if held != announced:
+                notes.append(
+                    f"{recording.path.name}: announces {announced} pushes, holds "
+                    f"{held}."
+                )
+    return notes + [f"{path.name}: not a log of pushes." for path in others]

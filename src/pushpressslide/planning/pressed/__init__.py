@@ -1,0 +1,1 @@
+"""Paths of an object that one arm presses from above."""

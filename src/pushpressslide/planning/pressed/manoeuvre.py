@@ -1,0 +1,286 @@
+"""Manoeuvres of a pressed object: up to three turns, each by a force at one angle, and
+a straight run-in on which what error there is decays. For goals that no path of one
+vehicle leads to.
+
+Source: docs/mechanics.md, sections 1.2, 2 and 4.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+
+import numpy as np
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.mechanics.press_axle import GRAVITY
+from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.pressed.three_turns import words
+from pushpressslide.planning.pressed.turns import PressedTurn, pressed_turns
+from pushpressslide.planning.pressed.vehicle import SWING, figures, press_of
+from pushpressslide.rom.unicycle import Unicycle
+
+RUN_INS = (3.0, 2.0)  # look-aheads
+# that a force must be free to turn, on a run-in and better on all turns
+CORRECTING = math.radians(14.0)
+CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
+LOOK_AHEAD = (0.04, 0.10)  # [m]
+STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
+PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
+# [s] that a turn has to save to be taken that leaves little steering to correct it
+NARROW = 3.0
+# half widths inside the base's edge from which on the object is driven at full speed
+SAFE_ROOM = 0.5
+LONGEST = 0.75  # of limits.time: the rest is for another attempt
+COUNT = 3  # words per run-in that are handed on
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """One turn of a manoeuvre."""
+
+    turn: PressedTurn
+    path: ArcPath  # of the turn's axle
+    end: Pose2  # X_WB
+    speed: float  # [m/s]
+
+    @property
+    def look_ahead(self) -> float:
+        """A third of the vehicle's length, more where all steering corrects little [m]."""
+        gain = abs(self.turn.gain)
+        most = min(self.turn.left, -self.turn.right)
+        least = math.sqrt(4.0 * CORRECTED * gain / math.tan(most))
+        return min(
+            max(0.35 * (gain + self.turn.press.lever), least, LOOK_AHEAD[0]),
+            LOOK_AHEAD[1],
+        )
+
+    def parameters(self, level: float) -> dict[str, float]:
+        """Return what a choice remembers of it; ``level`` mu_s N [N]."""
+        turn = self.turn
+        X_BV = turn.X_BV
+        gain = abs(turn.gain)
+        ex, ey = turn.press.axis
+        cop = turn.press.cop
+        backward = abs(turn.angle) > 0.5 * math.pi
+        ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
+        shift = -ahead - gain if backward else ahead + gain
+        car = Unicycle(
+            turn.press.contact, cop, math.sqrt(gain * turn.press.lever), backward, shift
+        )
+        across = math.sin(turn.angle) ** 2
+        stiffness = (
+            turn.press.lever / gain
+            if across < 1e-3
+            else (1.0 / turn.share**2 - 1.0) / across
+        )
+        return figures(car, X_BV, level) | {
+            "look_ahead": self.look_ahead,
+            "press_force": turn.press.load,
+            "speed": self.speed,
+            "steepest": min(-turn.right, turn.left),
+            "right": turn.right,
+            "left": turn.left,
+            "angle": math.atan2(ey, ex) + turn.angle,
+            "turn": self.path.curvature(0.0),
+            "gain": turn.gain,
+            "stiffness": stiffness,
+            "curvature": abs(turn.curvature),
+            "turned_from_axis": turn.angle,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """Turns one after the other, the last one the run-in, and how long they take."""
+
+    contact: Contact
+    start: Pose2  # X_WB
+    goal: Pose2  # X_WB
+    arcs: tuple[
+        tuple[PressedTurn, float, tuple[float, float]], ...
+    ]  # speed [m/s], curvature [1/m], length [m]
+    time: float  # [s]
+
+    @property
+    def stretches(self) -> list[Stretch]:
+        """The paths of the turns' axles."""
+        out = []
+        X = self.start
+        for turn, speed, arc in self.arcs[:-1]:
+            path = ArcPath(X.compose(turn.X_BV), (arc,))
+            X = path.end.compose(turn.X_BV.inverse())
+            out.append(Stretch(turn, path, X, speed))
+        turn, speed, (_, length) = self.arcs[-1]
+        path = ArcPath(
+            advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),)
+        )
+        return [*out, Stretch(turn, path, self.goal, speed)]
+
+    @property
+    def swing(self) -> float:
+        """How far the object is turned on the way from where it starts, at most [rad]."""
+        return max(
+            map(
+                abs,
+                accumulate(
+                    curvature * length for _, _, (curvature, length) in self.arcs
+                ),
+            )
+        )
+
+    def choice(self, task: Task, mode: str) -> Choice:
+        """Return it as a choice of ``mode``, a stretch for each turn."""
+        belief = task.believed
+        contact = self.contact
+        X_BG = task.object.X_GB.inverse()
+        stretches = self.stretches
+        weight = belief.mass * GRAVITY
+        use = friction_use(
+            contact.load, weight, belief.support_friction, belief.contact_friction
+        )
+        margin = math.atan(belief.contact_friction) - math.atan(
+            use * belief.contact_friction
+        )
+        turns = ", ".join(
+            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg"
+            for s in stretches
+        )
+        reason = (
+            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with "
+            f"{contact.load:.1f} N: "
+            f"{turns}; {use:.2f} of the tip's friction used"
+        )
+        length = 0.0
+        time = 0.0
+        following = None
+        for stretch in reversed(stretches):
+            length += stretch.path.length
+            time += SpeedProfile(
+                stretch.path.length, stretch.speed, task.motion.acceleration
+            ).duration
+            parameters = stretch.parameters(
+                belief.support_friction * (weight + contact.load)
+            )
+            parameters |= {
+                "friction_use": use,
+                "manoeuvre": float(following is not None),
+            }
+            goal = None if following is None else stretch.end.compose(X_BG)
+            path = stretch.path
+            seconds = time + overhead(task, pressed=True)
+            following = Choice(
+                mode,
+                True,
+                reason,
+                (contact,),
+                length,
+                seconds,
+                margin,
+                parameters,
+                path,
+                goal,
+                following,
+            )
+        assert following is not None
+        return following
+
+
+def pressed_manoeuvres(
+    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+) -> list[Manoeuvre]:
+    """Return manoeuvres from ``X_WB`` to the task's goal, the quickest first, by a
+    press at one of ``contacts``.
+    """
+    pressed = [
+        (contact, press_of(task, contact))
+        for contact in contacts
+        if contact.point != (0.0, 0.0)
+    ]
+    goal = task.goal.compose(task.object.X_GB)
+    out = []
+    turns = pressed_turns([press for _, press in pressed])
+    for (contact, _), of_press in zip(pressed, turns, strict=True):
+        if of_press:
+            out += _of_press(task, X_WB, goal, contact, of_press)
+    return sorted(out, key=lambda manoeuvre: manoeuvre.time)
+
+
+def _of_press(
+    task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
+) -> list[Manoeuvre]:
+    ends = [t for t in turns if _straight(t) and min(-t.right, t.left) >= CORRECTING]
+    if not ends:
+        return []
+    turns = [
+        *turns,
+        *(
+            replace(t, curvature=-t.curvature)
+            for t in turns
+            if abs(t.curvature) < STRAIGHT
+        ),
+    ]
+    speeds = [_speed(task, turn) for turn in turns]
+    bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
+    axles = np.array([complex(*turn.X_BV.position) for turn in turns])
+    normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
+    centers = axles + normals / bent
+    times = 1.0 / (np.abs(bent) * np.array(speeds))
+    narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
+    pauses = PAUSE + NARROW * narrow
+    run_ins = []
+    stagings = []
+    out = []
+    for turn in ends:
+        X_BV = turn.X_BV
+        speed = _speed(task, turn)
+        look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+        for run_in in RUN_INS:
+            length = run_in * look_ahead
+            staging = goal.compose(
+                Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0)
+            )
+            ahead = X_WB.inverse().compose(staging)
+            run_ins.append((turn, speed, length))
+            stagings.append(
+                Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
+            )
+    found = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
+    for (turn, speed, length), of_run_in in zip(run_ins, found, strict=True):
+        for word in of_run_in:
+            time = word.time + length / speed + PAUSE
+            if time < LONGEST * task.limits.time:
+                by = zip(word.turns, word.angles, strict=True)
+                arcs = [
+                    (turns[c], speeds[c], (float(bent[c]), float(angle / bent[c])))
+                    for c, angle in by
+                ]
+                arcs.append((turn, speed, (0.0, length)))
+                out.append(Manoeuvre(contact, X_WB, goal, tuple(arcs), time))
+    return out
+
+
+def _straight(turn: PressedTurn) -> bool:
+    """Whether it is by a force along the heading axis."""
+    return abs(math.remainder(turn.angle, math.pi)) < 1e-6
+
+
+def _speed(task: Task, turn: PressedTurn) -> float:
+    return (
+        task.motion.speed
+        * min(1.0, SWING / turn.pace)
+        * min(1.0, turn.room / SAFE_ROOM)
+    )
+
+
+def as_driven(curvature: float, like: float) -> float:
+    """Return a turn's curvature [1/m] as it is driven: one straight on has a centre far
+    away, on the side of ``like``.
+    """
+    return curvature if abs(curvature) >= STRAIGHT else math.copysign(STRAIGHT, like)

@@ -1,0 +1,170 @@
+"""The rest of a manoeuvre from where object and contact really are: the same turns, as
+they then are and as long as they then have to be.
+
+A turn about a point of the body does not end quite where it was planned to: the tip
+rolls and creeps, and the pressure is not quite what it was believed to be. The turns
+that are left and the run-in have lengths to choose that make up for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.planning.pressed.manoeuvre import Stretch, as_driven
+from pushpressslide.planning.pressed.turns import pressed_turns
+from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
+
+STEPS = 5  # of Gauss and Newton's method
+YAW_ARM = 0.1  # [m] that an error of one radian counts for
+LEAST_RUN_IN = 1.5  # look-aheads
+MOST = 0.1  # [m], by the same measure, that a length is changed by at a time
+WEAK = 0.03  # of the strongest effect that changes have: weaker ones are not used
+SMALL = 1e-6  # [m], [rad] of a difference quotient
+
+Array = NDArray[np.float64]
+Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
+
+
+def pressed_at(plan: Plan, contact: Contact) -> Plan:
+    """Return ``plan``, of a manoeuvre, and what follows it, with the same turns pressed
+    at ``contact``: their paths as they were, but for the curvatures. A turn that is no
+    longer one there stays as planned.
+    """
+    press = press_of(plan.task, contact)
+    turns = {turn.angle: turn for turn in pressed_turns([press])[0]}
+    following = None
+    for stretch in reversed(plan.stretches):
+        planned = stretch.choice.parameters
+        path = stretch.path
+        turn = turns.get(planned["turned_from_axis"])
+        if turn is not None and isinstance(path, ArcPath):
+            curvature, length = path.pieces[-1]
+            curvature = as_driven(turn.curvature, curvature) if curvature else 0.0
+            path = ArcPath(path.start, ((curvature, length),))
+            now = Stretch(turn, path, Pose2(0.0, 0.0, 0.0), planned["speed"])
+            parameters = {**planned, **now.parameters(planned["push_force"])}
+            choice = replace(
+                stretch.choice, contacts=(contact,), parameters=parameters, path=path
+            )
+            stretch = replace(stretch, choice=choice, path=path, X_BV=turn.X_BV)
+        following = replace(stretch, following=following)
+    assert following is not None
+    return following
+
+
+def onward(plan: Plan, X_WB: Pose2, contact: Contact) -> Plan:
+    """Return ``plan``, what is left of a manoeuvre's turn, and what follows it, pressed
+    at ``contact`` and with the lengths that lead from ``X_WB`` to the goal, or as near
+    to it as they can; those next to the planned ones, where several do. The last turn
+    is steered besides: it has too few lengths.
+    """
+    stretches = pressed_at(plan, contact).stretches
+    X_GB = plan.task.object.X_GB
+    goal = stretches[-1].goal.compose(X_GB)
+    arcs, lengths = _arcs(stretches, X_WB, goal)
+    poses = _poses(arcs, lengths, X_WB)
+    following = None
+    parts = zip(stretches, arcs, lengths, pairwise(poses), strict=True)
+    for stretch, (X_BV, curvature), length, (begin, end) in reversed(list(parts)):
+        start = begin.compose(X_BV)
+        target = stretch.choice.goal
+        # the run-in leads to the goal, from wherever the turns end
+        if following is None:
+            start = advance(goal.compose(X_BV), 0.0, -length)
+        elif target is not None:
+            target = end.compose(X_GB.inverse())
+        path = ArcPath(start, ((curvature, length),))
+        following = replace(
+            stretch,
+            choice=replace(stretch.choice, path=path, path_length=length, goal=target),
+            path=path,
+            profile=SpeedProfile(
+                length, stretch.profile.speed, stretch.profile.acceleration
+            ),
+            following=following,
+        )
+    assert following is not None
+    return following
+
+
+def _arcs(
+    stretches: Sequence[Plan], X_WB: Pose2, goal: Pose2
+) -> tuple[list[Arc], list[float]]:
+    """Return the arcs of ``stretches`` that lead from ``X_WB`` to ``goal``, and their
+    lengths [m]: Gauss and Newton's method within bounds.
+    """
+    arcs: list[Arc] = [
+        (s.X_BV, s.path.pieces[-1][0]) for s in stretches if isinstance(s.path, ArcPath)
+    ]
+    turn, run_in = (
+        stretch.choice.parameters for stretch in (stretches[0], stretches[-1])
+    )
+    gain = turn["gain"]
+    curvatures = np.array([curvature for _, curvature in arcs])
+    # the lengths, and the first turn's steering; of all changes those of the least way
+    # and the least turn
+    x = np.array([*(stretch.path.length for stretch in stretches), 0.0])
+    low = np.array(
+        [0.0] * (len(arcs) - 1)
+        + [LEAST_RUN_IN * run_in["look_ahead"], PLANNED * turn["right"]]
+    )
+    high = np.array([math.inf] * len(arcs) + [PLANNED * turn["left"]])
+    ways = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
+    low = np.maximum(low, x - MOST / ways)
+    high = np.minimum(high, x + MOST / ways)
+    if len(arcs) > 2:
+        low[-1] = high[-1] = 0.0
+
+    def steered(x: Array) -> list[Arc]:
+        (X_BV, curvature), *others = arcs
+        return [(X_BV, curvature + math.tan(x[-1]) / gain), *others]
+
+    def short(x: Array) -> Array:
+        end = _poses(steered(x), x[:-1].tolist(), X_WB)[-1]
+        yaw = math.remainder(goal.yaw - end.yaw, math.tau)
+        return np.array([goal.x - end.x, goal.y - end.y, YAW_ARM * yaw])
+
+    for _ in range(STEPS):
+        off = short(x)
+        slopes = np.array(
+            [(off - short(x + step)) / SMALL for step in SMALL * np.eye(len(x))]
+        ).T
+        x = x + _step(slopes / ways, off, (low - x) * ways, (high - x) * ways) / ways
+    return steered(x), [float(length) for length in x[:-1]]
+
+
+def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:
+    """Return the least step (n,) within bounds that makes up for ``off`` (3,), as far
+    as they let it.
+    """
+    step = np.zeros(len(low))
+    free = np.ones(len(low), dtype=bool)
+    while free.any():
+        step[free] = np.linalg.lstsq(
+            slopes[:, free], off - slopes[:, ~free] @ step[~free], rcond=WEAK
+        )[0]
+        beyond = free & ((step < low) | (step > high))
+        step = np.clip(step, low, high)
+        if not beyond.any():
+            break
+        free &= ~beyond
+    return step
+
+
+def _poses(arcs: Sequence[Arc], lengths: Sequence[float], X_WB: Pose2) -> list[Pose2]:
+    """Return X_WB before the first arc and after each."""
+    out = [X_WB]
+    for (X_BV, curvature), length in zip(arcs, lengths, strict=True):
+        out.append(
+            advance(out[-1].compose(X_BV), curvature, length).compose(X_BV.inverse())
+        )
+    return out

@@ -1,0 +1,269 @@
+"""A pressed object as a vehicle: which way it drives, how far it may steer without
+tipping, and where it can go.
+
+Source: docs/mechanics.md, sections 1.2, 2 and 4.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
+from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.mechanics.press_axle import Press
+from pushpressslide.planning.pressed.turns import TIPPING_ROOM
+from pushpressslide.planning.run_in import gentlest, room
+from pushpressslide.rom.unicycle import Unicycle
+
+# force angles from the motion that steering may be bounded by: the steepest that does
+# not tip the object
+STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
+CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
+PLANNED = 0.6  # share of the bound that a plan's turns use; the rest is for corrections
+# times the axle's speed that the contact may move in a turn; tighter turns are slower
+SWING = 1.2
+TIGHTER = (0.5, 0.75, 1.0, 2.0)  # curvatures that are tried, in units of that turn's
+# [m] that it first goes back straight, where the goal is too near for a plain path
+BACK_UPS = (0.0, 0.1, 0.2, 0.3)
+LOOP = 0.3  # [m] that a path may be longer than one without a loop
+RUN_INS = (5.0, 3.0, 1.5)  # straight ends that are tried, in look-aheads
+SHORT_RUN_INS = (*RUN_INS, 0.5, 0.0)  # the same on the way
+
+
+@dataclass(frozen=True, slots=True)
+class PressedVehicle:
+    """One contact, one press, one direction."""
+
+    press: Press
+    car: Unicycle
+    # at the virtual axle, x along the motion; of a turn on the spot, at its pivot
+    X_BV: Pose2
+    steepest: float  # [rad] force angle from the motion that it may be steered with
+    # [half widths] that the centre of pressure stays inside the base under the least
+    # steering
+    room: float
+
+    def figures(self, level: float) -> dict[str, float]:
+        """Return what a choice remembers of it; ``level`` mu_s N [N]."""
+        return {**figures(self.car, self.X_BV, level), "steepest": self.steepest}
+
+
+def press_of(task: Task, contact: Contact) -> Press:
+    """Return the press of a contact, as believed; raises ValueError for one at the CoM."""
+    belief = task.believed
+    body = replace(task.object, mass=belief.mass)
+    return Press(body, belief.support_friction, contact.point, contact.load)
+
+
+def steered(task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
+    """Return the vehicle that turns by a force at ``angle`` [rad] from the motion, as
+    believed.
+
+    Raises ValueError where it tips.
+    """
+    if task.believed.rho is not None:
+        return Unicycle(
+            press.contact, press.cop, task.believed.rho, backward, press.shift
+        )
+    ahead, reach = press.steered(angle, backward)
+    shift = -ahead - reach if backward else ahead + reach
+    return Unicycle(
+        press.contact, press.cop, math.sqrt(reach * press.lever), backward, shift
+    )
+
+
+def pressed_vehicle(
+    task: Task, contact: Contact, backward: bool, angle: float, most: float = math.inf
+) -> PressedVehicle:
+    """Return the object as a vehicle that turns by a force at ``angle`` [rad] and is
+    steered by at most ``most`` [rad]; ``task.motion.vehicle`` says whether it turns on
+    the spot. Raises ValueError, with the number that decides, where it tips.
+    """
+    kind = task.motion.vehicle
+    press = press_of(task, contact)
+    bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
+    rooms = [(a, _room(press, a, backward)) for a in bounds]
+    least = rooms[0][1]
+    if least < TIPPING_ROOM:
+        raise ValueError(
+            f"drag at {task.object.shape.height:.3f} m tips it: the centre of pressure "
+            "comes within "
+            f"{least:.2f} "
+            f"half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+        )
+    steepest = min(most, max(a for a, space in rooms if space >= TIPPING_ROOM))
+    if kind == "pivot":
+        left = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi) > 0.0
+        car = Unicycle(press.contact, press.cop, 1.0)
+        pivot = press.pivot(left)
+        back = (press.cop[0] - pivot[0]) * car.axis[0] + (
+            press.cop[1] - pivot[1]
+        ) * car.axis[1]
+        car = replace(car, rho=math.sqrt(back * press.lever))
+        return PressedVehicle(press, car, Pose2(*pivot, car.X_BV.yaw), steepest, least)
+    if kind in ("car", "forklift"):
+        steepest = min(steepest, CAR_ANGLE)
+    car = steered(task, press, backward, angle)
+    return PressedVehicle(press, car, car.X_BV, steepest, least)
+
+
+def way_back(task: Task, press: Press, backward: bool) -> Unicycle | None:
+    """Return the vehicle for a short straight way; None where the object would tip, or
+    cannot be steered since the drag moves the centre of pressure by more than the
+    vehicle is long.
+    """
+    if _room(press, STEEPEST[0], backward) < TIPPING_ROOM:
+        return None
+    car = steered(task, press, backward, 0.0)
+    return car if car.length > car.shift else None
+
+
+def _room(press: Press, angle: float, backward: bool) -> float:
+    at = math.pi - angle if backward else angle
+    return min(press.room(at), press.room(-at))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A path of the virtual axle, after going back straight."""
+
+    path: ArcPath
+    back_up: float  # [m]
+    run_in: float  # [m]
+    curvature: float  # [1/m]
+    too_long: float  # [m] longer than a path without a loop
+
+
+def way_to(
+    start: Pose2,
+    goal: Pose2,
+    vehicle: PressedVehicle,
+    run_ins: Sequence[float],
+    back_ups: Sequence[float],
+) -> Way:
+    """Return the gentlest way of the vehicle frame from ``start`` to ``goal``, going
+    back as little as needed.
+    """
+    tightest = math.tan(PLANNED * vehicle.steepest) / abs(vehicle.car.reach)
+    curvatures = turns(vehicle.car, tightest)
+    ways = []
+    for back_up in back_ups:
+        begin = advance(start, 0.0, -back_up)
+        run_in, curvature, path = gentlest(begin, goal, curvatures, run_ins)
+        ways.append(
+            Way(
+                path,
+                back_up,
+                run_in,
+                curvature,
+                path.length - room(begin, goal, curvature),
+            )
+        )
+        if ways[-1].too_long <= 0.0:
+            break
+    return min(ways, key=lambda way: max(way.too_long, 0.0))
+
+
+def turns(car: Unicycle, tightest: float) -> list[float]:
+    """Return the curvatures to try [1/m], the gentlest first, none above ``tightest``."""
+    return sorted({min(k * SWING / car.length, tightest) for k in TIGHTER})
+
+
+def figures(car: Unicycle, X_BV: Pose2, level: float) -> dict[str, float]:
+    """Return what a choice remembers of a vehicle."""
+    return {
+        "backward": float(car.backward),
+        "cop_x": car.cop[0],
+        "cop_y": car.cop[1],
+        "rho": car.rho,
+        "height_shift": car.shift,
+        "lever": abs(car.lever),
+        "axle_from_com": math.hypot(*X_BV.position),
+        "axle_x": X_BV.x,
+        "axle_y": X_BV.y,
+        "axle_yaw": X_BV.yaw,
+        "push_force": level,
+    }
+
+
+def axle_ahead(car: Unicycle) -> float:
+    """Return the coordinate of the virtual axle on the heading axis, from the CoM [m]."""
+    X_BV = car.X_BV
+    ex, ey = car.axis
+    return X_BV.x * ex + X_BV.y * ey
+
+
+def car_of(choice: Choice) -> Unicycle:
+    """Return the vehicle of a choice."""
+    p = choice.parameters
+    (contact,) = choice.contacts
+    return Unicycle(
+        contact.point,
+        (p["cop_x"], p["cop_y"]),
+        p["rho"],
+        p["backward"] > 0.0,
+        p["height_shift"],
+    )
+
+
+def frame_of(choice: Choice) -> Pose2:
+    """Return X_BV of a choice."""
+    p = choice.parameters
+    return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
+
+
+def plan_of(task: Task, choice: Choice, acceleration: float) -> Plan | None:
+    """Return the plan of a choice and what follows it, each stretch at its own speed;
+    None without a path.
+    """
+    following = None
+    for stretch in reversed(choice.stretches):
+        if stretch.path is None:
+            return None
+        profile = SpeedProfile(
+            stretch.path.length, stretch.parameters["speed"], acceleration
+        )
+        following = Plan(
+            task, stretch, stretch.path, profile, frame_of(stretch), following
+        )
+    return following
+
+
+def after_backing_up(
+    task: Task, vehicle: PressedVehicle, then: Choice, way: float
+) -> Choice:
+    """Return the choice to drive ``way`` [m] straight the other way first, and then as
+    ``then`` does.
+    """
+    car = way_back(task, vehicle.press, not vehicle.car.backward)
+    assert car is not None
+    path = ArcPath(
+        task.start.compose(task.object.X_GB).compose(car.X_BV), ((0.0, way),)
+    )
+    goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
+    time = SpeedProfile(
+        way, then.parameters["speed"], task.motion.acceleration
+    ).duration
+    parameters = {
+        **then.parameters,
+        **figures(car, car.X_BV, then.parameters["push_force"]),
+    }
+    parameters |= {
+        "curvature": 1.0 / car.length,
+        "run_in": way,
+        "steepest": STEEPEST[0],
+    }
+    return replace(
+        then,
+        reason=f"{then.reason}, {way:g} m back first",
+        path_length=way + (then.path_length or 0.0),
+        time=time + (then.time or 0.0),
+        parameters=parameters,
+        path=path,
+        goal=goal,
+        following=then,
+    )

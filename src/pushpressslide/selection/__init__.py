@@ -1,0 +1,1 @@
+"""Which mode, with which contacts: selection, and the plan of a choice."""

@@ -1,0 +1,51 @@
+"""Whether a wall with an opening carries a pressed object all the way, up to where it
+goes in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pushpressslide.core.footprint import depth_beside
+from pushpressslide.core.plan import Choice
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+
+LEVEL = 0.01  # [m] beyond the opening's edges up to which an outline counts as going in
+
+
+def opening_problem(task: Task, choice: Choice, poses: Sequence[Pose2]) -> str | None:
+    """Return in one line where the object would tip into the opening on its way, or
+    None.
+
+    What of the base the opening leaves carries the load as long as the centre of
+    pressure of the drag, the weight included, lies within its convex hull
+    (docs/walls.md). ``poses``: X_WG along the choice's path.
+    """
+    opening = task.support.opening
+    shape = task.object.shape
+    if opening is None:
+        return None
+    wide = replace(
+        opening, size=(opening.size[0] + 2.0 * LEVEL, opening.size[1] + 2.0 * LEVEL)
+    )
+    cop = (choice.parameters["cop_x"], choice.parameters["cop_y"])
+    lever = choice.parameters["lever"]
+    for X_WG in poses:
+        if task.enters and wide.holds(X_WG, shape):
+            return None
+        X_WB = X_WG.compose(task.object.X_GB)
+        wx, wy = X_WB.unrotate(task.weight_in_plane)
+        depth = depth_beside(
+            shape, X_WG, opening, X_WB.apply((cop[0] - lever * wx, cop[1] - lever * wy))
+        )
+        if depth < 0.0:
+            return (
+                f"but the object tips into support.opening at ({X_WG.x:.3f}, "
+                f"{X_WG.y:.3f}): the centre of "
+                f"pressure is {-depth * 1e3:.0f} mm beyond what of the base is on the "
+                "wall; an object that "
+                "is longer than the opening is high can be turned into it"
+            )
+    return None

@@ -1,0 +1,1 @@
+"""Replays, pictures and the live view of a run."""

@@ -1,0 +1,1 @@
+"""The benchmarks: closed forms beside their alternatives."""

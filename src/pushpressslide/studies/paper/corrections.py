@@ -1,0 +1,97 @@
+"""Where the paper's text needs correction: its own figures beside what holds, computed
+when asked for.
+
+One row for each of docs/mechanics.md, section 12. Renew the page by
+``python -m pushpressslide.studies.paper.corrections docs/corrections.md``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from html import escape
+from pathlib import Path
+
+from pushpressslide.report.page_tables import table
+from pushpressslide.studies.paper import corrections_one_arm as one
+from pushpressslide.studies.paper import corrections_two_arms as two
+from pushpressslide.studies.paper.correction import Correction
+
+ROWS: tuple[Callable[[], Correction], ...] = (
+    one.distance_from_com,
+    one.pressure_constant,
+    one.force_invariance,
+    one.mobility_of_shift,
+    one.mobility_of_load,
+    two.moments_about_com,
+    one.stanley_signs,
+    one.steering_of_pusher,
+    two.differential_drive,
+    two.bias_is_external,
+    two.turning_regions,
+    two.symmetric_split,
+    two.pivot_about_contact,
+    one.virtual_target,
+    one.one_friction,
+)
+BEGIN = "<!-- corrections: begin (generated) -->"
+END = "<!-- corrections: end -->"
+
+
+def corrections() -> tuple[Correction, ...]:
+    """Return all corrections, computed now."""
+    return tuple(row() for row in ROWS)
+
+
+def html(rows: Sequence[Correction]) -> str:
+    """Return the corrections as an HTML table: a group of figures for each."""
+    lines = []
+    marks = []
+    for row in rows:
+        why = f'<span class="why">{escape(row.why)} Mechanics {escape(row.section)}.</span>'
+        lines.append(
+            [f'<th colspan="3" scope="rowgroup">{escape(row.claim)}<br>{why}</th>']
+        )
+        marks.append(' class="claim"')
+        for figure in row.figures:
+            cells = (figure.shown(figure.paper), figure.shown(figure.holds))
+            lines.append(
+                [
+                    f'<th scope="row">{escape(figure.what)}</th>',
+                    *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
+                ]
+            )
+            marks.append("")
+    return table(("Claim and figure", "Paper", "Holds"), lines, marks, numbers=2)
+
+
+def markdown(rows: Sequence[Correction]) -> str:
+    """Return the corrections as Markdown: a heading, a line and a table for each."""
+    parts = []
+    for row in rows:
+        lines = ["| figure | paper | holds |", "|---|---:|---:|"]
+        lines += [
+            f"| {f.what} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
+            for f in row.figures
+        ]
+        why = f"{row.why} ([mechanics](mechanics.md), {row.section})"
+        parts.append(f"**{row.claim}.** {why}\n\n" + "\n".join(lines))
+    return "\n\n".join(parts)
+
+
+def with_corrections(page: str) -> str:
+    """Return a page with its corrections renewed; raises ValueError for a page without
+    the two marks.
+    """
+    head, begin, rest = page.partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"the page lacks {BEGIN!r} or {END!r}")
+    return f"{head}{BEGIN}\n\n{markdown(corrections())}\n\n{END}{tail}"
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1])
+    target.write_text(
+        with_corrections(target.read_text(encoding="utf-8")), encoding="utf-8"
+    )

@@ -1,0 +1,343 @@
+"""Corrections to what the paper says of support and one arm (docs/mechanics.md,
+sections 1 to 4).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from pushpressslide.core.path import advance
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Box, ObjectModel
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.contacts import velocity_of_force
+from pushpressslide.mechanics.limit_surface import (
+    EllipsoidLimitSurface,
+    exact_twist_direction,
+)
+from pushpressslide.mechanics.press_axle import PAPER_C, Press
+from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.mechanics.rho import rho_pole, rho_straight
+from pushpressslide.mechanics.virtual_axle import exact_axle_distance
+from pushpressslide.studies.paper.correction import Compared, Correction
+from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
+from pushpressslide.tracking.rear_stanley import rear_stanley
+
+MU_SUPPORT = 0.3
+MU_TIP = 0.9  # of the pairs object/support and tip/object; the paper gives neither
+SEEN = 0.346  # [m] from the centre of pressure to the axle that the paper saw
+BAR = Press(
+    ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0)), MU_SUPPORT, (0.2, 0.0), 8.0
+)
+UNIFORM = rectangle_pressure(0.6, 0.2)
+PRESSED = rectangle_pressure(0.6, 0.2, 1.0, BAR.cop)
+CUBE = rectangle_pressure(0.15, 0.15)
+CUBE_LEVER = 0.075
+# of the force from the line of contact and CoP
+ANGLES = tuple(math.radians(a) for a in range(1, 91, 4))
+
+
+def distance_from_com() -> Correction:
+    """Case 2, experiment B: the figure of 0.82 m."""
+    return Correction(
+        "The virtual axle is 0.82 m from the CoM",
+        "4.1",
+        "It lies beyond the centre of pressure: the way from CoM to centre of pressure "
+        "comes off, not on.",
+        (
+            Compared(
+                "axle from the CoM, away from the contact",
+                BAR.paper_printed(),
+                -BAR.paper_axle(),
+                "m",
+            ),
+        ),
+    )
+
+
+def pressure_constant() -> Correction:
+    """Section II-A and experiment B: c."""
+    r0 = BAR.half_diagonal
+    seen = math.sqrt(SEEN * BAR.lever) / r0
+    return Correction(
+        "c is 0.6 for a uniform contact, and 0.43 once the arm's force has shrunk the "
+        "patch",
+        "1.1",
+        "c follows from the pressure, r0 being half the diagonal; pressed at its end "
+        "the bar partly lifts.",
+        (
+            Compared(
+                "uniform, turning on the spot", PAPER_C, rho_pole(UNIFORM) / r0, "", 3
+            ),
+            Compared(
+                "uniform, straight along the length",
+                PAPER_C,
+                rho_straight(UNIFORM) / r0,
+                "",
+                3,
+            ),
+            Compared(
+                "pressed, turning on the spot", seen, rho_pole(PRESSED) / r0, "", 3
+            ),
+            Compared(
+                "pressed, straight along the length",
+                seen,
+                rho_straight(PRESSED) / r0,
+                "",
+                3,
+            ),
+        ),
+    )
+
+
+def force_invariance() -> Correction:
+    """Case 2: one axle for all forces."""
+
+    def spread(distance: Callable[[float], float]) -> float:
+        distances = [distance(angle) for angle in ANGLES]
+        return max(distances) / min(distances)
+
+    def on_ellipsoid(angle: float) -> float:
+        force = (math.cos(angle), math.sin(angle))
+        surface = EllipsoidLimitSurface(1.0, PAPER_C * BAR.half_diagonal)
+        twist = surface.twist_direction(Wrench(*force, BAR.lever * force[1]))
+        return twist.vy / twist.w
+
+    lever = (BAR.lever, 0.0)
+    paper = spread(on_ellipsoid)
+    what = "farthest over nearest axle, force at 1° to 90°, "
+    return Correction(
+        "The virtual axle is strictly invariant to the force",
+        "4",
+        "So it is on the ellipsoid only; and drag at the tip's height moves the load "
+        "towards the force.",
+        (
+            Compared(
+                what + "pressed end",
+                paper,
+                spread(lambda a: exact_axle_distance(PRESSED, lever, a)),
+                "",
+                3,
+            ),
+            Compared(
+                what + "even load",
+                paper,
+                spread(lambda a: exact_axle_distance(UNIFORM, lever, a)),
+                "",
+                3,
+            ),
+            Compared(
+                "axle from the CoM, pulled, tip 0.1 m high",
+                BAR.paper_axle(),
+                BAR.axle(0.0),
+                "m",
+                3,
+            ),
+            Compared(
+                "axle from the CoM, pushed, tip 0.1 m high",
+                BAR.paper_axle(),
+                BAR.axle(math.pi),
+                "m",
+                3,
+            ),
+        ),
+    )
+
+
+def mobility_of_shift() -> Correction:
+    """Section II-B: a shift of the centre of pressure."""
+    centred = rho_straight(UNIFORM) ** 2
+
+    def shifted(x: float) -> float:
+        return rho_straight(rectangle_pressure(0.6, 0.2, 1.0, (x, 0.0))) ** 2
+
+    return Correction(
+        "A shift of the centre of pressure does not change the mobilities",
+        "1.2",
+        "alpha/beta is the pressure's variance along the motion, and a load off the "
+        "centre is narrower.",
+        (
+            Compared(
+                "alpha/beta, load at a sixth of the length",
+                centred,
+                shifted(0.1),
+                "m²",
+                4,
+            ),
+            Compared(
+                "alpha/beta, the paper's press", centred, shifted(BAR.cop[0]), "m²", 4
+            ),
+        ),
+    )
+
+
+def mobility_of_load() -> Correction:
+    """Section II-B, eq. 9: 1/N^2."""
+    twist = Twist(0.05, 0.0, 0.0)
+    mobilities = []
+    for load in (1.0, 3.0):
+        wrench = EllipsoidLimitSurface(MU_SUPPORT * load, 0.1).wrench(twist)
+        mobilities.append(twist.vx / wrench.fx)
+    return Correction(
+        "alpha and beta fall with the square of the load",
+        "1",
+        "lambda is no constant: force fixes the direction, and at a given speed alpha "
+        "is |v|/(mu N).",
+        (
+            Compared(
+                "alpha at three times the load",
+                1.0 / 3.0**2,
+                mobilities[1] / mobilities[0],
+                "",
+                3,
+            ),
+        ),
+    )
+
+
+def stanley_signs() -> Correction:
+    """Case 1, eq. 14."""
+    start = 0.010
+    gain = 8.0
+    left = _steered(1.0, start, sign=-1.0)[-1]
+    overshoot = -min(_steered(gain, start)) / start
+    return Correction(
+        "The rear Stanley law is stable without oscillation for any k > 0",
+        "3",
+        "With reference minus actual it is stable, and without overshoot up to k = "
+        "v/(4 x_vfa).",
+        (
+            Compared(
+                "off the path 1 m on, from 10 mm, errors actual minus reference",
+                0.0,
+                1e3 * abs(left),
+                "mm",
+                0,
+            ),
+            Compared(
+                "the same, errors reference minus actual",
+                0.0,
+                1e3 * abs(_steered(1.0, start)[-1]),
+                "mm",
+                0,
+            ),
+            Compared(
+                f"overshoot at {gain:g} times that k", 0.0, 100.0 * overshoot, "%", 0
+            ),
+        ),
+    )
+
+
+def _steered(gain: float, offset: float, sign: float = 1.0) -> list[float]:
+    """Return the offsets [m] of a car's axle over 1 m, ``gain`` in units of the largest
+    without overshoot.
+    """
+    wheelbase = 0.045
+    step = 5e-4
+    law = rear_stanley(wheelbase, (-1.2, 1.2), gain)
+    pose = Pose2(0.0, offset, 0.0)
+    offsets = [offset]
+    for _ in range(round(1.0 / step)):
+        delta, _ = law(-sign * pose.y, -sign * pose.yaw, 0.0, 1.0)
+        pose = advance(pose, -math.tan(delta) / wheelbase, step)
+        offsets.append(pose.y)
+    return offsets
+
+
+def steering_of_pusher() -> Correction:
+    """Case 1, eq. 11."""
+    mu = 0.4
+    contact = (-CUBE_LEVER, 0.0)
+    vx, vy = velocity_of_force(contact, rho_pole(CUBE), (1.0, mu))
+    exact = exact_twist_direction(CUBE, Wrench(1.0, mu, -CUBE_LEVER * mu)).moved_to(
+        contact
+    )
+    paper = math.degrees(math.atan(mu))
+    return Correction(
+        "The steering angle is bounded by atan(mu)",
+        "3",
+        "That bounds the force; the pusher itself moves at (1 + d²/rho²) times its "
+        "tangent.",
+        (
+            Compared(
+                "largest angle of the pusher's motion, ellipsoid",
+                paper,
+                math.degrees(math.atan2(vy, vx)),
+                "°",
+                1,
+            ),
+            Compared(
+                "the same, exact",
+                paper,
+                math.degrees(math.atan2(exact.vy, exact.vx)),
+                "°",
+                1,
+            ),
+        ),
+    )
+
+
+def virtual_target() -> Correction:
+    """Experiment B: the target beyond the pose."""
+    ahead = 0.2
+    fixed = _aligned(LookAheadAlignment(ahead, 50.0, Pose2()))
+    sliding = _aligned(LookAheadAlignment(ahead, 50.0))
+    what = ", from 1 m before, 0.1 m aside"
+    return Correction(
+        "A virtual target beyond the pose leaves less than 5 mm and 1 degree",
+        "4.2",
+        "Fixed there it leaves an error; sliding along the goal's line, always 0.2 m "
+        "ahead, it leaves none.",
+        (
+            Compared(
+                "off the goal, target fixed 0.2 m beyond it" + what,
+                5.0,
+                1e3 * abs(fixed[0]),
+                "mm",
+                1,
+            ),
+            Compared("yaw error, fixed", 1.0, math.degrees(abs(fixed[1])), "°", 2),
+            Compared(
+                "off the goal, target sliding 0.2 m ahead",
+                5.0,
+                1e3 * abs(sliding[0]),
+                "mm",
+                1,
+            ),
+            Compared("yaw error, sliding", 1.0, math.degrees(abs(sliding[1])), "°", 2),
+        ),
+    )
+
+
+def _aligned(law: LookAheadAlignment) -> Point:
+    """Return offset [m] and heading [rad] at the goal, the origin, after 1 m from 0.1 m
+    aside.
+    """
+    pose = Pose2(-1.0, 0.1, 0.0)
+    step = 5e-4
+    while pose.x < 0.0:
+        turn, _ = law.curvature((pose.x, pose.y, pose.yaw), -pose.y, -pose.yaw, 0.0)
+        pose = advance(pose, turn, step)
+    return pose.y, pose.yaw
+
+
+def one_friction() -> Correction:
+    """Throughout: one mu."""
+    what = "straight sliding takes of the tip's friction, 8 N on 0.3 kg"
+    return Correction(
+        "One mu stands for all friction",
+        "4",
+        "Tip and support differ: a press slides the object only where mu_a exceeds "
+        "mu_s.",
+        (
+            Compared(
+                what,
+                100.0 * friction_use(BAR.load, BAR.weight, MU_SUPPORT, MU_SUPPORT),
+                100.0 * friction_use(BAR.load, BAR.weight, MU_SUPPORT, MU_TIP),
+                "%",
+                0,
+            ),
+        ),
+    )

@@ -1,0 +1,230 @@
+"""The page of the paper's experiments: claims, figures, pictures and plots,
+corrections.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report import style
+from pushpressslide.report.axle_figures import axle_over_time, directions_figure
+from pushpressslide.report.files import Run, load_run
+from pushpressslide.report.page import document, image
+from pushpressslide.report.page_tables import comparison_table, table
+from pushpressslide.report.plane import path_figure
+from pushpressslide.report.plots import comparison_plot
+from pushpressslide.report.virtual_axle import page_body, write_virtual_axle
+from pushpressslide.studies.paper import corrections
+from pushpressslide.studies.paper.claims import Claim
+from pushpressslide.studies.paper.correction import Correction
+from pushpressslide.studies.paper.evidence import Evidence, Outcome
+from pushpressslide.studies.paper.experiment import Experiment, Variant
+from pushpressslide.studies.paper.experiments import AXLE
+from pushpressslide.studies.paper.figures import FIGURES, figure_of, paper_figure
+from pushpressslide.studies.paper.pictures import CAPTION, NAME
+from pushpressslide.studies.paper.table import LEGEND, ending, findings, summary
+
+TITLE = "The paper's experiments"
+INTRODUCTION = (
+    "Push, Press, Slide: Mode-Aware Planar Contact Manipulation via Reduced-Order "
+    "Models. Every experiment "
+    "of the paper, run anew; its figures beside the measured ones, and what its text "
+    "needs corrected."
+)
+AXLE_TITLE = "Where a pressed object turns about"
+AXLE_CLAIM = (
+    "Section IV-B. The paper's bar, pressed and dragged in a constant direction, open "
+    "loop: measured, "
+    "predicted by the exact model, and by the paper's formula."
+)
+CORRECTIONS_TEXT = (
+    "What the paper's text claims or its formula gives, and what holds for the same "
+    "case, both computed when "
+    "this page was made. K is rho² / d; friction is 0.3 under the object and 0.9 at "
+    "the tip where nothing "
+    "else is said. Sections are those of the mechanics."
+)
+
+
+def write_page(
+    experiments: Sequence[Experiment],
+    evidence: Evidence,
+    judged: Sequence[Claim],
+    corrected: Sequence[Correction],
+    out: Path,
+    made_by: str,
+) -> Path:
+    """Write ``out``/report.html, and the axle's own page where it was analysed; return
+    the former's path.
+    """
+    page = out / "report.html"
+    sections = [("claims", "Claims", _claims(judged))]
+    sections += [(e.name, e.title, _experiment(e, evidence, page)) for e in experiments]
+    if evidence.axle is not None:
+        write_virtual_axle(evidence.axle, out / AXLE)
+        png = style.png(directions_figure(evidence.axle))
+        body = f"<p>{escape(AXLE_CLAIM)}</p>{page_body(evidence.axle, png, 'h3')}"
+        sections.append((AXLE, AXLE_TITLE, body))
+    body = f"<p>{escape(CORRECTIONS_TEXT)}</p>{corrections.html(corrected)}"
+    sections.append(("corrections", "Corrections to the paper", body))
+    links = "".join(
+        f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections
+    )
+    parts = [
+        f"<h1>{TITLE}</h1>",
+        f"<p>{escape(INTRODUCTION)}</p>",
+        f'<p class="verdict good"><strong>{escape(summary(judged))}</strong></p>',
+        f'<nav><ul class="contents">{links}</ul></nav>',
+    ]
+    parts += [
+        f'<section id="{name}"><h2>{escape(title)}</h2>{body}</section>'
+        for name, title, body in sections
+    ]
+    parts.append(f"<footer><p>{escape(made_by)}</p></footer>")
+    return write_whole(page, document(TITLE, "".join(parts)))
+
+
+def _claims(judged: Sequence[Claim]) -> str:
+    """Return the claims as a table, a group for each experiment."""
+    rows = []
+    marks = []
+    source = ""
+    for claim in judged:
+        if claim.source != source:
+            source = claim.source
+            rows.append([f'<th colspan="5" scope="rowgroup">{escape(source)}</th>'])
+            marks.append(' class="group"')
+        css = {True: "ok", False: "no", None: ""}[claim.reproduced]
+        rows.append(
+            [
+                f'<th scope="row">{escape(claim.words)}</th>',
+                f"<td>{escape(_unbroken(claim.paper))}</td>",
+                f"<td>{escape(_unbroken(claim.measured))}</td>",
+                f'<td class="{css}">{escape(claim.status)}</td>',
+                f'<td class="why">{escape(claim.why)}</td>',
+            ]
+        )
+        marks.append("")
+    text = (
+        "Every error and time that the paper gives, met or beaten or missed, and what "
+        "it states of its "
+        "experiments. What it derives is judged in the corrections."
+    )
+    told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
+    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{told}</div>'
+
+
+def _unbroken(text: str) -> str:
+    """Return ``text`` with every number kept on one line with its unit."""
+    return re.sub(r"(?<=[\d≤≈>]) (?=[^ \d]{1,2}\b|\d|%)", "\u00a0", text)
+
+
+def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
+    runs: dict[str, Run] = {}
+    for variant in experiment.variants:
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        if outcome.result is not None:
+            runs[variant.name] = load_run(outcome.folder)
+    said = "".join(
+        f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, evidence)
+    )
+    titles = {variant.name: variant.title for variant in experiment.variants}
+    parts = [
+        f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
+        *(
+            _picture(runs[name], titles[name])
+            for name in experiment.pictured
+            if name in runs
+        ),
+        _figures(experiment, evidence, page),
+        "<h3>What comes out</h3>"
+        + (f"<ul>{said}</ul>" if said else "")
+        + f"<p>{escape(experiment.why)}</p>",
+    ]
+    wanted = tuple(runs) if experiment.plotted is None else experiment.plotted
+    plotted = [name for name in wanted if name in runs]
+    if plotted:
+        curves = [
+            (titles[name], runs[name].record, runs[name].task, runs[name].plan)
+            for name in plotted
+        ]
+        parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
+    if experiment.axle in runs:
+        run = runs[experiment.axle]
+        made = axle_over_time(run.task, run.plan, run.record)
+        if made is not None:
+            caption = f"{titles[experiment.axle]}: the virtual axle over time, and tracking errors."
+            parts.append(image(style.png(made), "virtual axle over time", caption))
+    if len(runs) > 1:
+        rest = comparison_table(
+            [titles[name] for name in runs], [run.result for run in runs.values()]
+        )
+        parts.append(
+            f"<details><summary>All figures of these runs</summary>{rest}</details>"
+        )
+    return "".join(parts)
+
+
+def _picture(run: Run, title: str) -> str:
+    """Return the pictures of a run on its way, or where none could be rendered, the run
+    from above.
+    """
+    pictures = run.folder / NAME
+    if pictures.is_file():
+        return image(
+            pictures.read_bytes(), f"{title}, on its way", f"{title}, {CAPTION}"
+        )
+    return image(
+        style.png(path_figure(run.task, run.plan, run.record)),
+        f"{title}, from above",
+        title,
+    )
+
+
+def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
+    """Paper's figures and measured ones, a group of rows for each variant."""
+    rows = []
+    marks = []
+    width = len(FIGURES) + 2
+    for variant in experiment.variants:
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        rows.append(
+            [
+                f'<th colspan="{width}" scope="rowgroup">{_named(variant, outcome, page)}</th>'
+            ]
+        )
+        if variant.paper:
+            cells = _cells(paper_figure(variant.paper, key) for _, key, *_ in FIGURES)
+            rows.append(['<th scope="row">Paper</th>', *cells, "<td></td>"])
+        cells = _cells(figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES)
+        good = outcome.result is not None and bool(outcome.result["success"])
+        css = "n ok" if good else "no" if outcome.result is None else "n no"
+        verdict = f'<td class="{css}">{escape(ending(outcome))}</td>'
+        rows.append(['<th scope="row">Measured</th>', *cells, verdict])
+        marks += [' class="group"', *[""] * (2 if variant.paper else 1)]
+    head = ("", *(label for label, *_ in FIGURES), "Outcome")
+    return table(head, rows, marks, numbers=len(FIGURES) + 1)
+
+
+def _cells(texts: Iterable[str]) -> list[str]:
+    return [f'<td class="n">{escape(text)}</td>' for text in texts]
+
+
+def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
+    """Return a variant's title with links to its replay and report, and what it sets
+    otherwise.
+    """
+    parts = [f"<strong>{escape(variant.title)}</strong>"]
+    folder = Path(
+        os.path.relpath(outcome.folder.resolve(), page.resolve().parent)
+    ).as_posix()
+    for file, label in (("replay.html", "replay"), ("report.html", "report")):
+        if (outcome.folder / file).is_file():
+            parts.append(f'<a href="{escape(folder)}/{file}">{label}</a>')
+    settings = " ".join(escape(text) for text in (variant.task, *variant.overrides))
+    return " · ".join([*parts, f"<code>{settings}</code>"])

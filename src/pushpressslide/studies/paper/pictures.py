@@ -1,0 +1,42 @@
+"""Pictures of a run on its way, side by side, as in the paper's figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.report import series
+from pushpressslide.report.files import load_run
+
+NAME = "pictures.png"
+SHARES = (0.0, 0.33, 0.67, 1.0)  # of the contact phase
+WIDTH = 400
+HEIGHT = 300  # [pixel] of each
+CAPTION = "at the start, a third, two thirds and the end of the contact phase; pale green: the goal."
+
+
+def write_pictures(folder: Path) -> Path | None:
+    """Render the run in ``folder`` into pictures.png beside its record, and return the
+    path; None where there is nothing to see, or this machine cannot render.
+    """
+    from PIL import Image
+
+    from pushpressslide.sim.view.frames import FrameRenderer
+
+    run = load_run(folder)
+    (at,) = np.nonzero(series.contact_phase(run.record))
+    if len(at) == 0:
+        return None
+    first, last = run.record.arrays["time"][at[[0, -1]]]
+    try:
+        renderer = FrameRenderer(run.task, run.plan, run.record, WIDTH, HEIGHT)
+        images = [
+            renderer.image(float(first + share * (last - first))) for share in SHARES
+        ]
+    except SimulationError:
+        return None
+    path = folder / NAME
+    Image.fromarray(np.hstack(images)).save(path, optimize=True)
+    return path

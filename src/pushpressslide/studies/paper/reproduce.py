@@ -1,0 +1,156 @@
+"""Every experiment of the paper, through the same pipeline as any task; one page, paper
+beside measured.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.parallel import Progress, in_parallel
+from pushpressslide.jobs.run import Engine, run_task, versions
+from pushpressslide.report.files import load_run
+from pushpressslide.studies.paper.claims import claims
+from pushpressslide.studies.paper.corrections import corrections
+from pushpressslide.studies.paper.evidence import Evidence, Outcome
+from pushpressslide.studies.paper.experiment import Experiment, Variant
+from pushpressslide.studies.paper.experiments import AXLE, chosen
+from pushpressslide.studies.paper.identified_rho import identified_rho
+from pushpressslide.studies.paper.one_arm import IDENTIFIED_RHO
+from pushpressslide.studies.paper.page import write_page
+from pushpressslide.studies.paper.pictures import write_pictures
+from pushpressslide.studies.paper.table import write_table
+from pushpressslide.studies.paper.virtual_axle import LIGHT, TASK, result_of, work_of
+from pushpressslide.taskfile.load import load_task
+
+SCHEMA = 2
+JOBS = 2
+KEPT = (
+    "success",
+    "reason",
+    "motion_duration",
+    "duration",
+    "rms_position_error",
+    "rms_end_effector_error",
+    "rms_yaw_error",
+    "final_position_error",
+    "final_yaw_error",
+    "path_rms_error",
+    "slip_distance",
+    "contact_loss_time",
+)
+
+
+def reproduce(
+    only: list[str] | None = None,
+    *,
+    seed: int = 0,
+    out: Path,
+    engine: Engine = "drake",
+    jobs: int = JOBS,
+    progress: Progress | None = None,
+) -> Path:
+    """Run the paper's experiments and return the path of the page; ``only`` names some
+    of them.
+
+    ``jobs`` runs go on at a time. Each variant leaves the files of a run in
+    ``out``/<experiment>/<variant>, the axle's analysis (Drake only) its own in
+    ``out``/virtual-axle; beside the page are table.md and result.json. A variant that
+    misses its goal, or cannot be run at all, is reported like any other. Raises
+    PushPressSlideError for a name that is not an experiment.
+    """
+    experiments, with_axle = chosen(only)
+    variants = {(e.name, v.name): (e, v) for e in experiments for v in e.variants}
+    work: dict[Any, Callable[[], Any]] = {
+        (experiment.name, variant.name): partial(
+            run_variant,
+            experiment,
+            variant,
+            out / experiment.name / variant.name,
+            seed,
+            engine,
+        )
+        for experiment, variant in variants.values()
+    }
+    task = load_task(TASK)
+    cases = LIGHT if with_axle and engine == "drake" else ()
+    done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
+    axle = result_of(task, [done[case] for case in cases]) if cases else None
+    if axle is not None:
+        write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
+    evidence = Evidence({key: done[key] for key in variants}, axle)
+    judged = claims(experiments, evidence)
+    corrected = corrections()
+    made_by = versions()
+    told = ", ".join(f"{name} {version}" for name, version in made_by.items())
+    page = write_page(
+        experiments,
+        evidence,
+        judged,
+        corrected,
+        out,
+        f"Engine {engine}, seed {seed}; {told}.",
+    )
+    write_table(experiments, evidence, judged, out / "table.md")
+    summary = {
+        "schema": SCHEMA,
+        "engine": engine,
+        "seed": seed,
+        "experiments": {
+            experiment.name: _summary(experiment, evidence)
+            for experiment in experiments
+        },
+        "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
+        "corrections": [asdict(row) for row in corrected],
+        AXLE: None if axle is None else axle["summary"],
+        "versions": made_by,
+    }
+    write_whole(out / "result.json", json.dumps(summary, indent=2) + "\n")
+    return page
+
+
+def run_variant(
+    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine
+) -> Outcome:
+    """Run one variant and leave its files in ``folder``, with pictures where they are
+    asked for; what cannot be run comes back as words.
+    """
+    try:
+        task = load_task(variant.task, variant.overrides)
+        result = run_task(task, engine=engine, seed=seed, out=folder)
+    except PushPressSlideError as error:
+        return Outcome(folder, None, str(error))
+    if engine == "drake" and variant.name in experiment.pictured:
+        write_pictures(folder)
+    if experiment.name != IDENTIFIED_RHO.name:
+        return Outcome(folder, result)
+    run = load_run(folder)
+    return Outcome(folder, result, rho=identified_rho(run.plan, run.record))
+
+
+def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
+    """What result.json holds of one experiment."""
+    rows = []
+    for variant in experiment.variants:
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        measured = outcome.result
+        rows.append(
+            {
+                "variant": variant.name,
+                "task": variant.task,
+                "overrides": list(variant.overrides),
+                "paper": {key: figure.value for key, figure in variant.paper.items()},
+                "measured": None
+                if measured is None
+                else {key: measured[key] for key in KEPT},
+                "failure": outcome.failure or None,
+                "identified_rho": None if outcome.rho is None else asdict(outcome.rho),
+            }
+        )
+    return {"title": experiment.title, "source": experiment.source, "variants": rows}

@@ -1,0 +1,339 @@
+"""Where a pressed object turns about: measured in Drake, predicted, and by the paper's
+formula, in one table.
+
+The box of the task ``press-slide``, pressed with several loads at two heights and
+dragged in many directions, open loop. Source: docs/mechanics.md, sections 4 and 4.1;
+docs/virtual-axle.md.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.task import Box, Task
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.parallel import Progress, in_parallel
+from pushpressslide.jobs.run import versions
+from pushpressslide.mechanics.press_axle import PAPER_C, Press
+from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.rho import rho_pole, rho_straight
+from pushpressslide.taskfile.load import load_task
+
+if TYPE_CHECKING:
+    from pushpressslide.sim.axle_probe import Probe
+
+SCHEMA = 1
+TASK = "press-slide"
+TOLERANCE = 0.010  # [m] within which measured and predicted are to agree
+# [deg] of the force from CoM to contact
+ANGLES = (5, 15, 30, 45, 60, 75, 90, 105, 120, 135, 150, 165, 175)
+LOADS = (4.0, 8.0, 16.0)  # [N]
+HEIGHTS = (0.05, 0.10)  # [m] of the object, and so of the contact on top of it
+CURVE = range(2, 179, 4)  # [deg] where the predicted lines are computed
+# of the tip's friction, above which the contact is not expected to stick
+MOST_USE = 0.95
+
+CHECKED = ((5, 8.0, 0.10), (75, 8.0, 0.10), (175, 16.0, 0.10))
+"""Done again with one thing changed: straight, turning about a point under the object,
+the farthest axle.
+"""
+VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
+    "tiles of 5 cm": ({"tile": 0.05}, 0.004),
+    "tiles of 10 cm": ({"tile": 0.10}, 0.004),
+    "half the speed": ({"speed": 0.025}, 0.004),
+    "time step of 2 ms": ({}, 0.002),
+    "hand's yaw held": ({"hold_yaw": True}, 0.004),
+}
+"""What is changed: fields of the probe, and the time step [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One probe of the table, or the same with something changed."""
+
+    angle: float  # [deg]
+    load: float  # [N]
+    height: float  # [m]
+    variant: str = ""
+
+
+LIGHT = tuple(
+    Case(angle, 8.0, height) for height in HEIGHTS for angle in (5, 45, 90, 135, 175)
+)
+"""The paper's press, in few directions."""
+
+
+def virtual_axle(
+    out: Path, jobs: int = 0, quick: bool = False, progress: Progress | None = None
+) -> dict[str, Any]:
+    """Run the probes and return the result; ``out`` gets result.json, table.md,
+    axles.png and report.html.
+
+    ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. Where the
+    contact is predicted to slip or the object to tip, nothing is run and the row says
+    so.
+    """
+    from pushpressslide.report.virtual_axle import write_virtual_axle
+
+    task = load_task(TASK)
+    table = [
+        Case(angle, load, height)
+        for height in HEIGHTS
+        for load in LOADS
+        for angle in ANGLES
+    ]
+    checks = [Case(*case, variant) for variant in VARIANTS for case in CHECKED]
+    cases = LIGHT if quick else [*table, *checks]
+    rows = in_parallel(work_of(task, cases), jobs or os.cpu_count() or 1, progress)
+    result = result_of(task, list(rows.values()))
+    write_whole(out / "result.json", json.dumps(result, indent=1) + "\n")
+    write_virtual_axle(result, out)
+    return result
+
+
+def work_of(
+    task: Task, cases: Sequence[Case]
+) -> dict[Case, Callable[[], dict[str, Any]]]:
+    """Return what measures each case."""
+    return {case: partial(run_case, task, case) for case in cases}
+
+
+def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what result.json holds, from the rows of ``run_case``."""
+    table = [row for row in rows if not row["variant"]]
+    settings = sorted({(row["height"], row["load"]) for row in table})
+    return {
+        "schema": SCHEMA,
+        "task": TASK,
+        "tolerance": TOLERANCE,
+        "support_friction": task.support.friction,
+        "contact_friction": task.contact_friction,
+        "rows": table,
+        "checks": [row for row in rows if row["variant"]],
+        "curves": [_curve(pressed(task, load, height)) for height, load in settings],
+        "paper_figures": paper_figures(task),
+        "summary": summarise(table),
+        "versions": versions(),
+    }
+
+
+def pressed(task: Task, load: float, height: float) -> Press:
+    """Return the task's box, ``height`` [m] tall, pressed where the task says with
+    ``load`` [N].
+    """
+    shape = task.object.shape
+    places = task.motion.contacts
+    com = task.object.center_of_mass
+    assert isinstance(shape, Box)
+    assert places is not None
+    body = replace(task.object, shape=Box((shape.size[0], shape.size[1], height)))
+    contact = (places[0][0] - com[0], places[0][1] - com[1])
+    return Press(body, task.support.friction, contact, load)
+
+
+def predict(task: Task, case: Case) -> dict[str, Any]:
+    """Return what is expected of a case: axles [m] from the CoM, and why it cannot be
+    measured, if so.
+    """
+    thing = pressed(task, case.load, case.height)
+    angle = math.radians(case.angle)
+    row = {
+        **asdict(case),
+        "direction": "forward"
+        if case.angle < 90
+        else "backward"
+        if case.angle > 90
+        else "across",
+        "predicted": None,
+        "without_height": None,
+        "paper": thing.paper_axle(),
+        "skipped": "",
+    }
+    try:
+        row |= {
+            "predicted": thing.axle(angle),
+            "without_height": thing.axle(angle, 0.0),
+        }
+    except ValueError as error:
+        return {**row, "skipped": f"tips: {error}"}
+    use = friction_use(
+        case.load, thing.weight, task.support.friction, task.contact_friction
+    )
+    if use > MOST_USE:
+        row["skipped"] = (
+            f"slips: takes {use:.2f} of the tip's friction, at most {MOST_USE:g}"
+        )
+    return row
+
+
+def run_case(task: Task, case: Case) -> dict[str, Any]:
+    """Predict, run and measure one case."""
+    from pushpressslide.sim.axle_probe import Probe, probe_axle
+
+    row = predict(task, case)
+    if row["skipped"]:
+        return {**row, "measured": None}
+    thing = pressed(task, case.load, case.height)
+    changes, time_step = VARIANTS.get(case.variant, ({}, 0.004))
+    probe: Probe = Probe(thing.contact, case.load, math.radians(case.angle), **changes)
+    try:
+        measured = probe_axle(replace(task, object=thing.body), probe, time_step)
+    except SimulationError as error:
+        return {**row, "measured": None, "skipped": str(error)}
+    figures = asdict(measured)
+    return {
+        **row,
+        "measured": figures.pop("axle"),
+        **{f"measured_{key}": v for key, v in figures.items()},
+    }
+
+
+def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return counts, and the largest and median error [m] of the prediction, without
+    height, and of the paper's formula.
+    """
+    measured = [row for row in rows if row["measured"] is not None]
+
+    def spread(key: str) -> dict[str, float] | None:
+        errors = sorted(abs(row["measured"] - row[key]) for row in measured)
+        return (
+            {"median": errors[len(errors) // 2], "max": errors[-1]} if errors else None
+        )
+
+    return {
+        "probes": len(rows),
+        "measured": len(measured),
+        "within_tolerance": sum(
+            abs(row["measured"] - row["predicted"]) <= TOLERANCE for row in measured
+        ),
+        **{key: spread(key) for key in ("predicted", "without_height", "paper")},
+    }
+
+
+def _curve(thing: Press) -> dict[str, Any]:
+    """Return the predicted lines over the force's angle, and the paper's figures, for
+    one load and height.
+    """
+    angles = [math.radians(a) for a in CURVE]
+    return {
+        "height": thing.body.shape.height,
+        "load": thing.load,
+        "angle": list(CURVE),
+        "predicted": [_unless_tipped(thing, a, None) for a in angles],
+        "without_height": [_unless_tipped(thing, a, 0.0) for a in angles],
+        "cop": math.hypot(*thing.cop),
+        "lever": thing.lever,
+        "paper": thing.paper_axle(),
+        "paper_from_cop": thing.paper_distance(),
+        "paper_printed": thing.paper_printed(),
+    }
+
+
+def _unless_tipped(thing: Press, angle: float, height: float | None) -> float | None:
+    try:
+        return thing.axle(angle, height)
+    except ValueError:
+        return None
+
+
+def paper_figures(task: Task) -> list[dict[str, Any]]:
+    """Return the paper's figures of this experiment, recomputed by its own formulas,
+    and by the exact model.
+
+    Each with ``what``, ``paper`` as printed, ``recomputed``, ``exact``, ``unit`` and
+    ``note``; None where there is nothing to say. Axles from the CoM are positive
+    towards the contact, which makes what the paper calls a distance negative. It gives
+    neither friction nor height to go with them; ours are the task's.
+    """
+    thing = pressed(task, 8.0, task.object.shape.height)
+    cop = math.hypot(*thing.cop)
+    d = thing.lever
+    r0 = thing.half_diagonal
+    pressure = thing.pressure(thing.cop, 20)
+    straight = rho_straight(pressure)
+    pole = rho_pole(pressure)
+    seen = 0.346  # [m] from the CoP, in the paper's simulation
+    rows: list[tuple[str, float | None, float | None, float | None, str, str]] = [
+        (
+            "centre of pressure from the CoM",
+            None,
+            cop,
+            cop,
+            "m",
+            "past a sixth of the length: an end lifts",
+        ),
+        ("lever d, centre of pressure to contact", 0.054, d, d, "m", ""),
+        (
+            "(c r0)^2 with c = 0.6",
+            0.036,
+            (PAPER_C * r0) ** 2,
+            straight**2,
+            "m²",
+            "the pressure's variance",
+        ),
+        (
+            "axle to centre of pressure, c = 0.6",
+            0.67,
+            thing.paper_distance(),
+            straight**2 / d,
+            "m",
+            "",
+        ),
+        (
+            "axle from the CoM, c = 0.6",
+            -0.82,
+            thing.paper_axle(),
+            thing.axle(0.0, 0.0),
+            "m",
+            "printed as a distance, 0.82 m: the way from CoM to centre of pressure is "
+            "added, not taken off",
+        ),
+        (
+            "c for the axle that the paper saw",
+            0.43,
+            math.sqrt(seen * d) / r0,
+            straight / r0,
+            "",
+            f"exact: near straight motion; {pole / r0:.3f} for turning on the spot",
+        ),
+        (
+            "axle that the paper saw, from the CoM",
+            -0.2,
+            cop - seen,
+            None,
+            "m",
+            f"the paper's {seen} m from the centre of pressure",
+        ),
+        (
+            "the same, pushed, drag at the top's height",
+            None,
+            None,
+            thing.axle(math.pi),
+            "m",
+            "",
+        ),
+        (
+            "the same, pulled, drag at the top's height",
+            None,
+            None,
+            thing.axle(0.0),
+            "m",
+            "ahead of the CoM",
+        ),
+    ]
+    return [
+        dict(
+            zip(
+                ("what", "paper", "recomputed", "exact", "unit", "note"), r, strict=True
+            )
+        )
+        for r in rows
+    ]

@@ -1,0 +1,1 @@
+"""Task files: YAML to a checked Task and back, the schema, and its documentation."""

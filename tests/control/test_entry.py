@@ -1,0 +1,76 @@
+"""How tips follow an object into an opening."""
+
+import math
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.control.entry import BRAKE, LANDING, Entry, braking, entry
+from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.pose import Pose2
+
+ENTRY = Entry(0.15, ((1, 0.27), (0, 0.28)))
+# [m] of the tips, 4 mm into the face; that of arm 1 first
+PRESSED = ((0.0, 0.0, 0.266), (0.0, 0.0, 0.276))
+
+
+def at(left: float, right: float, speed: float = 0.0) -> Measurement:
+    """Tips at depths [m] in the opening; the right arm is number 1 and has the first
+    contact.
+    """
+    places = ((0.0, 0.0, 0.28 - left), (0.0, 0.0, 0.27 - right))
+    inwards = (0.0, 0.0, -speed)
+    none = (0.0, 0.0, 0.0)
+    return Measurement(
+        0.0, Pose2(), tuple(TipState(place, inwards, none) for place in places)
+    )
+
+
+def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
+    assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
+    made = entry(pps.plan(pps.load_task("press-fit")))
+    assert made is not None
+    assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
+
+
+def test_one_deep_tip_begins_it_and_all_must_be_deep_to_end_it() -> None:
+    # as deep as the press alone takes them
+    assert ENTRY.speeds(at(0.005, 0.004), PRESSED) == [None, None]
+    assert None not in ENTRY.speeds(at(0.007, 0.0), PRESSED)
+    assert not ENTRY.seated(at(0.1495, 0.12))
+    assert ENTRY.seated(at(0.1495, 0.149))
+
+
+def test_tips_that_still_move_are_not_seated() -> None:
+    assert not ENTRY.seated(at(0.1495, 0.149, speed=0.05))
+
+
+def test_the_speed_lets_the_tips_stop_before_the_back() -> None:
+    right, left = ENTRY.speeds(at(0.10, 0.16), PRESSED)
+    way = 0.05
+    assert right == pytest.approx(LANDING)
+    assert math.sqrt(left**2 - 2.0 * BRAKE * way) == pytest.approx(LANDING)
+
+
+def test_a_tip_braked_so_from_what_it_may_do_meets_the_back_at_the_landing_speed() -> (
+    None
+):
+    depth = 0.02
+    dt = 1e-4
+    speed = ENTRY.speeds(at(depth, depth), PRESSED)[0]
+    while depth < ENTRY.stop:
+        allowed = ENTRY.speeds(at(depth, depth), PRESSED)[0]
+        speed -= braking(speed, allowed) * dt
+        depth += speed * dt
+    assert speed == pytest.approx(LANDING, rel=0.1)
+    assert braking(-0.1, LANDING) == 0.0
+
+
+def test_only_a_goal_within_the_opening_is_entered() -> None:
+    assert pps.load_task("press-fit").enters
+    opening = pps.load_task("press-fit").support.opening
+    assert opening is not None
+    upright = pps.load_task("press-fit", ["goal.x=0.7", "goal.y=0", "goal.yaw_deg=0"])
+    assert not upright.enters
+    assert not any(part.enters for part in pps.load_task("press-fit").parts[:2])
+    assert pps.load_task("press-fit").parts[-1].enters

@@ -1,0 +1,117 @@
+"""What the object's path keeps clear of."""
+
+import re
+from importlib import resources
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.errors import TaskError
+from pushpressslide.core.plan import Choice
+from pushpressslide.core.task import Task
+from pushpressslide.modes.base import ENOUGH, UNJUDGED
+from pushpressslide.selection.select import grasps, select
+from pushpressslide.studies.bench.selection import CASES
+
+TASKS = sorted(
+    p.name.removesuffix(".yaml")
+    for p in resources.files("pushpressslide.tasks").iterdir()
+    if p.name.endswith(".yaml")
+)
+POST = "{name: post, box: [0.04, 0.04, 0.1], pose: {x: %g, y: %g}, movable: true, mass: 0.2}"
+NEAR = re.compile(
+    r"the object comes within \d+ mm of obstacle 'post' at \(.*\), allowed from 10 mm"
+)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_shipped_task_still_has_a_way(name: str) -> None:
+    assert all(found[0].feasible for found in grasps(pps.load_task(name)))
+
+
+def test_a_loose_body_on_the_way_is_refused_by_name_and_distance() -> None:
+    blocked = pps.load_task("rear-push-rear", [f"obstacles=[{POST % (0.47, -0.05)}]"])
+    choices = pps.select(blocked)
+    assert not any(choice.feasible for choice in choices)
+    assert any(NEAR.search(choice.reason) for choice in choices)
+
+
+def test_a_tool_may_touch_what_it_is_to_push_and_nothing_else() -> None:
+    cube = "{name: cube, box: [0.08, 0.08, 0.08], pose: {x: 0.45, y: 0.38}, movable: true, mass: 0.5}"
+    alone = pps.load_task("tool-use", [f"obstacles=[{cube}]"])
+    assert pps.select(alone)[0].feasible
+    beside = pps.load_task("tool-use", [f"obstacles=[{cube}, {POST % (0.28, 0.0)}]"])
+    assert any(NEAR.search(choice.reason) for choice in pps.select(beside))
+    assert not any("'cube'" in choice.reason for choice in pps.select(beside))
+
+
+def test_what_a_tool_pushes_is_kept_clear_of_the_others_too() -> None:
+    plank = "{name: cube, box: [0.4, 0.08, 0.08], pose: {x: 0.45, y: 0.38}, movable: true, mass: 0.5}"
+    beside = pps.load_task("tool-use", [f"obstacles=[{plank}, {POST % (0.62, 0.455)}]"])
+    wanted = "but 'cube' comes within 0 mm of obstacle 'post'"
+    assert any(wanted in choice.reason for choice in pps.select(beside))
+    with pytest.raises(TaskError, match=r"goal: .* no overlap with obstacle 'post'"):
+        pps.load_task("tool-use", [f"obstacles=[{plank}, {POST % (0.62, 0.55)}]"])
+
+
+def bests(task: Task, enough: int) -> dict[str, Choice]:
+    """The best feasible choice of each mode."""
+    out: dict[str, Choice] = {}
+    for choice in select(task, enough):
+        if choice.feasible:
+            out.setdefault(choice.mode, choice)
+    return out
+
+
+@pytest.mark.parametrize("case", CASES[::3], ids=lambda case: case.name)
+def test_the_first_of_each_mode_is_the_same_however_many_are_judged(case) -> None:
+    assert bests(case.task, 1) == bests(case.task, ENOUGH)
+
+
+def test_what_is_not_judged_in_full_says_so_and_is_no_quicker_than_the_first_of_its_mode() -> (
+    None
+):
+    task = next(case.task for case in CASES if case.name == "large box ahead")
+    first = bests(task, 1)
+    unjudged = [c for c in select(task) if UNJUDGED in c.reason]
+    assert unjudged
+    for choice in unjudged:
+        assert not choice.feasible
+        assert (choice.time or 0.0) > (first[choice.mode].time or 0.0) - 1e-3
+
+
+def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_against_each_other() -> (
+    None
+):
+    task = next(case.task for case in CASES if case.name == "large box ahead")
+    first, second = list(bests(task, 1).values())[:2]
+    assert (first.mode, second.mode) == ("parallel_push", "orthogonal_push")
+    assert first.time == pytest.approx(second.time, abs=1e-3)
+
+
+@pytest.mark.parametrize(("y", "possible"), [(0.22, False), (-0.02, True)])
+def test_beside_an_obstacle_it_may_start_but_not_go_through_it(
+    y: float, possible: bool
+) -> None:
+    post = f"obstacles=[{{name: post, box: [0.04, 0.04, 0.1], pose: {{x: 0.475, y: {y}}}}}]"
+    straight = ["start={x: 0.38, y: 0.22}", "goal={x: 0.66, y: 0.22}", "motion.face=3"]
+    found = pps.select(pps.load_task("rear-push-rear", [post, *straight]))
+    assert found[0].feasible == possible
+    assert possible or re.search(
+        r"the object runs into obstacle 'post' at", found[0].reason
+    )
+
+
+def test_where_an_obstacle_is_in_the_way_of_one_manoeuvre_others_are_judged() -> None:
+    tile = [
+        "object={shape: {box: [0.3, 0.2, 0.04]}, mass: 0.4}",
+        "support.friction=0.2",
+        "contact.friction=0.8",
+        "modes=[press_slide]",
+        "start={x: 0.5, y: 0.2}",
+        "goal={x: 0.5, y: -0.2, yaw_deg: 180}",
+        "motion={}",
+    ]
+    first, *others = pps.select(pps.load_task("rear-push-rear", tile), 8)
+    assert sum(choice.feasible for choice in others) > 4
+    assert len({choice.contacts for choice in (first, *others)}) == 1 + len(others)

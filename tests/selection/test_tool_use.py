@@ -1,0 +1,72 @@
+"""A goal that is another body's."""
+
+import math
+
+import pytest
+
+from pushpressslide.core.errors import TaskError
+from pushpressslide.planar.engine import run
+from pushpressslide.report.metrics import result
+from pushpressslide.selection.planner import plan
+from pushpressslide.selection.select import select
+from pushpressslide.taskfile.load import load_task
+
+
+def test_the_tools_goal_is_behind_the_bodys() -> None:
+    task = load_task("tool-use")
+    assert task.tool is not None
+    assert (task.tool.goal.x, task.tool.goal.y) == (0.45, 0.53)
+    # half a cube and half a bar behind
+    assert (task.goal.x, task.goal.y) == pytest.approx((0.45, 0.53 - 0.04 - 0.3))
+    assert math.degrees(task.goal.yaw) == pytest.approx(90.0)
+
+
+def test_a_sidewards_start_is_shared_between_place_and_yaw() -> None:
+    task = load_task("tool-use", ["obstacles.0.pose.x=0.46"])
+    turn = task.goal.yaw - 0.5 * math.pi
+    assert 0.0 < math.degrees(turn) < 3.0
+    end = task.goal.apply((0.34, 0.0))
+    assert 0.0 < end[0] - 0.45 < 0.01
+
+
+@pytest.mark.parametrize(
+    ("override", "field"),
+    [
+        ("goal.body=nothing", "goal.body"),
+        ("obstacles.0.movable=false", "goal.body"),
+        ("tool.face=4", "tool.face"),
+        ("goal.yaw_deg=30", "goal.yaw_deg"),
+        ("obstacles.0.pose.yaw_deg=40", "obstacles"),
+    ],
+)
+def test_what_cannot_be_pushed_so_is_refused(override: str, field: str) -> None:
+    with pytest.raises(TaskError, match=field.replace(".", r"\.")):
+        load_task("tool-use", [override])
+
+
+def test_an_engine_without_other_bodies_says_that_the_bodys_end_is_not_known() -> None:
+    task = load_task("tool-use")
+    made = plan(task)
+    found = result(task, made, run(made))
+    assert not found["success"]
+    assert (
+        found["reason"]["text"]
+        == "engine planar does not move 'cube': where it ends is not known"
+    )
+
+
+def test_a_mode_that_would_not_push_straight_with_the_tools_face_is_refused() -> None:
+    short = [
+        "modes=[rear_push]",
+        "start={x: 0.45, y: -0.35, yaw_deg: 90}",
+        "motion={}",
+        "robots.0.base.y=-0.2",
+    ]
+    # from behind, all the way in the face's normal
+    assert select(load_task("tool-use", short))[0].feasible
+    curved = load_task("tool-use", [*short, "start.x=0.5", "motion.run_in=0.02"])
+    assert all(not choice.feasible for choice in select(curved))
+    assert any(
+        "off the straight push by tool.face" in choice.reason
+        for choice in select(curved)
+    )
