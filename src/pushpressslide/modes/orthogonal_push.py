@@ -34,9 +34,7 @@ from pushpressslide.modes.base import (
     Course,
     Draft,
     Mode,
-    run_time,
     search,
-    segment,
     with_arms,
 )
 from pushpressslide.planning.in_cone import (
@@ -44,6 +42,7 @@ from pushpressslide.planning.in_cone import (
     least_cone_margin,
     path_in_cone,
 )
+from pushpressslide.planning.segments import run_time, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,

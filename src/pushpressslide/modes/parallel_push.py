@@ -35,9 +35,7 @@ from pushpressslide.modes.base import (
     Course,
     Draft,
     Mode,
-    run_time,
     search,
-    segment,
     with_arms,
 )
 from pushpressslide.planning.in_cone import (
@@ -47,6 +45,7 @@ from pushpressslide.planning.in_cone import (
 )
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pushed_car import gentle_path, pushed_cars
+from pushpressslide.planning.segments import run_time, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,

@@ -37,7 +37,6 @@ from pushpressslide.modes.base import (
     Draft,
     Mode,
     search,
-    segment,
 )
 from pushpressslide.planning.held_twist import (
     DECAY,
@@ -49,6 +48,7 @@ from pushpressslide.planning.held_twist import (
 )
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.rom.drives import ORIGIN, PinnedDrive
 from pushpressslide.tracking.eased import EasedTracker
