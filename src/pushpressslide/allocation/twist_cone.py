@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.projections import WrenchCone
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import cross
 from pushpressslide.core.twist_path import TwistRate
@@ -92,7 +92,7 @@ class TwistCone:
             else 0.0
         )
 
-    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+    def spares(self, twists: Array) -> Array:
         """Return ``spare`` (m,) of twists (m, 3)."""
         cx, cy = self.surface.center
         rho = self.surface.rho
@@ -103,7 +103,7 @@ class TwistCone:
         tau = tau + cx * fy - cy * fx
         least = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
         size = np.maximum(np.hypot(np.hypot(fx, fy), tau / rho), 1e-300)
-        out: NDArray[np.float64] = np.arcsin(np.clip(least / size, -1.0, 1.0))
+        out: Array = np.arcsin(np.clip(least / size, -1.0, 1.0))
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:

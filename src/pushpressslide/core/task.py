@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 
@@ -57,7 +58,6 @@ class Cylinder:
 
 Shape = Box | Prism | Cylinder
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
-GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far

@@ -11,12 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.fitting import least_squares
 from pushpressslide.identification.pairs import LENGTH, Pairs, unit
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

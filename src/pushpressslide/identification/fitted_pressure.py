@@ -10,15 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.fitting import least_squares
 from pushpressslide.identification.pairs import Pairs
 from pushpressslide.identification.sliding import slide
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_pole
-
-Array = NDArray[np.float64]
 
 # [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
 PIN_RADIUS = 2e-3

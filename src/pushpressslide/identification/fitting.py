@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
 
 
 class SlidingModel(Protocol):

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, wrap_angle
 from pushpressslide.identification.recordings import RecordedPush
-
-Array = NDArray[np.float64]
 
 # [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH
 # w), unit

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.pose import Point
 from pushpressslide.identification.pairs import Pairs, measured_pairs
@@ -26,7 +27,6 @@ from pushpressslide.mechanics.pressure import (
 )
 from pushpressslide.mechanics.punch import punch_pressure
 
-GRAVITY = 9.81  # [m/s^2]
 MASS = 1.5  # [kg] of the prism
 # [m] its base, in the tracked frame: origin at the right angle
 BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))

@@ -11,12 +11,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.ellipsoid import fit_one_parameter
 from pushpressslide.identification.pairs import LENGTH, Pairs, unit
-
-Array = NDArray[np.float64]
 
 # spread evenly over the half sphere; 15 would span all quartics, if all were allowed
 POWERS = 60

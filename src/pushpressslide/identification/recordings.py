@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
-Array = NDArray[np.float64]
 Row = tuple[int, str]  # line number and text
 
 MM = 1e-3

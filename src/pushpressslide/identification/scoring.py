@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.ellipsoid import (
     FittedEllipsoid,
     fit_full,
@@ -25,7 +26,6 @@ from pushpressslide.identification.pairs import Pairs, unit
 from pushpressslide.identification.push_sets import PushSet
 from pushpressslide.identification.quartic import fit_quartic
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Fit = Callable[[Pairs], SlidingModel]
 Progress = Callable[[float, float], None]

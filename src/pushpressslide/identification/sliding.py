@@ -8,11 +8,9 @@ is the single call.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.pairs import LENGTH, unit
-
-Array = NDArray[np.float64]
 
 
 def slide(

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Cylinder, ObjectModel
 from pushpressslide.mechanics import quadrature
 from pushpressslide.mechanics.pressure import CELL_RADIUS
-
-Array = NDArray[np.float64]
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
 COARSE = 1  # of the base that settles first

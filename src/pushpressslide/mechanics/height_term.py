@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,13 +12,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.pressure import PressureSamples
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
 from pushpressslide.core.wrench import Twist
@@ -23,7 +24,6 @@ from pushpressslide.mechanics.virtual_axle import (
     turned,
 )
 
-GRAVITY = 9.81  # [m/s^2]
 PAPER_C = 0.6  # c of a uniform contact, as the paper takes it
 # resolution of the pressure for planning: enough for twists within a percent
 PLANNED = 4

@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, Shape
 from pushpressslide.mechanics import quadrature
-
-Array = NDArray[np.float64]
 
 # Torsional radius of a square cell over the root of its area: keeps the cell's second
 # moment, 1 / sqrt(12).

@@ -9,11 +9,9 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
-
-Array = NDArray[np.float64]
 
 # Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
 # (barycentric coordinate, weight).

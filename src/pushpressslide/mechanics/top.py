@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, ObjectModel
 
@@ -56,16 +56,14 @@ def room_inside(body: ObjectModel, point: Point) -> float:
     return float(rooms_inside(body, np.array([point]))[0])
 
 
-def rooms_inside(body: ObjectModel, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def rooms_inside(body: ObjectModel, points: Array) -> Array:
     """Return the same of ``points`` (m, 2)."""
     if isinstance(body.shape, Cylinder):
         x, y = (points + np.array(body.center_of_mass)).T
-        round_room: NDArray[np.float64] = 1.0 - np.hypot(x, y) / body.shape.radius
+        round_room: Array = 1.0 - np.hypot(x, y) / body.shape.radius
         return round_room
     nx, ny, inside, width = np.array(_edges(body)).T
-    room: NDArray[np.float64] = (
-        2.0 * (inside + points @ np.stack([nx, ny])) / width
-    ).min(1)
+    room: Array = (2.0 * (inside + points @ np.stack([nx, ny])) / width).min(1)
     return room
 
 

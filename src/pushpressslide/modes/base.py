@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -23,7 +24,6 @@ from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
-GRAVITY = 9.81
 TURN = 2.0 * math.pi
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
 # nor is more

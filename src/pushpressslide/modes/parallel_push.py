@@ -18,6 +18,7 @@ from math import atan
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -46,7 +47,6 @@ from pushpressslide.tracking.holonomic import HolonomicTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 ORIGIN = (0.0, 0.0)
-GRAVITY = 9.81  # [m/s^2]
 # [m] of the contacts from the CoM's line that are tried
 HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face

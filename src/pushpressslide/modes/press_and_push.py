@@ -17,6 +17,7 @@ from math import atan, hypot, inf
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -35,7 +36,6 @@ from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
-GRAVITY = 9.81  # [m/s^2]
 # shares of the press's friction that holding the pivot may take, best first
 USE = (0.5, 0.6, 0.7, 0.8, 0.9)
 LEAST_PRESS = 3.0  # [N] below which contact is not felt for sure

@@ -17,6 +17,7 @@ from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -25,7 +26,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import friction_use, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
+from pushpressslide.modes.base import ENOUGH, UNJUDGED, path_problem, tool_load
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.manoeuvre import (
     CORRECTED,

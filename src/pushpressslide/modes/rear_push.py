@@ -10,9 +10,10 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -28,10 +29,6 @@ from pushpressslide.planning.side_contacts import contact_height, drag_problem
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
-
-Array = NDArray[np.float64]
-
-GRAVITY = 9.81  # [m/s^2]
 
 # share of the cone's half angle kept from its edge, for the servo and the model
 STEERING_RESERVE = 0.12

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -100,7 +101,7 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     }
 
 
-def _frames(time: NDArray[np.float64]) -> NDArray[np.intp]:
+def _frames(time: Array) -> NDArray[np.intp]:
     """Ticks nearest to an even grid of ``FRAMES_PER_SECOND``, first and last included."""
     if len(time) < 2:
         return np.arange(len(time))
@@ -110,7 +111,7 @@ def _frames(time: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.unique(np.clip(np.searchsorted(time, grid), 0, len(time) - 1))
 
 
-def _degrees(poses: NDArray[np.float64]) -> list[list[float]]:
+def _degrees(poses: Array) -> list[list[float]]:
     out = np.column_stack(
         [np.round(poses[:, :2], 4), np.round(np.degrees(poses[:, 2]), 2)]
     )

@@ -8,13 +8,12 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cylinder, Shape
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Matrix = list[list[float]]
 

@@ -8,11 +8,12 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.footprint import lowered, on_ledge
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import GRAVITY, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load

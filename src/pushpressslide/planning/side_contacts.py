@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
@@ -20,7 +21,6 @@ WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
 TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
 TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
-GRAVITY = 9.81  # [m/s^2]
 
 
 def contact_height(task: Task) -> float:

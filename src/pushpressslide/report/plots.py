@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 Maker = Callable[[Task, Plan, Record], "Figure | None"]
 MOST_POINTS = 20000  # of a curve; more than a figure can show
 LEAST_REACH = (

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, MotionPath, Plan
@@ -17,7 +18,6 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Cylinder, Task
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 CONTACT_FORCE = 0.1

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.robots.inverse import (
     ANGLE_TOLERANCE,
     POSITION_TOLERANCE,
@@ -21,7 +21,6 @@ from pushpressslide.robots.inverse import (
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
-Array = NDArray[np.float64]
 ContinuationStatus = Literal["ok", "unreachable", "joint_limit", "jump"]
 
 NULL_RATE = 3.0  # [rad] of elbow motion away from the limits per metre of the tip's way

@@ -16,8 +16,8 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.robots.facts import (
     JointFacts,
@@ -26,7 +26,6 @@ from pushpressslide.robots.facts import (
     rotation_from_rpy,
 )
 
-Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 KINDS: dict[str, JointKind] = {
     "revolute": "revolute",

@@ -11,11 +11,10 @@ from typing import Any, Literal
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
-Array = NDArray[np.float64]
 JointKind = Literal["revolute", "prismatic", "fixed"]
 
 MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")

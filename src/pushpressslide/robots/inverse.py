@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 POSITION_TOLERANCE = 1e-6  # [m] of a solution
 ANGLE_TOLERANCE = 1e-6  # [rad]

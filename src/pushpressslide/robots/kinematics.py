@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import (
     MODELS,
@@ -22,8 +22,6 @@ from pushpressslide.robots.facts import (
     rotation_from_rpy,
 )
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 
 def _skew(a: Array) -> Array:

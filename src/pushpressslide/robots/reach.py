@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.inverse import (
     STRUCTURED_SEEDS,
@@ -19,8 +20,6 @@ from pushpressslide.robots.inverse import (
 )
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 REACH_MARGIN = 0.02
 """[rad] that every joint keeps from its limits for a point to count as within reach."""

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
@@ -23,6 +22,7 @@ from pydrake.multibody.tree import default_model_instance
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Cylinder, Robot, Shape, Task
@@ -42,8 +42,6 @@ from pushpressslide.sim.surfaces import (
     rigid_properties,
     support_grid,
 )
-
-Array = NDArray[np.float64]
 
 START = Pose2(0.013, 0.017, 0.2)  # X_WG; not on the lattice of the support's grid
 GAP = 1e-4  # [m] of the tip above the object at the start

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
@@ -22,8 +22,6 @@ from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.connect import connect
 from pushpressslide.sim.joints.postures import held_at
-
-Array = NDArray[np.float64]
 
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide

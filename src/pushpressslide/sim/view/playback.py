@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     GeometryInstance,
@@ -25,6 +24,7 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -37,8 +37,6 @@ from pushpressslide.sim.convert import (
 )
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
 from pushpressslide.sim.surfaces import object_shape
-
-Array = NDArray[np.float64]
 
 RIBBON_WIDTH = 0.006  # [m] of lines on the support
 PATH_HEIGHT = 0.0010  # [m] above the support
