@@ -12,7 +12,6 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes.base import Mode
 
@@ -42,16 +41,8 @@ def touched_points(
     for c in plan.choice.contacts:
         at = tips[c.arm].position
         p = X_WB.unapply((at[0], at[1]))
-        if c.kind == "side" and isinstance(shape, Cylinder):
-            x = p[0] + com[0]
-            y = p[1] + com[1]
-            k = shape.radius / math.hypot(x, y)
-            p = (k * x - com[0], k * y - com[1])
-        elif c.kind == "side":
-            across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[
-                1
-            ]
-            p = (c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0])
+        if c.kind == "side":
+            p = shape.side(c.point, c.normal, com).foot(p)
         out.append(p)
     return tuple(out)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Cylinder, ObjectModel
+from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
@@ -75,15 +75,8 @@ class Press:
 
     @property
     def half_diagonal(self) -> float:
-        """r0 [m]: half the diagonal of a rectangle, the radius of a cylinder; the
-        paper's length.
-        """
-        shape = self.body.shape
-        if isinstance(shape, Cylinder):
-            return shape.radius
-        x, y = zip(*shape.footprint, strict=True)
-        center = (sum(x) / len(x), sum(y) / len(y))
-        return max(math.dist(center, corner) for corner in shape.footprint)
+        """The paper's length r0 [m]: half a rectangle's diagonal, a disc's radius."""
+        return self.body.shape.circumradius
 
     def along(self, angle: float) -> Point:
         """Return the unit vector in B at ``angle`` [rad] from the heading axis."""

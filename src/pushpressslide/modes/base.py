@@ -19,7 +19,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
@@ -130,10 +130,10 @@ def tool_load(task: Task, heading: float) -> tuple[float, float]:
     """
     shape = task.object.shape
     tool = task.tool
-    if tool is None or isinstance(shape, Cylinder):
+    if tool is None or not shape.corners:
         return 0.0, 0.0
     (ax, ay), (bx, by) = (
-        shape.footprint[(tool.face + i) % len(shape.footprint)] for i in (0, 1)
+        shape.corners[(tool.face + i) % len(shape.corners)] for i in (0, 1)
     )
     body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
     outward = math.atan2(ax - bx, by - ay)

@@ -21,7 +21,7 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
@@ -76,7 +76,7 @@ class OrthogonalPush:
         quickest first; of equally quick ones that with the least force, if it is well
         inside its cone.
         """
-        if isinstance(task.object.shape, Cylinder):
+        if not task.object.shape.corners:
             return [
                 Choice(self.name, False, "a cylinder has no flat faces for two pushes")
             ]

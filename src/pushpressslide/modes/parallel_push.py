@@ -22,7 +22,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
@@ -81,7 +81,7 @@ class ParallelPush:
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the ways to push each face, feasible ones first, the quickest first."""
-        if isinstance(task.object.shape, Cylinder):
+        if not task.object.shape.corners:
             return [
                 Choice(
                     self.name,

@@ -30,7 +30,7 @@ from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
 from pushpressslide.modes.base import ENOUGH, followed, instead
-from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
+from pushpressslide.planning.levers import LEAST_LEVER, Lever, levers
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.tracking.eased import EasedTracker
@@ -397,7 +397,7 @@ def _pin(task: Task) -> Point:
         raise ValueError(
             f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "
             "to be pressed: it is "
-            f"{depth_inside(body, pin) * 1e3:.0f} mm inside the top, allowed from "
+            f"{body.shape.depth(body.X_GB.apply(pin)) * 1e3:.0f} mm inside the top, allowed from "
             f"{EDGE * 1e3:.0f} mm"
         )
     return pin

@@ -17,7 +17,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face, faces
@@ -360,16 +360,10 @@ class RearPush:
         task = plan.task
         figures = plan.choice.parameters
         old = plan.choice.contacts[0]
-        normal = old.normal
-        # a tip that rolls round it takes its face along
-        if isinstance(task.object.shape, Cylinder):
-            x, y = (
-                c - p
-                for c, p in zip(
-                    task.object.X_GB.inverse().position, touched[0], strict=True
-                )
-            )
-            normal = (x / math.hypot(x, y), y / math.hypot(x, y))
+        body = task.object
+        side = body.shape.side(old.point, old.normal, body.center_of_mass)
+        # a tip that rolls round a round side takes the normal along
+        normal = side.normal_at(touched[0])
         try:
             car = RearSteerCar(
                 touched[0],

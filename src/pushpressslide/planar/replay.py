@@ -19,12 +19,11 @@ from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 
 FRAMES_PER_SECOND = 30
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
-ROUND_SIDES = 48
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
@@ -120,11 +119,4 @@ def _degrees(poses: Array) -> list[list[float]]:
 
 
 def _outline(task: Task) -> list[list[float]]:
-    shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        angles = [2.0 * math.pi * i / ROUND_SIDES for i in range(ROUND_SIDES)]
-        return [
-            [round(shape.radius * math.cos(a), 5), round(shape.radius * math.sin(a), 5)]
-            for a in angles
-        ]
-    return [list(corner) for corner in shape.footprint]
+    return [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]

@@ -13,6 +13,8 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 
+DISC_CORNERS = 64  # of the polygon that stands for a disc where a part of it lifts
+
 # Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
 # (barycentric coordinate, weight).
 _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
@@ -240,3 +242,43 @@ def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
     points = np.stack([r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)], axis=-1)
     areas = np.repeat(0.5 * radius * weights * r * (2.0 * math.pi / spokes), spokes)
     return points.reshape(-1, 2), areas
+
+
+def polygon_pressure(
+    corners: tuple[Point, ...], cop: Point, resolution: int
+) -> tuple[Array, Array, Array]:
+    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+
+    Raises ValueError for a CoP outside the polygon.
+    """
+    whole = whole_pressure(corners, cop)
+    if whole is not None:
+        points, areas = base_rule(corners, resolution)
+        return points, areas, whole[0] + points @ whole[1]
+    polygon = base(corners)
+    a, b = linear_pressure(polygon, np.array(cop, dtype=np.float64))
+    points, areas = polygon_rule(clipped(polygon, a, b), resolution)
+    return points, areas, a + points @ b
+
+
+def disc_pressure(
+    radius: float, cop: Point, resolution: int
+) -> tuple[Array, Array, Array]:
+    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+
+    The disc is about the origin. Where a part of it lifts, for |cop| > radius / 4, it
+    is integrated as a polygon of equal second moment. Raises ValueError for a CoP
+    outside it.
+    """
+    if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
+        points, areas = disc_rule(radius, resolution)
+        return points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop))
+    step = 2.0 * math.pi / DISC_CORNERS
+    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
+    # (2 + cos(s)) / (3 s).
+    corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
+    corners = tuple(
+        (corner * math.cos(i * step), corner * math.sin(i * step))
+        for i in range(DISC_CORNERS)
+    )
+    return polygon_pressure(corners, cop, resolution)
