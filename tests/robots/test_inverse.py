@@ -8,7 +8,12 @@ import pytest
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.continuation import continuation, continuations
 from pushpressslide.robots.facts import MODELS, load_facts
-from pushpressslide.robots.inverse import axis_error, orientation_error, solve_ik
+from pushpressslide.robots.inverse import (
+    IkSearch,
+    axis_error,
+    orientation_error,
+    solve_ik,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import reach_problem, reachable
 from pushpressslide.robots.tool import ToolAttitude
@@ -148,7 +153,11 @@ def test_the_joint_path_does_not_depend_on_how_finely_it_is_sampled():
 def test_the_elbow_moves_away_from_a_limit():
     kin = ArmKinematics(load_facts("panda"))
     low = solve_ik(
-        kin, straight()[:1], tool_yaw=0.0, joint_margin=0.0, best_margin=False
+        kin,
+        straight()[:1],
+        tool_yaw=0.0,
+        joint_margin=0.0,
+        search=IkSearch(first_found=True),
     )
     path = continuation(kin, straight(), np.zeros(101), low.q[0])
     assert path.ok

@@ -42,6 +42,7 @@ def one_contact_allocator(
     )
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         fn = fx * nx + fy * ny
         ft = fx * tx + fy * ty
         margin = friction * fn - (ft if ft > 0.0 else -ft)

@@ -71,6 +71,7 @@ def parallel_push_allocator(
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         push = nx * fx + ny * fy
         slide = nx * fy - ny * fx
         f1n = x * fx + y * fy + t * tau

@@ -53,6 +53,7 @@ def press_and_push_allocator(
     slopes = (friction * along - left, friction * along + left)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         a = (tau - px * fy + py * fx) / lever
         low = -inf
         high = inf

@@ -177,6 +177,7 @@ class TwoPresses:
         """
 
         def press(share: float) -> float:
+            """Return the least sum of presses [N] in a ratio."""
             return self._least_total(share, twist, gravity)
 
         step = 1.0 / RATIOS
@@ -222,6 +223,7 @@ class TwoPresses:
         mu = self.contact_friction
 
         def surplus(total: float) -> float:
+            """Return what a sum [N] is above the press that it needs."""
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
             return total - least_press(line.parts(*wrench, cop), mu, normals[1] / total)

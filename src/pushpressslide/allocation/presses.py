@@ -61,6 +61,7 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
     def allocate(
         fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
     ) -> Allocation:
+        """Return the allocation of a wrench [N, N m] about ``cop`` [m]."""
         n1, n2 = normals
         cop_x, cop_y = cop
         along = ex * fx + ey * fy

@@ -70,6 +70,7 @@ def two_contact_allocator(
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         f1x = x_fx * fx + x_fy * fy + x_tau * tau
         f1y = y_fx * fx + y_fy * fy + y_tau * tau
         f2x = fx - f1x
@@ -183,6 +184,7 @@ class _Elsewhere:
         both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else math.nan
 
         def scale(d: float) -> float:
+            """Return the part of the wrench that keeps the caps at ``d``."""
             return self._scale(f1n + d * self._pair.n1e, f2n - d * self._pair.n2e)
 
         candidates = (

@@ -153,6 +153,7 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
     target = np.append(1.0, (cop - center) / scale)
 
     def evaluate(x: Array) -> tuple[float, Array, Array]:
+        """Return the function, its gradient (3,) and its Hessian (3, 3)."""
         patch = clipped(local, float(x[0]), x[1:])
         hessian = np.zeros((3, 3))
         if len(patch) >= 3:

@@ -358,6 +358,7 @@ class Polygonal:
         edges = self._outward_edges()
 
         def gauge(x: float, y: float) -> float:
+            """Return 0 at the middle, 1 on the outline."""
             return max((x * out[0] + y * out[1]) / depth for out, depth in edges)
 
         return gauge
@@ -583,6 +584,7 @@ class Cylinder:
         radius = self.radius
 
         def gauge(x: float, y: float) -> float:
+            """Return 0 at the centre, 1 on the circle."""
             return math.hypot(x, y) / radius
 
         return gauge

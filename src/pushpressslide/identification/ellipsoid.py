@@ -55,6 +55,7 @@ def fit_full(pairs: Pairs) -> FittedEllipsoid:
     """
 
     def matrix(z: Array) -> Array:
+        """Return a positive definite matrix (3, 3) of parameters (5,)."""
         root = np.array(
             [
                 [1.0, 0.0, 0.0],

@@ -103,10 +103,12 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     terms = np.stack([x, y, x * x, x * y, y * y])
 
     def model(coefficients: Array) -> PressureModel:
+        """Return the model with the pressure of the coefficients (5,)."""
         shares = expected.shares * np.exp(coefficients @ terms)
         return replace(expected, shares=shares / shares.sum())
 
     def predict(coefficients: Array) -> Array:
+        """Return the directions (n, 3) under the measured wrenches."""
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
     fitted = model(

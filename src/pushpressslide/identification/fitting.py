@@ -35,6 +35,7 @@ def least_squares(
     from scipy import optimize
 
     def residuals(parameters: Array) -> Array:
+        """Return the chords and the ridge as one vector."""
         return np.append((predict(parameters) - measured).ravel(), ridge * parameters)
 
     found: Array = optimize.least_squares(

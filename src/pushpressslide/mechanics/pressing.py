@@ -57,39 +57,47 @@ def press_loads(
     wanted: float | None = None,
     pushed: float = 0.0,
 ) -> tuple[str | None, list[float]]:
-    """Return what stands against any press of up to ``most`` [N], and the loads [N] to
-    try, the safest first; ``wanted`` [N] is the only one where it is given. ``pushed``
+    """Return what stands against any press, and the loads [N] to try, safest first.
+
+    Up to ``most`` [N]. ``wanted`` [N] is the only load where it is given; ``pushed``
     [N]: that of a body that the object pushes.
     """
-    if wanted is None:
-        loads = [
-            max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
-            for use in USES
-        ]
-        if loads[-1] <= most:
-            return None, sorted({load for load in loads if load <= most}, reverse=True)
-        if mu_contact <= mu_support:
-            why = f"contact friction {mu_contact:g} must exceed the support's, {mu_support:g}: no press drags"
-            return why, []
+    if wanted is not None:
+        use = friction_use(wanted, weight, mu_support, mu_contact, pushed)
+        problem = _press_problem(wanted, most, use, mu_contact)
+        return problem, [] if problem else [wanted]
+    loads = [
+        max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
+        for use in USES
+    ]
+    if loads[-1] <= most:
+        return None, sorted({load for load in loads if load <= most}, reverse=True)
+    if mu_contact <= mu_support:
         return (
-            f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N",
-            [],
-        )
-    if wanted > most:
-        return (
-            f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N",
-            [],
-        )
-    use = friction_use(wanted, weight, mu_support, mu_contact, pushed)
+            f"contact friction {mu_contact:g} must exceed the support's, "
+            f"{mu_support:g}: no press drags"
+        ), []
+    return (
+        f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N",
+        [],
+    )
+
+
+def _press_problem(
+    load: float, most: float, use: float, mu_contact: float
+) -> str | None:
+    """Return what stands against a given press [N], of whose friction ``use`` is taken."""
+    if load > most:
+        return f"motion.press_force of {load:g} N, limits.normal_force is {most:g} N"
     if use > MOST_USE:
         needed = use * mu_contact / MOST_USE
         return (
-            f"pressed with {wanted:g} N the tip slips before the object: straight "
+            f"pressed with {load:g} N the tip slips before the object: straight "
             f"sliding takes {use:.2f} of "
             f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, "
             f"needed {needed:.3f}"
-        ), []
-    return None, [wanted]
+        )
+    return None
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:

@@ -27,6 +27,7 @@ def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
     load = belief.mass * GRAVITY
 
     def shift(wrench: Wrench) -> Point:
+        """Return how far [m] a push moves the centre of pressure."""
         return (height * wrench.fx / load, height * wrench.fy / load)
 
     mu = belief.support_friction

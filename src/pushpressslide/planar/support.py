@@ -111,6 +111,7 @@ class Support:
 
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> SupportFriction:
+            """Return the friction for a CoP on the grid."""
             cop = (i * step, j * step)
             return SupportFriction(
                 support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)

@@ -21,6 +21,7 @@ from pushpressslide.planar.contact import (
     FREE,
     ContactStatus,
     Pull,
+    Response,
     SideContact,
     TipLaw,
     TopContact,
@@ -140,7 +141,6 @@ class World:
     ) -> WorldState:
         """Return the state one tick on; a tip without a command stays where it is."""
         X_WB = state.X_WB
-        dt = self.dt
         reaches = [
             self._reach(state, contact, face, command)
             for contact, face in zip(self.contacts, self.faces, strict=True)
@@ -149,7 +149,7 @@ class World:
         cop, load = self._load(state, reaches)
         cop, friction, tipping = self.support.under(cop)
         mu = self.task.contact_friction
-        touching = [reach.touching(cop, mu, dt) for reach in reaches]
+        touching = [reach.touching(cop, mu, self.dt) for reach in reaches]
         acting: list[ObjectContact] = [t for t in touching if t is not None]
         vx, vy, w = REST
         held = (mu + self.task.support.friction) * load > math.hypot(*self.weight)
@@ -165,32 +165,46 @@ class World:
             )
         twist = Twist(vx, vy, w, cop)
         origin = twist.moved_to((0.0, 0.0))
-        X_after = moved(X_WB, (origin.vx, origin.vy, w), dt)
+        X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
         tips = [_resting(tip.position) for tip in state.tips]
         statuses: list[ContactStatus] = ["free"] * len(tips)
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
-            velocity = reach.law.velocity(response.force)
-            fx, fy = X_WB.rotate(response.force)
-            ux, uy = X_WB.rotate(velocity)
-            x, y, z = state.tips[reach.contact.arm].position
-            if response.status == "free":
-                x = x + dt * ux
-                y = y + dt * uy
-            else:  # with the object, but for its slip
-                px, py = reach.place
-                carried = twist.moved_to(reach.place)
-                sx = velocity[0] - carried.vx
-                sy = velocity[1] - carried.vy
-                x, y = X_after.apply((px + dt * sx, py + dt * sy))
-            tips[reach.contact.arm] = TipState(
-                (x, y, z + dt * reach.climb),
-                (ux, uy, reach.climb),
-                (fx, fy, -reach.press),
-            )
-            statuses[reach.contact.arm] = response.status
+            arm = reach.contact.arm
+            tips[arm] = self._tip_after(state, reach, response, twist, X_after)
+            statuses[arm] = response.status
         return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
+
+    def _tip_after(
+        self,
+        state: WorldState,
+        reach: _Reach,
+        response: Response,
+        twist: Twist,
+        X_after: Pose2,
+    ) -> TipState:
+        """Return a tip one tick on, of an object that has gone to ``X_after``."""
+        X_WB = state.X_WB
+        dt = self.dt
+        velocity = reach.law.velocity(response.force)
+        fx, fy = X_WB.rotate(response.force)
+        ux, uy = X_WB.rotate(velocity)
+        x, y, z = state.tips[reach.contact.arm].position
+        if response.status == "free":
+            x = x + dt * ux
+            y = y + dt * uy
+        else:  # with the object, but for its slip
+            px, py = reach.place
+            carried = twist.moved_to(reach.place)
+            sx = velocity[0] - carried.vx
+            sy = velocity[1] - carried.vy
+            x, y = X_after.apply((px + dt * sx, py + dt * sy))
+        return TipState(
+            (x, y, z + dt * reach.climb),
+            (ux, uy, reach.climb),
+            (fx, fy, -reach.press),
+        )
 
     def _reach(
         self, state: WorldState, contact: Contact, face: Face, command: TipCommand

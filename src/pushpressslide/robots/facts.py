@@ -38,6 +38,7 @@ def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
     """
 
     def cos_sin(angle: float) -> tuple[float, float]:
+        """Return cosine and sine, exact at quarter turns."""
         c = math.cos(angle)
         s = math.sin(angle)
         return (round(c) if abs(c - round(c)) < 1e-15 else c), (

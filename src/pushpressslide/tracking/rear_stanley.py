@@ -37,6 +37,7 @@ def rear_stanley(
     def steer(
         left_error: float, heading_error: float, curvature: float, grip: float
     ) -> tuple[float, bool]:
+        """Return the steering angle [rad], and whether it was clipped."""
         delta = -heading_error - atan(slope * left_error) - atan(length * curvature)
         if grip * low <= delta <= grip * high:
             return delta, False

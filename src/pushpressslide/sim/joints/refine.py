@@ -23,7 +23,12 @@ from pydrake.solvers import Constraint, MathematicalProgram, SnoptSolver, Solver
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
-from pushpressslide.robots.inverse import orientation_error, solve_ik, task_error
+from pushpressslide.robots.inverse import (
+    IkSearch,
+    orientation_error,
+    solve_ik,
+    task_error,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.clearance import ClearanceModel
@@ -97,7 +102,7 @@ def refined_move(
         path.yaws + offset,
         found[:, None, :n],
         margin,
-        best_margin=False,
+        search=IkSearch(first_found=True),
     )
     return Posture(attitude, offset, exact.q) if exact.converged.all() else None
 
