@@ -145,18 +145,18 @@ class Press:
             e = self.axis
             shift = sign * self.shift
             at = (self.cop[0] + shift * e[0], self.cop[1] + shift * e[1])
-            reach = rho_straight(self._coarse(at), e) ** 2 / self.lever
-            return shift - reach, reach
+            effective_wheelbase = rho_straight(self._coarse(at), e) ** 2 / self.lever
+            return shift - effective_wheelbase, effective_wheelbase
         ex, ey = self.axis
         ahead = 0.0
-        reach = 0.0
+        effective_wheelbase = 0.0
         for side in (angle, -angle):
             twist = self.twist(math.pi - side if backward else side).moved_to(self.cop)
             along = twist.vx * ex + twist.vy * ey
             across = ex * twist.vy - ey * twist.vx
             ahead -= 0.5 * across / twist.w
-            reach += 0.5 * math.tan(side) * sign * along / twist.w
-        return ahead, reach
+            effective_wheelbase += 0.5 * math.tan(side) * sign * along / twist.w
+        return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
         """Return the point of B [m] that stays where it is under a force across the

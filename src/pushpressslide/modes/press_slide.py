@@ -409,7 +409,9 @@ class PressSlide:
         """Return what identifies the virtual axle on the way."""
         car = car_of(plan.choice)
         predicted = Identified(
-            axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"]
+            axle_ahead(car),
+            abs(car.effective_wheelbase),
+            plan.choice.parameters["push_force"],
         )
         return AxleIdentifier(
             car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness")
@@ -469,7 +471,9 @@ class PressSlide:
         if not pivots:
             if identified is not None:
                 car = replace(
-                    car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0
+                    car,
+                    rho=math.sqrt(identified.effective_wheelbase * abs(car.lever)),
+                    shift=0.0,
                 )
                 car = replace(car, shift=identified.axle - axle_ahead(car))
                 level = identified.drag
@@ -487,7 +491,8 @@ class PressSlide:
             path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
         else:
             curvatures = turns(
-                car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach)
+                car,
+                math.tan(PLANNED * planned["steepest"]) / abs(car.effective_wheelbase),
             )
             run_ins = [k * planned["look_ahead"] for k in SHORT_RUN_INS]
             path = gentlest(start, goal, curvatures, run_ins, longest)[2]

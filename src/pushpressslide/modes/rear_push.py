@@ -201,7 +201,7 @@ class RearPush:
             "face": float(face.index),
             "lever": car.lever,
             "rho": car.rho,
-            "wheelbase": car.wheelbase,
+            "wheelbase": car.effective_wheelbase,
             "axle_from_com": math.hypot(X_BV.x, X_BV.y),
             "height_shift": shift,
             "contact_height": height,
@@ -311,7 +311,7 @@ class RearPush:
         low, high = car.steering_limits
         reserve = STEERING_RESERVE * 0.5 * (high - low)
         law = rear_stanley(
-            car.wheelbase,
+            car.effective_wheelbase,
             (low + reserve, high - reserve),
             plan.task.motion.tracking_gain,
         )
@@ -395,7 +395,7 @@ class RearPush:
                         parameters={
                             **figures,
                             "lever": car.lever,
-                            "wheelbase": car.wheelbase,
+                            "wheelbase": car.effective_wheelbase,
                             "axle_from_com": math.hypot(X_BV.x, X_BV.y),
                         },
                     )

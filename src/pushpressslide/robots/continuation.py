@@ -96,11 +96,10 @@ def continuations(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions
-    (k, 3) or (b, k, 3); one attitude or b.
+    """Return b joint paths at once: several yaw offsets or elbows at the cost of one.
 
-    For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as
-    ``continuation``.
+    For tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3); one attitude
+    or b. Else as ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape

@@ -33,6 +33,9 @@ KINDS: dict[str, JointKind] = {
     "prismatic": "prismatic",
     "fixed": "fixed",
 }
+MISSING_TIP_FRAME = (
+    "a model given by path needs tip_frame, the name of the frame at the tip's centre"
+)
 TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
 
 
@@ -78,10 +81,7 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     except (ElementTree.ParseError, UnicodeDecodeError) as error:
         raise PushPressSlideError(f"it is not XML ({error})") from error
     if tip_frame is None:
-        raise PushPressSlideError(
-            "a model given by path needs tip_frame, the name of the frame at the tip's "
-            "centre"
-        )
+        raise PushPressSlideError(MISSING_TIP_FRAME)
     try:
         read = _urdf if path.suffix.lower() == ".urdf" else _sdf
         description = read(root)

@@ -72,7 +72,7 @@ class RearSteerCar:
         return math.atan2(cross(n, e), n[0] * e[0] + n[1] * e[1])
 
     @property
-    def wheelbase(self) -> float:
+    def effective_wheelbase(self) -> float:
         """Distance rho^2/D [m] from the centre of pressure to the VFA."""
         return self.rho * self.rho / self.lever
 
@@ -80,7 +80,7 @@ class RearSteerCar:
     def X_BV(self) -> Pose2:
         """Pose of the vehicle frame in the body frame."""
         e = self.axis
-        length = self.wheelbase
+        length = self.effective_wheelbase
         return Pose2(
             self.cop[0] + length * e[0],
             self.cop[1] + length * e[1],
@@ -120,13 +120,13 @@ class RearSteerCar:
 
     def curvature(self, steering: float) -> float:
         """Return kappa = -(D/rho^2) tan(steering) [1/m], positive to the left."""
-        return -math.tan(steering) / self.wheelbase
+        return -math.tan(steering) / self.effective_wheelbase
 
     def steering(self, curvature: float) -> float:
         """Return the steering [rad] that gives ``curvature`` [1/m]; not limited to the
         cone.
         """
-        return -math.atan(self.wheelbase * curvature)
+        return -math.atan(self.effective_wheelbase * curvature)
 
     def xdot(
         self, x: tuple[float, float, float], u: tuple[float, float]

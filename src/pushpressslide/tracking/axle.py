@@ -23,26 +23,26 @@ class AxleTracker:
         law: LookAheadAlignment,
         heading: float,
         axle: float,
-        lead: float,
+        effective_wheelbase: float,
         rho: float,
-        level: float,
+        max_friction: float,
     ) -> None:
-        """Bind the law to a car heading along ``heading`` [rad] in B, its axle ``axle``
-        [m] ahead of the CoM.
+        """Bind the law to a car.
 
-        ``lead`` [m] is the axle's distance from the CoP under way: across the heading
-        acts lead times the curvature of the force along it, 0 for a car that is turned
-        without friction. ``level``: mu_s N [N].
+        It heads along ``heading`` [rad] in B, its axle ``axle`` [m] ahead of the CoM.
+        ``effective_wheelbase`` [m] is the axle's distance from the CoP under way: times
+        the curvature it is the force across the heading per force along it; 0 for a
+        car that is turned without friction. ``max_friction``: mu_s N [N].
         """
         self._curvature = law.curvature
         self._figures = (
             axle,
-            lead,
+            effective_wheelbase,
             rho * rho,
             heading,
             cos(heading),
             sin(heading),
-            level,
+            max_friction,
         )
 
     def step(
@@ -53,16 +53,18 @@ class AxleTracker:
         ``grip`` narrows the steering of a car that steers by friction.
         """
         assert isinstance(path, ArcPath)
-        axle, lead, rho_squared, heading, ex, ey, level = self._figures
+        axle, effective_wheelbase, rho_squared, heading, ex, ey, max_friction = (
+            self._figures
+        )
         yaw = X_WB.yaw + heading
         x = X_WB.x + axle * cos(yaw)
         y = X_WB.y + axle * sin(yaw)
         progress, left, direction, curvature = path.nearest(x, y, progress)
         turned = remainder(direction - yaw, TURN)
-        share = grip if lead > 0.0 else 1.0
+        share = grip if effective_wheelbase > 0.0 else 1.0
         turn, saturated = self._curvature((x, y, yaw), left, turned, curvature, share)
-        across = -lead * turn  # force to the left per force along
-        along = level / sqrt(1.0 + across * across + rho_squared * turn * turn)
+        across = -effective_wheelbase * turn  # force to the left per force along
+        along = max_friction / sqrt(1.0 + across * across + rho_squared * turn * turn)
         w = speed * turn
         return Guidance(
             progress,

@@ -25,24 +25,23 @@ PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """Which force turns a pressed object how: tan(force angle - angle) = gain
-    (curvature - planned one).
+    """Which force turns a pressed object how.
+
+    tan(force angle - angle) = effective wheelbase (curvature - planned curvature).
     """
 
     X_BV: Pose2  # at the axle, x along its motion
     angle: float  # [rad] in B, of the force on the planned curvature
     curvature: float  # [1/m] that one
-    gain: float  # [m]
+    effective_wheelbase: float  # [m]
     right: float  # [rad] < 0, that the force may be turned from ``angle``
     left: float  # [rad] > 0
     contact: Point  # [m] in B
     cop: Point  # [m] in B, without drag
-    level: float  # [N] mu_s N
-    stiffness: (
-        # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from
-        # the axis
-        float
-    )
+    max_friction: float  # [N] mu_s N
+    # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from the
+    # axis
+    stiffness: float
 
     @classmethod
     def of(cls, planned: Mapping[str, float], car: Unicycle) -> Steering:
@@ -53,13 +52,13 @@ class Steering:
             Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]),
             p.get("angle", car.X_BV.yaw),
             p.get("turn", 0.0),
-            p.get("gain", car.reach),
+            p.get("gain", car.effective_wheelbase),
             p.get("right", -steepest),
             p.get("left", steepest),
             car.contact,
             car.cop,
             p["push_force"],
-            p.get("stiffness", car.lever / car.reach),
+            p.get("stiffness", car.lever / car.effective_wheelbase),
         )
 
 
@@ -74,22 +73,28 @@ class UnicycleTracker:
         rx = s.contact[0] - s.cop[0]
         ry = s.contact[1] - s.cop[1]
         self._axle = (X_BV.x, X_BV.y, X_BV.yaw, math.cos(X_BV.yaw), math.sin(X_BV.yaw))
-        self._force = (s.angle, s.curvature, s.gain, s.right, s.left)
-        self._press = (rx, ry, 1.0 / math.hypot(rx, ry), s.cop, s.level, s.stiffness)
+        self._force = (s.angle, s.curvature, s.effective_wheelbase, s.right, s.left)
+        self._press = (
+            rx,
+            ry,
+            1.0 / math.hypot(rx, ry),
+            s.cop,
+            s.max_friction,
+            s.stiffness,
+        )
 
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
     ) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path``
-        at ``speed`` [m/s].
+        """Return the wrench (about the CoP) and the twist that follow ``path``.
 
-        ``grip`` has no part: a turn takes less of the press's friction than straight
+        At ``speed`` [m/s]. ``grip`` has no part: a turn takes less of the press's friction than straight
         sliding.
         """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
-        planned, turning, gain, right, left_most = self._force
-        rx, ry, inverse, cop, level, stiffness = self._press
+        planned, turning, wheelbase, right, left_most = self._force
+        rx, ry, inverse, cop, max_friction, stiffness = self._press
         yaw = X_WB.yaw
         c = cos(yaw)
         s = sin(yaw)
@@ -100,15 +105,15 @@ class UnicycleTracker:
         turn, _ = self._curvature(
             (x, y, yaw + axis), left, heading_error, curvature, 1.0
         )
-        wanted = atan(gain * (turn - turning))
+        wanted = atan(wheelbase * (turn - turning))
         steering = min(max(wanted, right), left_most)
         if steering != wanted:
-            turn = turning + tan(steering) / gain
+            turn = turning + tan(steering) / wheelbase
         fx = cos(planned + steering)
         fy = sin(planned + steering)
         lever = rx * fy - ry * fx
         # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2)
-        size = level / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
+        size = max_friction / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
         w = speed * turn
         return Guidance(
             progress,
@@ -125,12 +130,12 @@ class PivotTracker:
     in its place.
     """
 
-    def __init__(self, car: Unicycle, X_BV: Pose2, level: float) -> None:
-        """Bind to a vehicle and the frame at its pivot, x along the axis; ``level``
+    def __init__(self, car: Unicycle, X_BV: Pose2, max_friction: float) -> None:
+        """Bind to a vehicle and the frame at its pivot, x along the axis; ``max_friction``
         mu_s N [N].
         """
         self._car = car
-        self._level = level
+        self._level = max_friction
         self._X_BV = X_BV
 
     def step(
@@ -147,7 +152,7 @@ class PivotTracker:
         wanted = path.pose(progress)
         along, left = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
         w = speed * path.rate(progress)[2]
-        most = PIVOT_SHARE * abs(car.reach * w)
+        most = PIVOT_SHARE * abs(car.effective_wheelbase * w)
         v = min(max(PIVOT_GAIN * along, -most), most)
         fx, fy = car.force(v, w, self._level)
         ex, ey = car.axis
@@ -156,7 +161,7 @@ class PivotTracker:
             progress,
             Wrench(fx, fy, d * (ex * fy - ey * fx), car.cop),
             Twist(v * ex + w * X_BV.y, v * ey - w * X_BV.x, w),
-            math.atan2(car.reach * w, v) if w else 0.0,
+            math.atan2(car.effective_wheelbase * w, v) if w else 0.0,
             (along, left, remainder(wanted.yaw - X_WV.yaw, TURN)),
             False,
         )
