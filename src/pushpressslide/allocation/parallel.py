@@ -67,7 +67,6 @@ def parallel_push_allocator(
     )
     nx, ny = normal
     cap1, cap2 = caps
-    none = NONE
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
@@ -89,7 +88,7 @@ def parallel_push_allocator(
                     (f1n, f2n),
                     least * margin,
                     "ok",
-                    none,
+                    NONE,
                 ),
             )
         return general(fx, fy, tau)
