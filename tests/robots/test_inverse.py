@@ -202,3 +202,22 @@ def test_a_start_on_the_other_side_of_the_arm_is_a_failure_and_not_an_exception(
     path = continuation(kin, np.full((3, 3), 5.0), np.zeros(3), kin.facts.home)
     assert path.status == "unreachable"
     assert path.failed_at == 0
+
+
+def test_the_first_posture_that_is_found_meets_its_target_with_less_margin_on_average():
+    kin = ArmKinematics(load_facts("panda"))
+    best = solve_ik(kin, PLACES)
+    first = solve_ik(kin, PLACES, search=IkSearch(first_found=True))
+    both = best.converged & first.converged
+    assert (first.converged == best.converged).all()
+    assert (first.position_residual[both] < 1e-6).all()
+    assert best.joint_margin[both].mean() > first.joint_margin[both].mean()
+
+
+def test_a_search_without_steps_only_looks_at_its_starts():
+    kin = ArmKinematics(load_facts("panda"))
+    home = np.array(kin.facts.home)
+    place = np.asarray(kin.tip_pose(home)[1])
+    found = solve_ik(kin, place, q_seed=home, search=IkSearch(iterations=0))
+    assert found.q[0] == pytest.approx(home)
+    assert found.position_residual[0] == pytest.approx(0.0, abs=1e-12)

@@ -125,20 +125,27 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
 
 
 def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
-    """Return (a, b) of the pressure max(0, a + b . r) with unit integral and its centre
-    at ``cop`` (2,).
+    """Return (a, b) of the pressure max(0, a + b . r) with its centre at ``cop`` (2,).
 
-    The solution minimises the convex function half the integral of max(0, a + b . r)^2,
-    less a + b . cop; damped Newton steps on it, in coordinates scaled to the polygon.
-    Raises ValueError for a CoP on or outside the outline.
+    Its integral is one. Raises ValueError for a CoP on or outside the outline.
     """
+    _check_inside(polygon, cop)
+    area, first, _ = moments(polygon)
+    center = first / area
+    scale = math.sqrt(area)
+    local = (polygon - center) / scale
+    x = _least_energy(local, np.append(1.0, (cop - center) / scale))
+    b = x[1:] / scale
+    return float(x[0] - b @ center) / area, b / area
+
+
+def _check_inside(polygon: Array, cop: Array) -> None:
     edges = np.roll(polygon, -1, axis=0) - polygon
     lengths = np.hypot(edges[:, 0], edges[:, 1])
-    kept = lengths > 0.0
+    real = lengths > 0.0
     to_cop = cop - polygon
-    inside = (edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0])[kept] / lengths[
-        kept
-    ]
+    turns = edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0]
+    inside = turns[real] / lengths[real]
     size = float(lengths.max())
     if not inside.min() > 1e-4 * size:
         raise ValueError(
@@ -146,24 +153,12 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
             "m inside the outline "
             f"of the base; it must be at least {1e-4 * size:.2g} m inside"
         )
-    area, first, _ = moments(polygon)
-    center = first / area
-    scale = math.sqrt(area)
-    local = (polygon - center) / scale
-    target = np.append(1.0, (cop - center) / scale)
 
-    def evaluate(x: Array) -> tuple[float, Array, Array]:
-        """Return the function, its gradient (3,) and its Hessian (3, 3)."""
-        patch = clipped(local, float(x[0]), x[1:])
-        hessian = np.zeros((3, 3))
-        if len(patch) >= 3:
-            hessian[0, 0], hessian[0, 1:], hessian[1:, 1:] = moments(patch)
-            hessian[1:, 0] = hessian[0, 1:]
-        integral = hessian @ x
-        return float(0.5 * x @ integral - x @ target), integral - target, hessian
 
+def _least_energy(polygon: Array, target: Array) -> Array:
+    """Return x = (a, b) (3,) of least ``_energy``, by damped Newton steps."""
     x = np.array([1.0, 0.0, 0.0])
-    value, gradient, hessian = evaluate(x)
+    value, gradient, hessian = _energy(polygon, target, x)
     for _ in range(100):
         if np.abs(gradient).max() < 1e-13:
             break
@@ -171,7 +166,9 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
         t = 1.0
         slope = float(gradient @ step)
         while t > 1e-9:
-            new_value, new_gradient, new_hessian = evaluate(x + t * step)
+            new_value, new_gradient, new_hessian = _energy(
+                polygon, target, x + t * step
+            )
             # Near the end the value is below its own round-off; there the gradient
             # decides.
             if (
@@ -186,8 +183,22 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
         value = new_value
         gradient = new_gradient
         hessian = new_hessian
-    b = x[1:] / scale
-    return float(x[0] - b @ center) / area, b / area
+    return x
+
+
+def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Array]:
+    """Return a convex function of x = (a, b), its gradient (3,) and Hessian (3, 3).
+
+    Half the integral of max(0, a + b . r)^2, less ``target`` . x: least where the
+    pressure has the load target[0] and the moments target[1:].
+    """
+    patch = clipped(polygon, float(x[0]), x[1:])
+    hessian = np.zeros((3, 3))
+    if len(patch) >= 3:
+        hessian[0, 0], hessian[0, 1:], hessian[1:, 1:] = moments(patch)
+        hessian[1:, 0] = hessian[0, 1:]
+    integral = hessian @ x
+    return float(0.5 * x @ integral - x @ target), integral - target, hessian
 
 
 def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
