@@ -176,8 +176,9 @@ def least_presses(parts: tuple[float, float, float], friction: float) -> Point:
 
 
 def _least_root(a1: float, b1: float, a2: float, b2: float, e: float) -> float:
-    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e; all
-    arguments are >= 0.
+    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e.
+
+    All arguments are >= 0.
     """
     if (
         (a1 == 0.0 and b1 > 0.0)

@@ -78,11 +78,10 @@ class TwistCone:
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def spare(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone the wrench of a twist is [rad]; negative
-        outside, see ``angle``.
+        """Return how far inside the cone the wrench of a twist is [rad].
 
-        In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist
-        may be turned.
+        Negative outside, see ``angle``. In the norm diag(1, 1, 1/rho^2), so that it is
+        by this angle too that the twist may be turned.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
@@ -121,8 +120,9 @@ class TwistCone:
         )
 
     def nearest(self, wrench: Wrench) -> Wrench | None:
-        """Return the nearest wrench of the cone, about B's origin; None for one of the
-        cone.
+        """Return the nearest wrench of the cone, about B's origin.
+
+        None for one of the cone.
         """
         fx, fy, tau, _ = wrench.moved_to(ORIGIN)
         if self._wrenches.spare(fx, fy, tau) >= 0.0:

@@ -21,8 +21,9 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 
 
 def as_polygon(corners: Sequence[Point]) -> Array:
-    """Return the corners as an array (n, 2); raises ValueError unless convex and
-    counter-clockwise.
+    """Return the corners as an array (n, 2).
+
+    Raises ValueError unless convex and counter-clockwise.
     """
     polygon = np.array(corners, dtype=np.float64)
     if (
@@ -49,8 +50,9 @@ def as_polygon(corners: Sequence[Point]) -> Array:
 
 @lru_cache(maxsize=64)
 def base(corners: tuple[Point, ...]) -> Array:
-    """Return ``as_polygon`` of an object's outline, which is asked for again and again;
-    read-only.
+    """Return ``as_polygon`` of an object's outline, which is asked for again and again.
+
+    Read-only.
     """
     polygon = as_polygon(corners)
     polygon.setflags(write=False)
@@ -107,8 +109,9 @@ def moments(polygon: Array) -> tuple[float, Array, Array]:
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
-    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2); m =
-    0 if there is none.
+    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2).
+
+    m = 0 if there is none.
     """
     values = a + polygon @ b
     if values.min() >= 0.0:

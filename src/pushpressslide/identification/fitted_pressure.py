@@ -89,14 +89,13 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
-    """Return the model whose pressure and friction fit ``pairs``; ``pressure`` [N] is
-    what statics expects.
+    """Return the model whose pressure and friction fit ``pairs``.
 
-    The pressure at rest is the expected one times the exponential of a quadratic
-    polynomial in the position: of all distributions with the fitted first and second
-    moments the nearest to the expected one. Its five coefficients are fitted to the
-    measured directions, with a ridge toward zero. Friction is the median over the
-    pushes.
+    ``pressure`` [N] is what statics expects. The pressure at rest is the expected one
+    times the exponential of a quadratic polynomial in the position: of all
+    distributions with the fitted first and second moments the nearest to the expected
+    one. Its five coefficients are fitted to the measured directions, with a ridge
+    toward zero. Friction is the median over the pushes.
     """
     expected = static_model(pressure)
     x, y = ((expected.points - pressure.cop) / rho_pole(pressure)).T

@@ -121,8 +121,9 @@ class AxleIdentifier:
         return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Return the estimates, within bounds of the prediction; None while they do not
-        contradict it, or rest on too little turning.
+        """Return the estimates, within bounds of the prediction.
+
+        None while they do not contradict it, or rest on too little turning.
         """
         axle, wheelbase, drag = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)

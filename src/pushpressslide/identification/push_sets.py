@@ -94,8 +94,9 @@ def load_sets(
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm]; none for any
-    other name.
+    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
+
+    None for any other name.
     """
     try:
         numbers = [1e-3 * float(word) for word in name.split("_")]

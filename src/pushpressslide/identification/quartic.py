@@ -32,8 +32,9 @@ class FittedQuartic:
     rho: float  # [m] of the one-parameter ellipsoid
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3);
-        heights play no part.
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
+
+        Heights play no part.
         """
         along = wrenches / (1.0, 1.0, self.rho) @ self.axes.T
         return unit(

@@ -159,8 +159,9 @@ def _count(path: Path, rows: Sequence[Row], at: int, what: str) -> int:
 
 
 def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> Array:
-    """Return ``count`` lines of numbers as an array; the first number of ``form`` says
-    how many in each.
+    """Return ``count`` lines of numbers as an array.
+
+    The first number of ``form`` says how many in each.
     """
     width = int(form[0])
     lines = rows[at : at + count]
@@ -177,8 +178,9 @@ def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> A
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """Return the lines as rows of numbers; without columns if they are not numbers, or
-    unequally many.
+    """Return the lines as rows of numbers.
+
+    Without columns if they are not numbers, or unequally many.
     """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)

@@ -102,8 +102,9 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def random_splits(
     n: int, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Return ``splits`` random parts of n pushes: rows to fit, rows to test; at least
-    one in each.
+    """Return ``splits`` random parts of n pushes: rows to fit, rows to test.
+
+    At least one in each.
     """
     generator = np.random.default_rng(seed)
     cut = min(max(round(fit_share * n), 1), n - 1)

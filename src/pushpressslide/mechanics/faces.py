@@ -25,8 +25,10 @@ class Face:
 
 
 def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
-    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from
-    the corners (or at a short edge's middle).
+    """Return the faces of ``body``.
+
+    Contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's
+    middle).
     """
     out = []
     places = body.shape.side_points(corner_clearance, body.center_of_mass)

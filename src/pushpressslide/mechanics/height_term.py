@@ -66,8 +66,9 @@ class DraggedSurface:
         return np.stack([scale * (vx - k * vy), scale * (vy + k * vx), tau], axis=-1)
 
     def wrench(self, twist: Twist) -> Wrench:
-        """Return the wrench on the surface, about ``center``, that drives ``twist``;
-        zero for none.
+        """Return the wrench on the surface, about ``center``, that drives ``twist``.
+
+        Zero for none.
         """
         vx, vy, w, _ = twist.moved_to(self.center)
         turn = (self.rho * w) ** 2

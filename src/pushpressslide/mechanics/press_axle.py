@@ -32,8 +32,10 @@ STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding i
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """A press on an object on a table. Raises ValueError for no load, or a contact at
-    the CoM, where the object only translates.
+    """A press on an object on a table.
+
+    Raises ValueError for no load, or a contact at the CoM, where the object only
+    translates.
     """
 
     body: ObjectModel

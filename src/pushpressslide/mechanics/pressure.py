@@ -25,10 +25,10 @@ CELL_RADIUS = 1.0 / math.sqrt(12.0)
 
 @dataclass(frozen=True, eq=False)
 class PressureSamples:
-    """A pressure distribution as n point loads; three pins are
-    ``PressureSamples(points, loads)`` directly.
+    """A pressure distribution as n point loads.
 
-    Raises ValueError for wrong shapes, negative or non-finite loads, or no load at all.
+    Three pins are ``PressureSamples(points, loads)`` directly. Raises ValueError for
+    wrong shapes, negative or non-finite loads, or no load at all.
     """
 
     points: Array  # (n, 2) [m]

@@ -93,16 +93,16 @@ class SupportFriction:
 
 
 class Support:
-    """The support under one object; the CoP is where the load puts it, but never off
-    the base.
+    """The support under one object.
 
-    The pressure (Winkler) is made once for each place of the CoP on a fine grid, and
-    moved to the true CoP.
+    The CoP is where the load puts it, but never off the base. The pressure (Winkler) is
+    made once for each place of the CoP on a fine grid, and moved to the true CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:
-        """``center_of_mass`` [m] in the shape's frame G; CoPs are given in B, the frame
-        at the CoM.
+        """``center_of_mass`` [m] in the shape's frame G.
+
+        CoPs are given in B, the frame at the CoM.
         """
         middle = shape.middle
         self._middle = (middle[0] - center_of_mass[0], middle[1] - center_of_mass[1])

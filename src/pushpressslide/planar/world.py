@@ -61,8 +61,9 @@ class _Reach:
     def touching(
         self, cop: Point, friction: float, dt: float
     ) -> SideContact | TopContact | None:
-        """Return what the tip may do at its face in a tick; None if it does not come
-        near it.
+        """Return what the tip may do at its face in a tick.
+
+        None if it does not come near it.
         """
         x = self.place[0] - cop[0]
         y = self.place[1] - cop[1]
@@ -88,8 +89,9 @@ class World:
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
-        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the
-        tick.
+        """Prepare the faces of ``contacts``, at most one per robot.
+
+        ``dt`` [s] is the tick.
         """
         wx, wy, press = task.support.frame.components(
             (0.0, 0.0, -task.object.mass * GRAVITY)

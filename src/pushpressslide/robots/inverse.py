@@ -115,8 +115,9 @@ def axis_error(z: Array, z_wanted: Array) -> Array:
 
 
 def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
-    """Return the gradient (..., n) of the smooth least joint margin; it fades out at
-    ``relevant`` [rad].
+    """Return the gradient (..., n) of the smooth least joint margin.
+
+    It fades out at ``relevant`` [rad].
     """
     below = q - kin.facts.lower
     above = kin.facts.upper - q

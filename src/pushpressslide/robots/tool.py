@@ -84,8 +84,9 @@ class ToolAttitude:
         return self._in_world(R_ST)
 
     def _in_world(self, R_ST: Array) -> Array:
-        """Turn the x and z axes of T, given in S, into the world; its y axis follows,
-        whatever S's hand.
+        """Turn the x and z axes of T, given in S, into the world.
+
+        Its y axis follows, whatever S's hand.
         """
         if self.axes is WORLD_AXES:
             return R_ST

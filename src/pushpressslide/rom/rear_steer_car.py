@@ -99,16 +99,18 @@ class RearSteerCar:
 
     @property
     def curvature_limits(self) -> tuple[float, float]:
-        """Least and greatest curvature [1/m] of the VFA's path; they need not have zero
-        between them.
+        """Least and greatest curvature [1/m] of the VFA's path.
+
+        They need not have zero between them.
         """
         low, high = self.steering_limits
         return self.curvature(high), self.curvature(low)
 
     @property
     def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m], to the better side; infinite if the car can only
-        go straight.
+        """Smallest turning radius [m], to the better side.
+
+        Infinite if the car can only go straight.
         """
         largest = max(abs(k) for k in self.curvature_limits)
         return 1.0 / largest if largest > 0.0 else math.inf
@@ -123,8 +125,9 @@ class RearSteerCar:
         return -math.tan(steering) / self.effective_wheelbase
 
     def steering(self, curvature: float) -> float:
-        """Return the steering [rad] that gives ``curvature`` [1/m]; not limited to the
-        cone.
+        """Return the steering [rad] that gives ``curvature`` [1/m].
+
+        Not limited to the cone.
         """
         return -math.atan(self.effective_wheelbase * curvature)
 
@@ -142,10 +145,9 @@ class RearSteerCar:
         )
 
     def force(self, steering: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface; ``max_force`` [N] is
-        mu_s N.
+        """Return the contact force [N] in B, on the limit surface.
 
-        |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
+        ``max_force`` [N] is mu_s N. |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
         """
         c = math.cos(steering)
         s = math.sin(steering)

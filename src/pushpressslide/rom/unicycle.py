@@ -97,11 +97,10 @@ class Unicycle:
         return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[1])
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface, for a motion of V;
-        zero for none.
+        """Return the contact force [N] in B, on the limit surface, for a motion of V.
 
-        f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d sin(phi)/rho)^2);
-        ``max_force`` [N] is mu_s N.
+        Zero for none. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
+        sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
         """
         e = self.axis
         d = self.lever

@@ -131,8 +131,9 @@ class PivotTracker:
     """
 
     def __init__(self, car: Unicycle, X_BV: Pose2, max_friction: float) -> None:
-        """Bind to a vehicle and the frame at its pivot, x along the axis; ``max_friction``
-        mu_s N [N].
+        """Bind to a vehicle and the frame at its pivot, x along the axis.
+
+        ``max_friction`` mu_s N [N].
         """
         self._car = car
         self._level = max_friction
