@@ -224,7 +224,7 @@ def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
     corners = [
         (*X_WG.apply(c), z)
         for X_WG in (bar.start, bar.goal)
-        for c in bar.object.shape.footprint
+        for c in bar.object.shape.corners
         for z in (0.0, 0.05)
     ]
     seen = (look_at(view).inverse() @ np.array(corners).T).T

@@ -5,15 +5,13 @@ the controller knows only its robot.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.execution.arm import ArmState
 from pushpressslide.sim.robot_models import add_robot
-
-Array = NDArray[np.float64]
 
 
 class ArmModel:

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
@@ -23,9 +22,10 @@ from pydrake.multibody.tree import default_model_instance
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Robot, Shape, Task
+from pushpressslide.core.task import Robot, Task
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.scenes import (
@@ -42,8 +42,6 @@ from pushpressslide.sim.surfaces import (
     rigid_properties,
     support_grid,
 )
-
-Array = NDArray[np.float64]
 
 START = Pose2(0.013, 0.017, 0.2)  # X_WG; not on the lattice of the support's grid
 GAP = 1e-4  # [m] of the tip above the object at the start
@@ -150,7 +148,7 @@ class _Rig:
         plant.RegisterCollisionGeometry(
             thing, RigidTransform(), object_shape(body.shape), "object", soft
         )
-        half = _reach(body.shape) + ROOM
+        half = body.shape.farthest((0.0, 0.0)) + ROOM
         grid = support_grid(
             (START.x - half, START.x + half, START.y - half, START.y + half), probe.tile
         )
@@ -260,10 +258,3 @@ class _Rig:
             out[0] += drag * c - self.inertia * w * vy
             out[1] += drag * s + self.inertia * w * vx
         return out
-
-
-def _reach(shape: Shape) -> float:
-    """Return how far from G's origin the shape reaches [m]."""
-    if isinstance(shape, Cylinder):
-        return shape.radius
-    return max(math.hypot(x, y) for x, y in shape.footprint)

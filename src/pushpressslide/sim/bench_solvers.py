@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.solvers import ClarabelSolver, MathematicalProgram, OsqpSolver, ScsSolver
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
+
 PUSH_SOLVERS = {"OSQP": OsqpSolver, "Clarabel": ClarabelSolver, "SCS": ScsSolver}
 PRESS_SOLVERS = {"Clarabel": ClarabelSolver, "SCS": ScsSolver}
 

@@ -82,7 +82,7 @@ def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
     elif isinstance(shape, model.Cylinder):
         unit = UnitInertia.SolidCylinder(shape.radius, shape.height, [0.0, 0.0, 1.0])
     else:
-        corners = np.array(shape.polygon) - np.mean(np.array(shape.polygon), axis=0)
+        corners = np.array(shape.corners) - np.mean(np.array(shape.corners), axis=0)
         following = np.roll(corners, -1, axis=0)
         areas = 0.5 * (
             corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]
@@ -114,11 +114,7 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
     """Return x_min, x_max, y_min, y_max [m] of where the planned object goes, with room
     for errors; anchored to a lattice.
     """
-    shape = plan.task.object.shape
-    if isinstance(shape, model.Cylinder):
-        reach = shape.radius
-    else:
-        reach = max(math.hypot(x, y) for x, y in shape.footprint)
+    reach = plan.task.object.shape.farthest((0.0, 0.0))
     poses = [plan.task.true_start]
     for stretch in plan.segments:
         poses += [
@@ -136,11 +132,8 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
 
 def tile_size(shape: model.Shape) -> float:
     """Return the edge of a support tile [m]."""
-    if isinstance(shape, model.Cylinder):
-        width = 2.0 * shape.radius
-    else:
-        xs, ys = zip(*shape.footprint, strict=True)
-        width = min(max(xs) - min(xs), max(ys) - min(ys))
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    width = min(x_max - x_min, y_max - y_min)
     return width / TILES_PER_WIDTH
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
@@ -21,6 +20,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, LeafSystem
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance
@@ -28,8 +28,6 @@ from pushpressslide.sim.scenes import Scene, build_scene, rest_height
 
 if TYPE_CHECKING:
     from pushpressslide.sim.view.live import LiveView
-
-Array = NDArray[np.float64]
 
 
 class ContactForceSensor(LeafSystem):

@@ -193,10 +193,10 @@ def object_shape(shape: model.Shape) -> DrakeShape:
         return Box(*shape.size)
     if isinstance(shape, model.Cylinder):
         return Cylinder(shape.radius, shape.height)
-    n = len(shape.polygon)
+    n = len(shape.corners)
     half = 0.5 * shape.height
-    vertices = [(x, y, -half) for x, y in shape.polygon] + [
-        (x, y, half) for x, y in shape.polygon
+    vertices = [(x, y, -half) for x, y in shape.corners] + [
+        (x, y, half) for x, y in shape.corners
     ]
     faces: list[tuple[int, ...]] = [tuple(reversed(range(n))), tuple(range(n, 2 * n))]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]

@@ -10,20 +10,18 @@ from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
 from pushpressslide.robots.continuation import Continuation, continuations
 from pushpressslide.robots.facts import RobotFacts
-from pushpressslide.robots.inverse import solve_ik
+from pushpressslide.robots.inverse import IkSearch, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.connect import connect
 from pushpressslide.sim.joints.postures import held_at
-
-Array = NDArray[np.float64]
 
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
@@ -196,7 +194,11 @@ class Approach:
             return None
         upright = ToolAttitude(axes=self._axes)
         found = solve_ik(
-            self.kin, p + rise * self._up, upright, q_seed=home, best_margin=False
+            self.kin,
+            p + rise * self._up,
+            upright,
+            q_seed=home,
+            search=IkSearch(first_found=True),
         )
         return np.asarray(found.q[0]) if found.converged[0] else None
 

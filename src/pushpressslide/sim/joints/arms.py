@@ -8,9 +8,9 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.control.controller import RETREAT
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.continuation import continuation
@@ -20,7 +20,6 @@ from pushpressslide.sim.joints.joint_path import ArmPath, ArmSearch
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.joints.postures import Miss, Move
 
-Array = NDArray[np.float64]
 Found = tuple[Move, JointPath]
 
 # [m] least distance of the arms' capsules, which hold the real outline with 1 cm to

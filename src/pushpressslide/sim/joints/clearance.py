@@ -8,7 +8,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.geometry import Box as DrakeBox
 from pydrake.geometry import (
     CollisionFilterDeclaration,
@@ -25,14 +24,13 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.surfaces import object_shape
-
-Array = NDArray[np.float64]
 
 LOOK = 0.08  # [m] distances beyond this are of no interest
 # [m] over which the smooth least distance passes from one pair to the next

@@ -8,9 +8,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
+
 Free = Callable[[Array], bool]
 
 STRIDE = 0.4  # [rad] or [m] of any joint between two postures of a tree

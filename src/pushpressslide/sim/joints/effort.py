@@ -6,13 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.arm_model import ArmModel
-
-Array = NDArray[np.float64]
 
 LOOKED_AT = 24  # postures of a path
 

@@ -19,8 +19,8 @@ from itertools import chain, pairwise
 from operator import attrgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Pose2
@@ -45,8 +45,6 @@ from pushpressslide.sim.joints.postures import (
     shortfall,
 )
 from pushpressslide.sim.joints.refine import refined_move
-
-Array = NDArray[np.float64]
 
 STEP = 0.015  # [m] of the way between samples
 TURN_ARM = 0.2  # [m] of way that a turn by one radian counts for

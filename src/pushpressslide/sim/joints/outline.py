@@ -7,16 +7,14 @@ inside each other.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.geometry import Capsule, Sphere
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.robot_models import add_robot
-
-Array = NDArray[np.float64]
 
 
 class Outline:

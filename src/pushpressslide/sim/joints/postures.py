@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import Matrix3
 from pushpressslide.robots.continuation import Continuation, continuations
@@ -20,7 +20,6 @@ from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
-Array = NDArray[np.float64]
 Held = tuple[ToolAttitude, Array]  # with tool yaw offsets (b,)
 
 # [rad] kept from every joint limit, as the reach check of the selection does

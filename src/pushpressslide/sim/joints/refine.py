@@ -17,19 +17,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import Constraint, MathematicalProgram, SnoptSolver, SolverOptions
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
-from pushpressslide.robots.inverse import orientation_error, solve_ik, task_error
+from pushpressslide.robots.inverse import (
+    IkSearch,
+    orientation_error,
+    solve_ik,
+    task_error,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.clearance import ClearanceModel
 from pushpressslide.sim.joints.postures import LARGEST_STEP, Posture, TipPath
 
-Array = NDArray[np.float64]
 Function = Callable[[Array], tuple[Array, Array]]
 """Value (m,) and Jacobian (m, size) at a point (size,)."""
 
@@ -98,7 +102,7 @@ def refined_move(
         path.yaws + offset,
         found[:, None, :n],
         margin,
-        best_margin=False,
+        search=IkSearch(first_found=True),
     )
     return Posture(attitude, offset, exact.q) if exact.converged.all() else None
 

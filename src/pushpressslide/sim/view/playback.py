@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     GeometryInstance,
@@ -25,11 +24,12 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.sim.convert import (
     planar_pose,
     rigid_transform,
@@ -37,8 +37,6 @@ from pushpressslide.sim.convert import (
 )
 from pushpressslide.sim.scenes import Scene, build_scene, rest_height
 from pushpressslide.sim.surfaces import object_shape
-
-Array = NDArray[np.float64]
 
 RIBBON_WIDTH = 0.006  # [m] of lines on the support
 PATH_HEIGHT = 0.0010  # [m] above the support
@@ -168,12 +166,9 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
     ``pose`` (N, 3): where the object will be, X_WG [m, rad].
     """
     shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        corners: tuple[Point, ...] = tuple(
-            (a * shape.radius, b * shape.radius) for a in (-1, 1) for b in (-1, 1)
-        )
-    else:
-        corners = shape.footprint
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    rectangle = ((x_min, y_min), (x_min, y_max), (x_max, y_min), (x_max, y_max))
+    corners = shape.corners or rectangle
     places = [*(Pose2(*row) for row in pose.tolist()), task.goal]
     frame = task.support.frame
     points = [

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.geometry import (
     Cylinder,
     Meshcat,
@@ -24,6 +23,7 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform, RotationMatrix
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -32,8 +32,6 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.view.playback import Playback, View, ribbon
-
-Array = NDArray[np.float64]
 
 FRAMES_PER_SECOND = 30.0
 FIELD = math.radians(75.0)  # vertical field of view of Meshcat's camera
