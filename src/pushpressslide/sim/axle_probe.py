@@ -180,11 +180,7 @@ class _Rig:
         """
         plant = self._plant
         v0 = plant.num_positions()
-        robot = self._hand
-        joints = [
-            plant.GetJointByName(fact.name, robot.model_instance)
-            for fact in robot.facts.moving
-        ]
+        joints = self._hand.joints(plant)
         v = np.array([joint.velocity_start() for joint in joints])
         self.hand_q = np.array([joint.position_start() for joint in joints])
         self.hand_v = v0 + v

@@ -20,6 +20,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     Frame,
+    Joint,
     ModelInstanceIndex,
     RigidBody,
     SpatialInertia,
@@ -72,6 +73,13 @@ class RobotInstance:
         """
         return (self.facts.base, self.facts.moving[0].child)
 
+    def joints(self, plant: MultibodyPlant) -> list[Joint]:
+        """Return the moving joints, from the base to the tip."""
+        return [
+            plant.GetJointByName(fact.name, self.model_instance)
+            for fact in self.facts.moving
+        ]
+
 
 @dataclass(frozen=True)
 class _ModelField:
@@ -103,28 +111,19 @@ def add_robot(
     tip_properties: contact properties of the tip's sphere; None: it does not touch.
     collision: also registers capsules around the links (generated models), without
     hydroelastic properties, for distance queries in a plant that is not simulated.
-    models: "generated" or "drake_models". source: the task file, for messages. Raises
-    TaskError if the model, its file or its tip frame cannot be used.
+    models: "generated" or "drake_models". source: the task file, for messages.
+
+    Raises TaskError if the model, its file or its tip frame cannot be used.
     """
     field = _ModelField(source, index, robot.model)
-    generated = robot.model in MODELS
     facts = _facts(robot, field)
-    if models not in ("generated", "drake_models"):
-        raise TaskError(source, "models", models, "choose generated or drake_models")
-    parser = Parser(plant, model_name_prefix=f"robot_{index}")
-    parser.SetAutoRenaming(True)
-    if not generated:
-        instance = _add_file(plant, parser, facts, field)
-    elif models == "drake_models" and robot.model in DRAKE_MODELS:
-        instance = _add_drake_model(parser, robot.model, source)
-    else:
-        (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
+    instance = _add_model(plant, field, facts, models, collision)
     base = plant.GetFrameByName(facts.base, instance)
     X_WBase = RigidTransform(RollPitchYaw(0.0, 0.0, robot.base_yaw), robot.base)
     plant.WeldFrames(plant.world_frame(), base, X_WBase)
     length = 0.0  # a model given by file contains its tip
     inertia = SpatialInertia.Zero()
-    if generated:
+    if robot.model in MODELS:
         length = robot.tip_length
         inertia = _tip_inertia(length, robot.tip_radius)
     tip = _add_tip(plant, instance, facts, length, inertia)
@@ -152,23 +151,44 @@ def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
         raise field.error(str(error)) from error
 
 
-def _add_drake_model(parser: Parser, model: str, source: str) -> ModelInstanceIndex:
+def _add_model(
+    plant: MultibodyPlant,
+    field: _ModelField,
+    facts: RobotFacts,
+    models: str,
+    collision: bool,
+) -> ModelInstanceIndex:
+    """Add the links and joints of a model, from its source."""
+    if models not in ("generated", "drake_models"):
+        advice = "choose generated or drake_models"
+        raise TaskError(field.source, "models", models, advice)
+    parser = Parser(plant, model_name_prefix=f"robot_{field.index}")
+    parser.SetAutoRenaming(True)
+    if field.model not in MODELS:
+        return _add_file(plant, parser, facts, field)
+    if models == "drake_models" and field.model in DRAKE_MODELS:
+        return _add_drake_model(parser, field)
+    (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
+    return instance
+
+
+def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
     """Add one of Drake's own models, from a local copy if there is one."""
     folder = os.environ.get(DRAKE_MODELS_VARIABLE)
     packages = parser.package_map()
     if folder:
         if not (Path(folder) / "package.xml").is_file():
             advice = "name a folder with Drake's models (it has a package.xml)"
-            raise TaskError(source, "drake_models", folder, advice)
+            raise TaskError(field.source, "drake_models", folder, advice)
         if packages.Contains("drake_models"):
             packages.Remove("drake_models")
         packages.Add("drake_models", folder)
     try:
-        (instance,) = parser.AddModelsFromUrl(DRAKE_MODELS[model])
+        (instance,) = parser.AddModelsFromUrl(DRAKE_MODELS[field.model])
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[0][:160]
         advice = f"Drake's model could not be loaded ({reason}); use generated or set {DRAKE_MODELS_VARIABLE}"
-        raise TaskError(source, "models", "drake_models", advice) from error
+        raise TaskError(field.source, "models", "drake_models", advice) from error
     return instance
 
 

@@ -183,12 +183,7 @@ def build_scene(
     grid = support_grid(grid_bounds(plan), tile, task.support)
     add_support(plant, grid, frictions.support)
     _draw_support(plant, task.support)
-    bodies: dict[str, RigidBody] = {}
-    for obstacle in task.obstacles:
-        friction = frictions.obstacle(obstacle.friction)
-        body = _add_obstacle(plant, obstacle, task.support.frame, friction)
-        if obstacle.movable:
-            bodies[obstacle.name] = body
+    bodies = _add_obstacles(plant, task, frictions)
     robots = tuple(
         add_robot(
             plant,
@@ -233,6 +228,19 @@ def tip_properties(
 ) -> ProximityProperties:
     """Return the contact properties of a robot's tip."""
     return rigid_properties(frictions.tip, 0.3 * robot.tip_radius)
+
+
+def _add_obstacles(
+    plant: MultibodyPlant, task: model.Task, frictions: SurfaceFrictions
+) -> dict[str, RigidBody]:
+    """Add all obstacles; return the bodies of the movable ones by name."""
+    bodies = {}
+    for obstacle in task.obstacles:
+        friction = frictions.obstacle(obstacle.friction)
+        body = _add_obstacle(plant, obstacle, task.support.frame, friction)
+        if obstacle.movable:
+            bodies[obstacle.name] = body
+    return bodies
 
 
 def _add_obstacle(

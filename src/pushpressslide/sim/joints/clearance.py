@@ -68,30 +68,26 @@ class ClearanceModel:
             (Outline(robots[arm], arm), Outline(robots[i], i), q[None])
             for i, q in (others or {}).items()
         ]
-        self._object = plant.AddRigidBody(
-            "object",
-            default_model_instance(),
-            SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1),
-        )
+        # any mass: the plant is not simulated
+        inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
+        self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
+        shape = task.object.shape
+        self._height = 0.5 * shape.height
+        self._frame = task.support.frame
         self._object_shape = plant.RegisterCollisionGeometry(
             self._object,
             RigidTransform(),
-            object_shape(task.object.shape),
+            object_shape(shape),
             "object",
             ProximityProperties(),
         )
-        self._frame = task.support.frame
-        self._height = 0.5 * task.object.shape.height
         _add_surroundings(plant, task)
         plant.Finalize()
-        instance = self._robot.model_instance
-        joints = [
-            plant.GetJointByName(fact.name, instance)
-            for fact in self._robot.facts.moving
-        ]
+        joints = self._robot.joints(plant)
         # of q in a Jacobian
         self._columns = np.array([joint.velocity_start() for joint in joints])
         self._tip = set(plant.GetCollisionGeometriesForBody(self._robot.tip_body))
+        instance = self._robot.model_instance
         base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
         self._base_shapes = set(_shapes(plant, base))
         self._filter(scene_graph, base)

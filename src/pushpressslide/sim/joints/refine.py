@@ -65,8 +65,6 @@ def refined_move(
     k = len(path.yaws)
     picked = _picked(path)
     spline = _guessed_spline(kin, guess, picked, margin)
-    spline.hold_constant((n, n + 1))
-    spline.limit_steps(STEP_SHARE * LARGEST_STEP, k)
     slack = np.repeat([ANGLE_SLACK, POSITION_SLACK], 3)
     for i in picked:
         u = i / (k - 1)
@@ -103,14 +101,18 @@ def _picked(path: TipPath) -> Array:
 def _guessed_spline(
     kin: ArmKinematics, guess: Posture, picked: Array, margin: float
 ) -> _Spline:
-    """Return a spline through joints, tool yaw offset and tilt of a guess, within
-    bounds.
+    """Return a spline through joints, tool yaw offset and tilt of a guess.
+
+    Joints keep to their bounds and the largest step; offset and tilt are constant.
     """
     inset = margin + MARGIN_SLACK
     lower = np.append(kin.facts.lower + inset, [guess.offset - YAW_ROOM, 0.0])
     upper = np.append(kin.facts.upper - inset, [guess.offset + YAW_ROOM, MOST_TILT])
     tool = np.tile([guess.offset, guess.attitude.tilt], (len(picked), 1))
-    return _Spline(lower, upper, np.column_stack([guess.q[picked], tool]))
+    spline = _Spline(lower, upper, np.column_stack([guess.q[picked], tool]))
+    spline.hold_constant((kin.facts.size, kin.facts.size + 1))
+    spline.limit_steps(STEP_SHARE * LARGEST_STEP, len(guess.q))
+    return spline
 
 
 def _tip_error(
