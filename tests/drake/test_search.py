@@ -118,7 +118,8 @@ def test_the_object_path_is_sampled_finely_from_start_to_goal(push: Plan) -> Non
     assert np.diff(path.arc_length).min() > 0.0
     assert np.diff(path.arc_length).max() <= STEP + 1e-12
     for X_WG, planned in ((path.shapes[0], push.task.start), (path.shapes[-1], None)):
-        X = planned or push.object_pose(push.path.length)
+        last = push.segments[-1]
+        X = planned or push.object_pose(last, last.path.length)
         assert (X_WG.x, X_WG.y) == pytest.approx((X.x, X.y))
     X_GB = push.task.object.X_GB
     for X_WG, X_WB in zip(path.shapes, path.bodies, strict=True):

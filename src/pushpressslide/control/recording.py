@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.control import PHASES, ControlLog, TipCommand, Vector3
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode, Record
 
@@ -26,16 +26,17 @@ class Recorder:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
-        self._grasp = plan
-        self._before = 0  # what is done now, and how many stretches came before it
-        self._followed: list[Plan] = []  # of each stretch that was begun
+        self._number = 0  # of the placement that is done now
+        self._before = 0  # segments that were begun before it
+        self._followed: list[Segment] = []  # each segment that was begun
 
     def __len__(self) -> int:
         return len(self._rows.get("time", ()))
 
-    def begin(self, grasp: Plan) -> None:
-        """Note that another grasp begins."""
-        self._grasp, self._before = grasp, len(self._followed)
+    def begin(self, number: int) -> None:
+        """Note that the placement of that ``number`` begins."""
+        self._number = number
+        self._before = len(self._followed)
 
     def add(
         self,
@@ -49,7 +50,7 @@ class Recorder:
         forces: Sequence[Vector3],
         ticks: Sequence[float],
         more: Mapping[str, Any] | None = None,
-        followed: Plan | None = None,
+        followed: Segment | None = None,
     ) -> None:
         """Append one tick; ``ticks`` are track, allocate, execute and total [s];
         ``more`` holds engine-specific rows; ``followed`` is the stretch, as planned
@@ -60,11 +61,12 @@ class Recorder:
             not self._followed or followed is not self._followed[-1]
         ):
             self._followed.append(followed)
-        X_BV = (followed or self._grasp).X_BV
+        planned = self._plan.placements[self._number][0]
+        X_BV = (followed or planned).X_BV
         row: dict[str, Any] = {
             "time": time,
             "phase": PHASES.index(log.phase),
-            "leg": (followed or self._grasp).choice.leg,
+            "leg": (followed or planned).leg,
             "stretch": max(self._before, len(self._followed) - 1),
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
             "object_pose": (true_pose.x, true_pose.y, true_pose.yaw),
@@ -103,9 +105,11 @@ class Recorder:
             name: np.asarray(rows, dtype=np.float64)
             for name, rows in self._rows.items()
         }
-        paths = [stretch.path for stretch in self._followed]
-        done = min(len(paths) - self._before, len(self._grasp.stretches))
-        paths += [stretch.path for stretch in self._grasp.way[done:]]
+        placements = self._plan.placements
+        paths = [segment.path for segment in self._followed]
+        done = min(len(paths) - self._before, len(placements[self._number]))
+        rest = [piece for group in placements[self._number :] for piece in group]
+        paths += [segment.path for segment in rest[done:]]
         samples = [
             p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
         ]
@@ -114,8 +118,7 @@ class Recorder:
             np.arange(len(paths), dtype=np.float64), PATH_SAMPLES
         )
         modes = tuple(
-            mode
-            for mode, _ in groupby(stretch.choice.mode for stretch in self._plan.way)
+            mode for mode, _ in groupby(piece.mode for piece in self._plan.segments)
         )
         return Record(
             arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta

@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, Literal
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
+from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.planner import chained, grasp, refusal, usable
-from pushpressslide.selection.select import grasps, select
+from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.select import placements, select
 
 if TYPE_CHECKING:
     from pushpressslide.sim.joints.placements import GraspPaths
@@ -31,7 +32,7 @@ MORE = 3 * ENOUGH
 Engine = Literal["drake", "planar"]
 Progress = Callable[[float, float], None]
 Told = Callable[[str], None]
-Problems = dict[tuple[str, tuple[Contact, ...], str], InfeasibleTaskError]
+Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
 
 def versions() -> dict[str, str]:
@@ -78,7 +79,7 @@ def simulate(
     if engine == "planar":
         from pushpressslide.planar.engine import run as run_planar
 
-        made = chained([grasp(task, of[0], force=force) for of in candidates])
+        made = plan_of(task, [of[0] for of in candidates])
         with held():
             return (
                 made,
@@ -92,8 +93,8 @@ def simulate(
     for number, of in enumerate(by_grasp):
         problems: Problems = {}
         done = _add_first(paths, task, of, problems)
-        if not done and choices is None and not all(choice.judged for choice in of):
-            of[:] = grasps(task, MORE)[number]
+        if not done and choices is None and not all(choice.evaluated for choice in of):
+            of[:] = placements(task, MORE)[number]
             done = _add_first(paths, task, of, problems)
         if not done:
             if len(problems) == 1:
@@ -102,7 +103,7 @@ def simulate(
                 refusal(task, list(chain.from_iterable(by_grasp)))
             )
     judged = list(chain.from_iterable(by_grasp))
-    made = chained(paths.plans)
+    made = Plan(task, tuple(s for part in paths.plans for s in part.segments))
     with held():
         record = run_drake(
             made,
@@ -124,17 +125,17 @@ def _add_first(
     tried again.
     """
     for i, choice in enumerate(of):
-        if choice.path is None or not (choice.feasible or paths.force):
+        if not choice.segments or not (choice.feasible or paths.force):
             continue
-        key = (choice.mode, choice.contacts, choice.reason)
+        key = (choice.mode, choice.contacts, choice.label, choice.merits)
         try:
             if key not in problems:
-                paths.add(grasp(task, choice, force=paths.force))
+                paths.add(plan_of(task, [choice]).by_placement[0])
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
-        reason = f"{choice.reason}; but {str(problems[key]).split(': ', 1)[-1]}"
-        of[i] = replace(choice, feasible=False, reason=reason)
+        why = str(problems[key]).split(": ", 1)[-1]
+        of[i] = choice.refused(Refusal("joint_path", literal(why)))
     return False
 
 

@@ -35,19 +35,17 @@ def run(
     ``stop`` is asked at every tick whether to end the run (reason "interrupted").
     Movable obstacles are not modelled: the object passes through them.
     """
-    task = plan.task
+    placements = plan.placements
+    task = plan.part(placements[0][0])
     dt = task.motion.control_period
     X_BG = task.object.X_GB.inverse()
-    grasps = list(plan.grasps)
-    grasp = grasps.pop(0)
-    world = World(task, plan.choice.contacts, dt)
+    number = 0
+    world = World(task, placements[0][0].contacts, dt)
     here = world.start(task.true_start, task.start, task.motion.approach_distance)
     controller = Controller(plan)
     sensor = Sensor(task.sensing, seed, dt)
     recorder = Recorder(plan)
-    expected = OVERHEAD * len(plan.grasps) + sum(
-        stretch.profile.duration for stretch in plan.way
-    )
+    expected = OVERHEAD * len(placements) + plan.duration
     time = 0.0
     tipping = 0.0
     started = perf_counter()
@@ -78,7 +76,7 @@ def run(
             commands=commands,
             tips=[tip.position for tip in here.tips],
             forces=[tip.force for tip in after.tips],
-            ticks=(*controller.ticks, 0.0, total),
+            ticks=(*state.ticks, 0.0, total),
             followed=followed,
         )
         here = after
@@ -87,17 +85,20 @@ def run(
         measurement = measured(here)
         if progress is not None:
             progress(time, expected)
-        if state.phase == "done" and grasps and state.failure is None:
-            grasp = grasps.pop(0)
-            kept = controller.kept
-            world = World(grasp.task, grasp.choice.contacts, dt)
-            here = world.regrasp(here, grasp.task.motion.approach_distance, kept)
+        more = number + 1 < len(placements)
+        if state.phase == "done" and more and state.failure is None:
+            number += 1
+            lasting = controller.lasting
+            first = placements[number][0]
+            part = plan.part(first)
+            world = World(part, first.contacts, dt)
+            here = world.regrasp(here, part.motion.approach_distance, lasting)
             measurement = measured(here)
-            controller = Controller(grasp)
-            recorder.begin(grasp)
+            controller = Controller(plan, number)
+            recorder.begin(number)
             state = controller.init(
                 measurement,
-                tuple(c if i in kept else None for i, c in enumerate(commands)),
+                tuple(c if i in lasting else None for i, c in enumerate(commands)),
             )
         if state.phase == "done":
             reason = state.failure or ("goal_reached", "")

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -116,7 +115,7 @@ def run(
     controller's commands at a time [s] on their way to the arms, to try what happens
     when they fail.
     """
-    task = plan.task
+    task = plan.part(plan.segments[0])
     dt = task.motion.control_period
     frame = task.support.frame
     physics_step = time_step or task.motion.time_step
@@ -138,16 +137,17 @@ def run(
         arm.model.state(arm.path.approach[-1], np.zeros(arm.model.size)).position
         for arm in arms
     ]
-    controller = _controller(plan, paths[0])
+    controller = _controller(plan, 0, paths[0])
     sensor = Sensor(task.sensing, seed, dt)
     recorder = Recorder(plan)
-    (grasp, _), *ahead = zip(plan.grasps, paths, strict=True)
+    (grasp, _), *ahead = zip(plan.by_placement, paths, strict=True)
+    number = 0
     kept: Commands = (None,) * len(arms)
     began = 0.0
     reached = _arrival(arms)
     approach_time = reached
-    expected = sum(stretch.profile.duration for stretch in plan.way) + 4.0 * len(
-        plan.grasps
+    expected = sum(stretch.profile.duration for stretch in plan.segments) + 4.0 * len(
+        plan.by_placement
     )
     expected += sum(
         max(float(path.approach_time[-1]) for path, _ in of) for of in paths
@@ -240,7 +240,11 @@ def run(
             commands=commands,
             tips=[t.position for t in tips],
             forces=forces,
-            ticks=(*controller.ticks, executed, total),
+            ticks=(
+                *(state.ticks if state is not None else (0.0, 0.0)),
+                executed,
+                total,
+            ),
             more=_rows(x, object_q, arms, references, tips, bodies),
             followed=followed,
         )
@@ -251,7 +255,7 @@ def run(
             and state.failure is None
         ):
             kept = tuple(
-                c if i in controller.kept else None for i, c in enumerate(commands)
+                c if i in controller.lasting else None for i, c in enumerate(commands)
             )
             (grasp, taken), *ahead = ahead
             following, attitudes = zip(*taken, strict=True)
@@ -260,11 +264,12 @@ def run(
             )
             for arm, path, attitude in zip(arms, led, attitudes, strict=True):
                 arm.take(grasp, path, attitude)
-            controller = _controller(grasp, taken)
+            number += 1
+            controller = _controller(plan, number, taken)
             state = None
             began = time
             reached = time + _arrival(arms)
-            recorder.begin(grasp)
+            recorder.begin(number)
         if state is not None and state.phase == "done":
             reason = state.failure or ("goal_reached", "")
             break
@@ -309,16 +314,11 @@ def run(
     return recorder.record(reason, "drake", seed, perf_counter() - started, meta)
 
 
-def _controller(grasp: Plan, paths: Sequence[ArmPath]) -> Controller:
-    """The controller of a grasp, told how far off the object the arms' ways really end."""
-    motion = grasp.task.motion
+def _controller(plan: Plan, number: int, paths: Sequence[ArmPath]) -> Controller:
+    """The controller of a placement, with the gap that the arms' ways really leave."""
+    motion = plan.part(plan.placements[number][0]).motion
     gap = min(motion.approach_distance, *(path.gap for path, _ in paths))
-    return Controller(
-        replace(
-            grasp,
-            task=replace(grasp.task, motion=replace(motion, approach_distance=gap)),
-        )
-    )
+    return Controller(plan, number, gap)
 
 
 def _arrival(arms: list[_Arm]) -> float:

@@ -128,9 +128,9 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
     else:
         reach = max(math.hypot(x, y) for x, y in shape.footprint)
     poses = [plan.task.true_start]
-    for stretch in plan.way:
-        grid = np.linspace(0.0, stretch.path.length, 60)
-        poses += [stretch.object_pose(s) for s in grid]
+    for segment in plan.segments:
+        grid = np.linspace(0.0, segment.path.length, 60)
+        poses += [plan.object_pose(segment, s) for s in grid]
     margin = reach + 0.25
     for obstacle in plan.task.obstacles:
         if obstacle.movable:
@@ -178,7 +178,7 @@ def build_scene(
     frictions = SurfaceFrictions.of_task(task)
     shape = task.object.shape
     object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))
-    pressed = [contact.kind for contact in plan.choice.contacts] == ["top"]
+    pressed = [contact.kind for contact in plan.contacts] == ["top"]
     tile = tile_size(shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
     grid = support_grid(grid_bounds(plan), tile, task.support)
     add_support(plant, grid, frictions.support)

@@ -34,7 +34,7 @@ CLEARANCE = 0.005
 
 @dataclass(frozen=True)
 class ObjectPath:
-    """The object's planned path as k samples, over all stretches with one placement."""
+    """The object's planned path as k samples, over all segments of one placement."""
 
     arc_length: Array  # (k,) [m]
     bodies: list[Pose2]  # X_WB
@@ -92,9 +92,7 @@ class ArmProblem:
     @cached_property
     def along(self) -> ContactPath | None:
         """The arm's contact along the object's path; None for an arm without one."""
-        contact = next(
-            (c for c in self.plan.choice.contacts if c.arm == self.arm), None
-        )
+        contact = next((c for c in self.plan.contacts if c.arm == self.arm), None)
         if contact is None:
             return None
         path = self.object_path
@@ -162,20 +160,20 @@ class ArmProblem:
 
 
 def object_path(plan: Plan) -> ObjectPath:
-    """Return the object's path over all stretches of ``plan``, sampled by arc length."""
+    """Return the object's path over all segments of ``plan``, sampled by arc length."""
     lengths: list[float] = []
     bodies: list[Pose2] = []
     done = 0.0
-    for stretch in plan.stretches:
-        length = stretch.path.length
-        X_VB = stretch.X_BV.inverse()
+    for segment in plan.segments:
+        length = segment.path.length
+        X_VB = segment.X_BV.inverse()
         turned = sum(
-            abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(stretch.path.starts)
+            abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(segment.path.starts)
         )
         count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
         grid = np.linspace(0.0, length, count + 1)[0 if not lengths else 1 :]
         lengths += [done + float(s) for s in grid]
-        bodies += [stretch.path.pose(float(s)).compose(X_VB) for s in grid]
+        bodies += [segment.path.pose(float(s)).compose(X_VB) for s in grid]
         done += length
     X_BG = plan.task.object.X_GB.inverse()
     shapes = [X.compose(X_BG) for X in bodies]

@@ -53,14 +53,14 @@ def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
     """Return the largest normal force of a contact, and the largest force along the
     support that it takes besides [N].
     """
-    contacts = plan.choice.contacts
+    contacts = plan.contacts
     drag = 0.0
-    for stretch in plan.stretches:
-        drag = max(drag, stretch.choice.parameters["push_force"])
+    for segment in plan.segments:
+        drag = max(drag, segment.drive.max_friction)
     if contact.kind == "side":
         return drag / sum(c.kind == "side" for c in contacts), 0.0
     index = contacts.index(contact)
-    load = max(stretch.choice.contacts[index].load for stretch in plan.stretches)
+    load = max(segment.contacts[index].load for segment in plan.segments)
     presses = math.fsum(c.load for c in contacts)
     grip = plan.task.believed.contact_friction * load
     return load, min(grip, drag * contact.load / presses)

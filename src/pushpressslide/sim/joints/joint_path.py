@@ -245,7 +245,7 @@ def _contact_miss(
 
 def _rolled(problem: ArmProblem, along: ContactPath, attitude: ToolAttitude) -> float:
     """Return how far a single press rolls from where it began [m]; else zero."""
-    single_press = [c.kind for c in problem.plan.choice.contacts] == ["top"]
+    single_press = [c.kind for c in problem.plan.contacts] == ["top"]
     if attitude.turns or not single_press:
         return 0.0
     turned = min(float(np.ptp(along.tip.yaws)), math.pi)

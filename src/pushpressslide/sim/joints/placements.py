@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, lasting_arms
 from pushpressslide.sim.joints.arms import drawn_back, joint_paths
 from pushpressslide.sim.joints.joint_path import ArmPath
 
@@ -25,7 +25,7 @@ class GraspPaths:
         holding = frozenset[int]()
         if self.plans:
             last = self.plans[-1]
-            holding = last.kept(placement)
+            holding = lasting_arms(last.segments, placement.segments)
             postures = drawn_back(last, self.paths[-1], holding)
         self.paths.append(
             joint_paths(placement, force=self.force, postures=postures, holding=holding)
@@ -39,6 +39,6 @@ def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
     Raises InfeasibleTaskError as ``joint_paths``.
     """
     out = GraspPaths()
-    for placement in plan.grasps:
+    for placement in plan.by_placement:
         out.add(placement)
     return out.paths

@@ -34,7 +34,7 @@ from pushpressslide.sim.view.playback import (
 )
 from pushpressslide.sim.view.replay import FIELD, FRAMES_PER_SECOND, look, quiet_meshcat
 
-SAMPLES = 100  # of the planned path of each stretch
+SAMPLES = 100  # of the planned path of each segment
 
 
 class LiveView:
@@ -47,11 +47,11 @@ class LiveView:
         task = plan.task
         places = []
         lines = []
-        for stretch in plan.way:
+        for segment in plan.segments:
             grid = np.linspace(0.0, 1.0, SAMPLES)
-            lengths = [float(u) for u in stretch.path.length * grid]
-            places += [stretch.object_pose(s) for s in lengths]
-            lines.append(np.array([stretch.path.pose(s).position for s in lengths]))
+            lengths = [float(u) for u in segment.path.length * grid]
+            places += [plan.object_pose(segment, s) for s in lengths]
+            lines.append(np.array([segment.path.pose(s).position for s in lengths]))
         poses = np.array([(p.x, p.y, p.yaw) for p in places])
         view = camera_view(task, plan, poses, FIELD)
         self._meshcat.SetCameraPose(view.position, view.target)

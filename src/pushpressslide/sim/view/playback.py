@@ -162,8 +162,8 @@ def camera_view(task: Task, plan: Plan, poses: Array, field: float) -> View:
         return fit_view(points, 0.62 * normal + 0.78 * side + [0.0, 0.0, 0.45], field)
     left = 0.0  # how far the pushes point to +y: the tips are on the other side
     yaws = poses[:, 2]
-    for placement in plan.grasps:
-        for contact in placement.choice.contacts:
+    for placement in plan.by_placement:
+        for contact in placement.contacts:
             x, y = contact.normal
             left += float(np.mean(np.sin(yaws) * x + np.cos(yaws) * y))
     side_y = -0.78 if left >= 0.0 else 0.78
