@@ -36,6 +36,13 @@ class Opening:
     center: Point  # [m] in the wall's plane
     depth: float  # [m] of the back behind the wall's face
 
+    @property
+    def edges(self) -> tuple[float, float, float, float]:
+        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
+        w, h = self.size
+        cx, cy = self.center
+        return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
+
     def holds(self, pose: Pose2, shape: Shape) -> bool:
         """Return whether a shape at ``pose`` fits the opening's outline."""
         x_min, x_max, y_min, y_max = shape.bounds(pose)

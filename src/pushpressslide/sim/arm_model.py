@@ -1,6 +1,4 @@
-"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that
-the controller knows only its robot.
-"""
+"""Kinematics and dynamics of one arm for its controller, in a plant of its own."""
 
 from __future__ import annotations
 
@@ -22,8 +20,10 @@ class ArmModel:
         plant = MultibodyPlant(0.0)
         self.instance = add_robot(plant, robot, 0, models=models)
         plant.Finalize()
-        self._plant, self._context = plant, plant.CreateDefaultContext()
-        self._tip, self._world = self.instance.tip_frame, plant.world_frame()
+        self._plant = plant
+        self._context = plant.CreateDefaultContext()
+        self._tip = self.instance.tip_frame
+        self._world = plant.world_frame()
         self.size = plant.num_positions(self.instance.model_instance)
 
     def state(self, q: Array, v: Array) -> ArmState:
