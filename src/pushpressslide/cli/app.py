@@ -55,7 +55,7 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
 
 def print_json(value: Any) -> None:
     """Print plain data as JSON on stdout."""
-    from pushpressslide.report.files import to_json
+    from pushpressslide.report.json_text import to_json
 
     typer.echo(to_json(value), nl=False)
 

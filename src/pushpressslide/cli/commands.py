@@ -68,7 +68,8 @@ def select(
 ) -> int:
     """Rank the contact modes for a task, with reasons."""
     from pushpressslide.cli import tables
-    from pushpressslide.report.files import to_json, write_whole
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.planner import refusal
     from pushpressslide.selection.select import select as rank
 

@@ -14,8 +14,8 @@ from pushpressslide.identification.push_sets import load_sets
 from pushpressslide.identification.scoring import Identification, identified
 from pushpressslide.jobs.run import versions
 from pushpressslide.mechanics.rho import rho_pole
-from pushpressslide.report.files import to_json
 from pushpressslide.report.identification import predicted_rho, write_identification
+from pushpressslide.report.json_text import to_json
 
 SCHEMA = 1
 Progress = Callable[[float, float], None]

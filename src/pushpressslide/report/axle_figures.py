@@ -18,7 +18,6 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report import series, style
-from pushpressslide.report.plots import timed_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -159,7 +158,7 @@ def axle_over_time(task: Task, plan: Plan, record: Record) -> Figure | None:
         else 0.0
     )
     strip.set_ylim(1e3 * middle_of - MARGIN, 1e3 * middle_of + MARGIN)
-    _, position, yaw = timed_errors(record)
+    _, position, yaw = series.timed_errors(record)
     seen = np.where(move[:, None], record.arrays["tracking_error"], np.nan)
     middle.plot(
         time, 1e3 * position, color=style.BLUE, label="position, to the reference"

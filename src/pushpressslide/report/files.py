@@ -18,8 +18,8 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.core.whole_file import write_whole as write_whole
-from pushpressslide.report.metrics import plain
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report.json_text import plain, to_json
 from pushpressslide.report.plan_files import (
     choices_from_dict,
     plan_from_dict,
@@ -50,13 +50,6 @@ class Run:
     result: Mapping[str, Any]
     # all that were weighed, refused ones too; empty if not kept
     choices: tuple[Choice, ...] = ()
-
-
-def to_json(value: Any) -> str:
-    """Return ``value`` as strict JSON text (no NaN), indented, with a final newline."""
-    return (
-        json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    )
 
 
 def save_run(

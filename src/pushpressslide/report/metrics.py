@@ -20,6 +20,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.report import series
 from pushpressslide.report.contact_metrics import contact_figures, pivots
+from pushpressslide.report.json_text import plain
 from pushpressslide.report.support import seat_error, support_figures
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
@@ -109,23 +110,6 @@ def result(
     }
     cleaned: dict[str, Any] = plain(out)
     return cleaned
-
-
-def plain(value: Any) -> Any:
-    """Return ``value`` made of what JSON knows: NumPy becomes plain, NaN and infinity
-    become None.
-    """
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def installed_versions() -> dict[str, str | None]:

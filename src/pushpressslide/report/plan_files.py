@@ -12,6 +12,9 @@ from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report import style
+from pushpressslide.report.json_text import to_json
 
 SCHEMA = 3
 
@@ -86,14 +89,11 @@ def write_plan(
     plan: Plan, out: Path, choices: Sequence[Choice] = ()
 ) -> tuple[Path, Path]:
     """Write plan.json and plan.png to folder ``out``; return their paths."""
-    from pushpressslide.core.whole_file import write_whole
-    from pushpressslide.report.files import to_json
     from pushpressslide.report.plane import plan_figure
-    from pushpressslide.report.style import png
 
     return (
         write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
-        write_whole(out / "plan.png", png(plan_figure(plan))),
+        write_whole(out / "plan.png", style.png(plan_figure(plan))),
     )
 
 

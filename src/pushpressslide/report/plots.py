@@ -17,6 +17,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
+from pushpressslide.report.axle_figures import axle_over_time
 from pushpressslide.report.metrics import robot_facts
 from pushpressslide.report.plane import path_figure
 
@@ -40,8 +41,6 @@ def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
     """Return every figure that the record has the data for, by name, in the order to be
     shown.
     """
-    from pushpressslide.report.axle_figures import axle_over_time
-
     if series.ticks(record) < 2:
         return {}
     of_all: dict[str, Maker] = {
@@ -76,7 +75,7 @@ def errors_figure(task: Task, plan: Plan, record: Record) -> Figure:
     goal's tolerance.
     """
     made, (top, bottom) = style.figure(2, 4.6)
-    time, position, yaw = timed_errors(record)
+    time, position, yaw = series.timed_errors(record)
     top.plot(*_thin(time, 1e3 * position), color=style.BLUE, label="object")
     bottom.plot(*_thin(time, np.degrees(yaw)), color=style.BLUE, label="object")
     tolerance = task.tolerance
@@ -294,7 +293,7 @@ def comparison_plot(
     ):
         if series.ticks(record) < 2:
             continue
-        time, position, yaw = timed_errors(record)
+        time, position, yaw = series.timed_errors(record)
         start = time[np.argmax(series.in_phase(record, "move"))]
         top.plot(
             *_thin(time - start, 1e3 * position), color=color, ls=dash, label=label
@@ -311,22 +310,6 @@ def comparison_plot(
     style.title(top, title or "Error against the reference at the same time")
     style.legend(top)
     return made
-
-
-def timed_errors(record: Record) -> tuple[Array, Array, Array]:
-    """Return time [s], position error [m] and signed yaw error [rad] against the
-    reference at the same time.
-
-    All (N,), NaN outside phase "move", where there is no reference to be held against.
-    """
-    offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
-    move = series.in_phase(record, "move")
-    position = np.where(move, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
-    return (
-        record.arrays["time"],
-        position,
-        np.where(move, series.wrap_angles(offset[:, 2]), np.nan),
-    )
 
 
 def _thin(time: Array, values: Array) -> tuple[Array, Array]:

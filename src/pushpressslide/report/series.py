@@ -130,6 +130,22 @@ def path_errors(task: Task, record: Record) -> Array:
     return out
 
 
+def timed_errors(record: Record) -> tuple[Array, Array, Array]:
+    """Return time [s], position error [m] and signed yaw error [rad], all (N,).
+
+    The errors are against the reference at the same time. They are NaN outside phase
+    "move", where there is no reference.
+    """
+    offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
+    move = in_phase(record, "move")
+    position = np.where(move, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
+    return (
+        record.arrays["time"],
+        position,
+        np.where(move, wrap_angles(offset[:, 2]), np.nan),
+    )
+
+
 def path_length(path: MotionPath) -> float:
     """Return the way [m] of the tracking point along a path; a turn on the spot is
     none.

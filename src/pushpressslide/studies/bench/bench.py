@@ -13,7 +13,7 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.report.files import to_json
+from pushpressslide.report.json_text import to_json
 from pushpressslide.report.metrics import installed_versions
 from pushpressslide.studies.bench.contestants import (
     ABSENT,
