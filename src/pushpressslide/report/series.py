@@ -5,7 +5,7 @@ the surface.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +143,40 @@ def timed_errors(record: Record) -> tuple[Array, Array, Array]:
         record.arrays["time"],
         position,
         np.where(move, wrap_angles(offset[:, 2]), np.nan),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Series over the ticks (M,) of phase "move" alone."""
+
+    position_error: Array  # [m] to the reference at the same time
+    yaw_error: Array  # [rad] signed, to the reference at the same time
+    path_error: Array  # [m] of the tracking point to the path
+    tracking_error: Array  # (M, 3) along [m], left [m], heading [rad]: the law's own
+    tracked: Array  # (M, 2) [m] tracking point in the world
+    stretch: Array  # index of the stretch of the plan
+
+    @property
+    def path_length(self) -> float:
+        """Length [m] of the tracking point's path, summed over the stretches."""
+        return sum(
+            float(travel(self.tracked[self.stretch == i])[-1])
+            for i in np.unique(self.stretch)
+        )
+
+
+def motion(task: Task, record: Record) -> Motion:
+    """Return the series of phase "move"."""
+    move = in_phase(record, "move")
+    _, position_error, yaw_error = timed_errors(record)
+    return Motion(
+        position_error[move],
+        yaw_error[move],
+        path_errors(task, record)[move],
+        record.arrays["tracking_error"][move],
+        tracked_poses(task, record)[move, :2],
+        record.arrays["stretch"][move],
     )
 
 
