@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
-from pushpressslide.report.page_tables import table
+from pushpressslide.report.page_tables import number_cells, table
 from pushpressslide.studies.paper import corrections_one_arm as one
 from pushpressslide.studies.paper import corrections_two_arms as two
 from pushpressslide.studies.paper.correction import Correction
@@ -54,13 +54,8 @@ def html(rows: Sequence[Correction]) -> str:
         )
         marks.append(' class="claim"')
         for figure in row.figures:
-            cells = (figure.shown(figure.paper), figure.shown(figure.holds))
-            lines.append(
-                [
-                    f'<th scope="row">{escape(figure.what)}</th>',
-                    *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
-                ]
-            )
+            cells = number_cells(map(figure.shown, (figure.paper, figure.holds)))
+            lines.append([f'<th scope="row">{escape(figure.what)}</th>', *cells])
             marks.append("")
     return table(("Claim and figure", "Paper", "Holds"), lines, marks, numbers=2)
 
