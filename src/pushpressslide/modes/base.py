@@ -66,6 +66,8 @@ class Mode(Protocol):
     tracking_point: str
     cop_steering: bool
     walls: bool  # whether it can hold an object on a wall
+    # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
+    pushed_faces: int | None
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each

@@ -80,6 +80,7 @@ class BimanualPressSlide:
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
     walls = True
+    pushed_faces = 0
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per pair of contacts, feasible ones first, those with the

@@ -70,6 +70,7 @@ class OrthogonalPush:
     tracking_point = "CoM"
     cop_steering = False
     walls = False
+    pushed_faces = 2
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the best placements on every two faces, feasible ones first, the

@@ -78,6 +78,7 @@ class ParallelPush:
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
     walls = False
+    pushed_faces = 1
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the ways to push each face, feasible ones first, the quickest first."""

@@ -67,6 +67,7 @@ class PressAndPush:
     tracking_point = "the pressed point"
     cop_steering = True
     walls = False
+    pushed_faces: int | None = None
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return one choice per place to push and way to give the contacts to the arms,

@@ -86,6 +86,7 @@ class PressSlide:
     tracking_point = "virtual axle"
     cop_steering = True
     walls = False
+    pushed_faces = 0
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first: manoeuvres where the contact

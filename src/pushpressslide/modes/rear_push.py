@@ -80,6 +80,7 @@ class RearPush:
     tracking_point = "virtual front axle"
     cop_steering = False
     walls = False
+    pushed_faces = 1
 
     def _car(
         self, task: Task, face: Face, height: float, twists: Array
