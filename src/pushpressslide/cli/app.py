@@ -57,6 +57,7 @@ def command(function: Callable[[Options], Status]) -> Callable[[Options], Status
 
     @functools.wraps(function)
     def called(**values: Any) -> Status:
+        """Make the dataclass of the command line's values."""
         return function(options(**values))
 
     vars(called)["__signature__"] = inspect.signature(options, eval_str=True)

@@ -91,6 +91,7 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
         return lambda: None
 
     def handler(number: int, frame: FrameType | None) -> None:
+        """Note Ctrl-C and raise it."""
         presses.append(number)
         raise KeyboardInterrupt
 

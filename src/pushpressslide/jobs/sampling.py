@@ -240,6 +240,7 @@ def _one_arm_poses(rng: np.random.Generator, robot: Robot) -> Poses:
     x, y, _ = robot.base
 
     def draw() -> Poses:
+        """Draw start and goal, wherever they are."""
         r = rng.uniform(*ONE_ARM_REACH)
         azimuth = rng.uniform(-AZIMUTH, AZIMUTH) + robot.base_yaw
         yaw = rng.uniform(-math.pi, math.pi)
@@ -254,6 +255,7 @@ def _one_arm_poses(rng: np.random.Generator, robot: Robot) -> Poses:
         return start, Pose2(*start.apply(ahead), float(yaw + turn))
 
     def within(pose: Pose2) -> bool:
+        """Whether the robot reaches the object there."""
         dx = pose.x - x
         dy = pose.y - y
         azimuth = math.remainder(math.atan2(dy, dx) - robot.base_yaw, 2.0 * math.pi)
@@ -288,6 +290,7 @@ def _two_arm_poses(
         heading, bearing, turn = math.pi, math.pi, PRESSED_TURN
 
     def draw() -> Poses:
+        """Draw start and goal, wherever they are."""
         push = _push(rng, body.shape, faces)
         x = rng.uniform(AHEAD, FARTHEST_AHEAD)
         y = rng.uniform(-ASIDE, ASIDE)
@@ -298,6 +301,7 @@ def _two_arm_poses(
         return start, start.compose(Pose2(*ahead, float(rng.uniform(-turn, turn))))
 
     def within(X_WG: Pose2) -> bool:
+        """Whether both robots reach the object there."""
         center = X_WG.apply(body.center_of_mass)
         near, far = TWO_ARM_REACH
         distances = [math.dist(center, robot.base[:2]) for robot in robots]
@@ -314,6 +318,7 @@ def _push(rng: np.random.Generator, shape: Shape, faces: int) -> float:
     corners = shape.footprint
 
     def normal(i: int) -> float:
+        """Direction [rad] of the inward normal of a face."""
         ax, ay = corners[i % len(corners)]
         bx, by = corners[(i + 1) % len(corners)]
         return math.atan2(bx - ax, ay - by)

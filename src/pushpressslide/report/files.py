@@ -1,5 +1,6 @@
-"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json; each
-whole or not at all.
+"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json.
+
+Each file is there whole or not at all.
 """
 
 from __future__ import annotations
@@ -60,11 +61,10 @@ def save_run(
     result: Mapping[str, Any],
     choices: Sequence[Choice] = (),
 ) -> None:
-    """Write a run to folder ``out``. result.json comes last: a folder that has one is
-    complete.
+    """Write a run to folder ``out``.
 
-    An older result.json is taken away first, so that a folder is never half of one run
-    and half of another.
+    result.json comes last: a folder that has one is complete. An older result.json is
+    taken away first, so that a folder is never half of one run and half of another.
     """
     from pushpressslide.taskfile.load import dump_task
 
@@ -77,8 +77,9 @@ def save_run(
 
 
 def load_run(folder: Path) -> Run:
-    """Return the run in ``folder``; raises PushPressSlideError where it is missing,
-    unfinished or damaged.
+    """Return the run in ``folder``.
+
+    Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
     from pushpressslide.taskfile.load import load_task
 
@@ -119,8 +120,9 @@ def _read(path: Path, reader: Callable[[Path], T]) -> T:
 
 
 def record_to_bytes(record: Record) -> bytes:
-    """Return a record as the bytes of an .npz file: its arrays, and the rest as JSON
-    text under ``META``.
+    """Return a record as the bytes of an .npz file.
+
+    The file holds the arrays, and the rest as JSON text under ``META``.
     """
     rest = {
         "reason": record.reason,

@@ -303,8 +303,9 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
 
 
 def _by_stretch(plan: Plan, record: Record, value: Callable[[Plan], float]) -> Array:
-    """Return at every tick (N,) of the move its stretch's value; NaN in a second
-    attempt, not in the plan.
+    """Return at every tick (N,) of the move the value of its stretch.
+
+    NaN in a second attempt, which is not in the plan.
     """
     number = record.arrays["stretch"]
     out = np.full(series.ticks(record), np.nan)

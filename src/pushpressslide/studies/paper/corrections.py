@@ -1,8 +1,8 @@
-"""Where the paper's text needs correction: its own figures beside what holds, computed
-when asked for.
+"""Where the paper's text needs correction: its figures beside what holds.
 
-One row for each of docs/mechanics.md, section 12. Renew the page by
-``python -m pushpressslide.studies.paper.corrections docs/corrections.md``.
+Both are computed when asked for. One row for each of docs/mechanics.md, section 12.
+Renew the page by ``python -m pushpressslide.studies.paper.corrections
+docs/corrections.md``.
 """
 
 from __future__ import annotations
@@ -75,8 +75,9 @@ def markdown(rows: Sequence[Correction]) -> str:
 
 
 def with_corrections(page: str) -> str:
-    """Return a page with its corrections renewed; raises ValueError for a page without
-    the two marks.
+    """Return a page with its corrections renewed.
+
+    Raises ValueError for a page without the two marks.
     """
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)

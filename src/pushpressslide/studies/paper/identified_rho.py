@@ -1,6 +1,4 @@
-"""What is identified of rho on the way, in a run, beside what the exact model gives for
-that motion.
-"""
+"""Rho as identified during a run, beside the exact model's for the same motion."""
 
 from __future__ import annotations
 
@@ -11,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.identification.online import AxleState
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.modes import MODES
 from pushpressslide.modes.press_slide import PressSlide
 from pushpressslide.report import series
+
+Array = NDArray[np.float64]
 
 ANGLE = math.radians(60.0)
 WITHIN = math.radians(10.0)  # of the force from the heading axis
@@ -40,44 +40,33 @@ class IdentifiedRho:
 
 
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
-    """Run the identifier over the longest exciting stretch of a pressed object's run:
-    force angle within 10 degrees of 60, turn rate above 0.05 rad/s, for 3 s; None where
-    there is none, or nothing contradicted the plan.
+    """Run the identifier over the longest exciting stretch of a pressed object's run.
 
-    As in ``Controller``, from measured poses and contact force alone, starting at the
-    stretch. The exact model is given the true mass and friction, the mean load and the
-    mean force angle.
+    The stretch has force angles within 10 degrees of 60 and turn rates above 0.05 rad/s
+    for 3 s; None where there is none, or nothing contradicted the plan. As in
+    ``Controller``, the identifier sees measured poses and contact forces alone, from
+    the beginning of the stretch. The exact model has the true mass and friction, the
+    mean load and the mean force angle.
     """
     mode = MODES[plan.choice.mode]
     (contact,) = plan.choice.contacts
     assert isinstance(mode, PressSlide)
-    arrays = record.arrays
-    time = arrays["time"]
-    pose = arrays["object_pose"]
+    time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
-    size = math.hypot(*contact.point)
-    ex = contact.point[0] / size
-    ey = contact.point[1] / size
-    fx, fy = tangents[:, 0].T
-    width = max(1, round(WINDOW / float(time[1] - time[0])))
-    along, across, turn = (
-        np.convolve(v, np.full(width, 1.0 / width), mode="same")
-        for v in (ex * fx + ey * fy, ex * fy - ey * fx, arrays["object_twist"][:, 2])
-    )
-    angle = np.abs(np.arctan2(across, along))
+    angle, turn_rate = _excitation(contact.point, tangents[:, 0], record)
     exciting = series.in_phase(record, "move") & (np.abs(angle - ANGLE) < WITHIN)
-    first, stop = _longest(exciting & (np.abs(turn) > LEAST_TURN_RATE))
+    first, stop = _longest(exciting & (np.abs(turn_rate) > LEAST_TURN_RATE))
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
     identifier = mode.identifier(plan)
     state = AxleState()
     for k in range(first, stop):
-        X_WB = Pose2(*(float(v) for v in pose[k])).compose(plan.task.object.X_GB)
-        state = identifier.step(
-            state, float(time[k]), X_WB, (float(fx[k]), float(fy[k]))
-        )
-    found = identifier.identified(state)
-    if found is None:
+        pose = Pose2(*map(float, record.arrays["object_pose"][k]))
+        X_WB = pose.compose(plan.task.object.X_GB)
+        fx, fy = map(float, tangents[k, 0])
+        state = identifier.step(state, float(time[k]), X_WB, (fx, fy))
+    identified = identifier.identified(state)
+    if identified is None:
         return None
     task = plan.task
     load = float(np.mean(normals[first:stop, 0]))
@@ -88,17 +77,39 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,
         predicted=plan.choice.parameters["rho"],
-        identified=math.sqrt(found.reach * press.lever),
+        identified=math.sqrt(identified.reach * press.lever),
         exact=math.sqrt(reach * press.lever),
-        axle=found.axle,
+        axle=identified.axle,
         exact_axle=math.hypot(*press.cop) + ahead,
     )
 
 
-def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index of the longest run of True, and the one after its last;
-    (0, 0) for none.
+def _excitation(contact: Point, force: Array, record: Record) -> tuple[Array, Array]:
+    """Return the force angle (N,) [rad] and turn rate (N,) [rad/s], averaged.
+
+    The angle of ``force`` (N, 2) [N] is from the line to ``contact`` [m], in B, and
+    has no sign.
     """
+    time = record.arrays["time"]
+    size = math.hypot(*contact)
+    ex = contact[0] / size
+    ey = contact[1] / size
+    fx, fy = force.T
+    width = max(1, round(WINDOW / float(time[1] - time[0])))
+    window = np.full(width, 1.0 / width)
+    along, across, turn_rate = (
+        np.convolve(values, window, mode="same")
+        for values in (
+            ex * fx + ey * fy,
+            ex * fy - ey * fx,
+            record.arrays["object_twist"][:, 2],
+        )
+    )
+    return np.abs(np.arctan2(across, along)), turn_rate
+
+
+def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return first index and end of the longest run of True; (0, 0) for none."""
     edges = np.flatnonzero(
         np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
     )
