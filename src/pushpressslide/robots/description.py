@@ -18,7 +18,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.errors import MissingFrameError, PushPressSlideError
 from pushpressslide.robots.facts import (
     JointFacts,
     JointKind,
@@ -109,7 +109,7 @@ def _facts(
             link = frame.parent
     if link not in links:
         known = ", ".join([*links, *(frame.name for frame in frames)])
-        raise PushPressSlideError(
+        raise MissingFrameError(
             f"it has no frame {tip_frame!r}; there are {known[:300]}"
         )
     while (
