@@ -171,6 +171,20 @@ def point(unit: str, within: str) -> Kind:
     )
 
 
+def _object_schema(fields: Mapping[str, Field], required: list[str]) -> dict[str, Any]:
+    properties = {}
+    for key, field in fields.items():
+        properties[key] = {**field.kind.json, "description": field.meaning}
+        if key not in required:
+            properties[key]["default"] = field.absent
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": False,
+    }
+
+
 def section(
     fields: Mapping[str, Field],
     make: Callable[..., Any],
@@ -212,20 +226,10 @@ def section(
             if names[key] in values
         }
 
-    properties = {}
-    for key, field in fields.items():
-        properties[key] = {**field.kind.json, "description": field.meaning}
-        if key not in required:
-            properties[key]["default"] = field.absent
     return Kind(
         f"a section {listed}",
         f"sections {listed}",
-        {
-            "type": "object",
-            "properties": properties,
-            "required": required,
-            "additionalProperties": False,
-        },
+        _object_schema(fields, required),
         read,
         decode,
         encode,
