@@ -40,12 +40,12 @@ def on_ledge(task: Task, X_WG: Pose2, within: float) -> bool:
 
 
 def carried(task: Task, X_WG: Pose2) -> bool:
-    """Return whether an object that is let go at a pose stays: on a wall, on a ledge or
-    in the opening.
+    """Return whether an object that is let go at a pose stays: by the support's
+    friction, on a ledge or in the opening.
     """
     support = task.support
     shape = task.object.shape
-    if support.kind == "table" or on_ledge(task, X_WG, LEDGE_GAP):
+    if task.rests or on_ledge(task, X_WG, LEDGE_GAP):
         return True
     return support.opening is not None and support.opening.holds(X_WG, shape)
 

@@ -43,6 +43,11 @@ class SupportFrame:
         return self.direction((0.0, 0.0, 1.0))
 
     @property
+    def faces_up(self) -> bool:
+        """Whether the support is seen from above rather than from the front."""
+        return self.normal[2] > 0.5
+
+    @property
     def handedness(self) -> float:
         """1 where x, y and height are right-handed, -1 where they are left-handed."""
         a, b, c = self.spin_axis

@@ -78,6 +78,11 @@ class Support:
         None, "a rectangular opening in a wall, closed at its back"
     )
 
+    @property
+    def name(self) -> str:
+        """Its kind with an article, for messages."""
+        return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
+
 
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
@@ -420,6 +425,12 @@ class Task:
         return -self.support.frame.components(
             (0.0, 0.0, -GRAVITY * self.believed.mass)
         )[2]
+
+    @property
+    def rests(self) -> bool:
+        """Whether the support's friction, as believed, holds the object."""
+        friction = self.believed.support_friction * self.weight_on_support
+        return math.hypot(*self.weight_in_plane) <= friction
 
     @property
     def bases(self) -> tuple[tuple[float, float, float], ...]:

@@ -56,5 +56,5 @@ def lean(task: Task, press: float) -> Point:
     the goal the weight moves the centre of pressure back by as much.
     """
     x, y = task.goal.unrotate(task.weight_in_plane)
-    k = lever(task, 2.0 * press)
+    k = lever(task, task.weight_on_support + 2.0 * press)
     return (k * x, k * y)

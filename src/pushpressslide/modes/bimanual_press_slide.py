@@ -93,7 +93,7 @@ class BimanualPressSlide(Mode):
     reduced_model = "quasi-holonomic"
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
-    walls = True
+    carries_weight = True
     pushed_faces = 0
     drives = (HeldDrive,)
 
@@ -194,7 +194,7 @@ class BimanualPressSlide(Mode):
             refusal = tipping_refusal(cause, drag.tipping_margin)
         if refusal is None and used > UTILISATION[-1]:
             refusal = _slipping(contacts, used)
-        load = sum(contact.load for contact in contacts)
+        load = task.weight_on_support + sum(contact.load for contact in contacts)
         drive = HeldDrive(drag.surface, path.radius, point, lever(task, load), used)
         mu = task.believed.contact_friction
         margin = atan(mu) - atan(used * mu)
@@ -360,7 +360,7 @@ def _loads(
     given = task.motion.press_force
     if given is not None:
         return None, [_given_loads(presses(), cop, given, cap)]
-    if weight == 0.0:
+    if any(task.weight_in_plane):
         steps = [(twist, along) for along in weights(task, path)]
         least = max(LEAST_PRESS, lean_press(task))
         return None, [wall_loads(presses, steps, UTILISATION, least)]

@@ -79,7 +79,7 @@ class OrthogonalPush(Mode):
     reduced_model = "quasi-holonomic within a cone"
     tracking_point = "CoM"
     cop_steering = False
-    walls = False
+    carries_weight = False
     pushed_faces = 2
     drives = (TwistDrive,)
 

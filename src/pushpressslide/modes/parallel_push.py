@@ -89,7 +89,7 @@ class ParallelPush(Mode):
     reduced_model = "rear-steer car / forward differential car"
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
-    walls = False
+    carries_weight = False
     pushed_faces = 1
     drives = (CarDrive, TwistDrive)
 

@@ -92,7 +92,7 @@ class PressAndPush(Mode):
     reduced_model = "pivot about a pressed point"
     tracking_point = "the pressed point"
     cop_steering = True
-    walls = False
+    carries_weight = False
     pushed_faces = None
     drives = (PinnedDrive,)
 

@@ -99,7 +99,7 @@ class PressSlide(Mode):
     reduced_model = "unicycle / car / forklift"
     tracking_point = "virtual axle"
     cop_steering = True
-    walls = False
+    carries_weight = False
     pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
 

@@ -60,7 +60,7 @@ class RearPush(Mode):
     reduced_model = "rear-steer car"
     tracking_point = "virtual front axle"
     cop_steering = False
-    walls = False
+    carries_weight = False
     pushed_faces = 1
     drives = (RearSteerDrive,)
 

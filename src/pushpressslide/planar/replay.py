@@ -91,7 +91,7 @@ def _scene_data(task: Task) -> dict[str, Any]:
         places = [list(obstacle.pose.apply(corner)) for corner in corners]
         obstacles.append({"name": obstacle.name, "corners": places})
     bases = [robot.base for robot in task.robots if robot.model != "hand"]
-    wall = task.support.kind == "wall"
+    wall = not task.support.frame.faces_up
     return {
         "radii": [robot.tip_radius for robot in task.robots],
         "outline": outline,

@@ -115,7 +115,7 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     _force_key(ax, plan, largest)
     corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
     corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
-    view = "from above" if task.support.kind == "table" else "from the front"
+    view = "from above" if task.support.frame.faces_up else "from the front"
     _frame(ax, task, corners, f"The run, seen {view}")
     return made
 
@@ -280,7 +280,7 @@ def _surroundings(ax: Axes, task: Task) -> None:
     for i, obstacle in enumerate(task.obstacles):
         _obstacle(ax, obstacle, "" if i else "obstacle")
     for i, robot in enumerate(task.robots):
-        if robot.model == "hand" or task.support.kind == "wall":
+        if robot.model == "hand" or not task.support.frame.faces_up:
             continue
         _base(ax, robot, "" if i else "robot base")
         if len(task.robots) > 1:
@@ -316,7 +316,7 @@ def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
 
 def _frame(ax: Axes, task: Task, corners: Sequence[Point], title: str) -> None:
     """Set limits around ``corners``, obstacles and bases, and label the axes."""
-    table = task.support.kind == "table"
+    table = task.support.frame.faces_up
     points = list(corners)
     for obstacle in task.obstacles:
         radius = 0.5 * math.hypot(*obstacle.size[:2])

@@ -114,8 +114,11 @@ def _select(task: Task, enough: int) -> list[Choice]:
         if mode.arms != arms:
             text = f"needs {mode.arms} arm(s), the task has {arms}"
             out.append(Choice(name, refusal=Refusal("arms", text, arms, mode.arms)))
-        elif task.support.kind == "wall" and not mode.walls:
-            text = "cannot hold an object on a wall; support.kind must be table"
+        elif any(task.weight_in_plane) and not mode.carries_weight:
+            text = (
+                f"cannot hold an object on {task.support.name}; support.kind must be "
+                "table"
+            )
             out.append(Choice(name, refusal=Refusal("support", text)))
         else:
             out.extend(_clear(task, mode, enough))

@@ -89,11 +89,11 @@ def wall_faults(task: Task) -> Iterator[Fault]:
     """Yield what a wall does not allow: a body that would fall, and a start or goal
     that does not suit its opening.
     """
-    if task.support.kind == "table":
+    if not any(task.weight_in_plane):
         return
     for i, obstacle in enumerate(task.obstacles):
         if obstacle.movable:
-            reason = "on a wall it would fall; allowed: false"
+            reason = f"on {task.support.name} it would fall; allowed: false"
             yield f"obstacles[{i}].movable", True, reason
     if not carried(task, task.start):
         reason = (
