@@ -37,6 +37,15 @@ class SupportFrame:
         c, s = (round(v) if abs(v - round(v)) < 1e-15 else v for v in (c, s))
         return cls(origin, ((s, 0.0, c), (-c, 0.0, s), (0.0, 1.0, 0.0)))
 
+    @classmethod
+    def of_incline(cls, angle: float) -> SupportFrame:
+        """Return the frame of a plane through the world's origin that rises along x by
+        ``angle`` [rad].
+        """
+        c = math.cos(angle)
+        s = math.sin(angle)
+        return cls(axes=((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c)))
+
     @property
     def normal(self) -> Vector3:
         """World direction out of the support, in which heights are counted."""

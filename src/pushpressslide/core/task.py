@@ -64,7 +64,7 @@ class Opening:
 class Support:
     """What the object slides on."""
 
-    kind: Literal["table", "wall"] = setting("table", "kind of support")
+    kind: Literal["table", "wall", "incline"] = setting("table", "kind of support")
     friction: float = setting(0.3, "pair object/support", within=FRICTIONS)
     # of all poses, in the world
     frame: SupportFrame = setting(
@@ -76,6 +76,9 @@ class Support:
     )
     opening: Opening | None = setting(
         None, "a rectangular opening in a wall, closed at its back"
+    )
+    angle: float | None = setting(
+        None, "of an incline, needed for one: it rises along x", "deg", "(0, 45]"
     )
 
     @property

@@ -19,12 +19,24 @@ class SupportKind:
 
     needs: tuple[str, ...]  # fields that it must have
     takes: tuple[str, ...]  # fields that it may have
-    frame: Callable[[Stand], SupportFrame]
-    stand: Callable[[SupportFrame], Stand | None]  # the inverse
+    frame: Callable[[Stand | None, float], SupportFrame]  # of pose and angle [rad]
+    stand: Callable[[SupportFrame], Stand | None]  # the pose of a frame
 
 
-def _wall(stand: Stand) -> SupportFrame:
-    return SupportFrame.of_wall(stand[:3], stand.yaw)
+def _table(stand: Stand | None, angle: float) -> SupportFrame:
+    return TABLE
+
+
+def _wall(stand: Stand | None, angle: float) -> SupportFrame:
+    return TABLE if stand is None else SupportFrame.of_wall(stand[:3], stand.yaw)
+
+
+def _incline(stand: Stand | None, angle: float) -> SupportFrame:
+    return SupportFrame.of_incline(angle)
+
+
+def _no_stand(frame: SupportFrame) -> None:
+    return None
 
 
 def _stand_of_wall(frame: SupportFrame) -> Stand:
@@ -32,8 +44,9 @@ def _stand_of_wall(frame: SupportFrame) -> Stand:
 
 
 KINDS = {
-    "table": SupportKind((), (), lambda stand: TABLE, lambda frame: None),
+    "table": SupportKind((), (), _table, _no_stand),
     "wall": SupportKind(("pose",), ("pose", "opening"), _wall, _stand_of_wall),
+    "incline": SupportKind(("angle_deg",), ("angle_deg",), _incline, _no_stand),
 }
 
 
@@ -41,7 +54,7 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield what the kind of support needs and lacks, or has of another kind."""
     name = plain["kind"]
     kind = KINDS[name]
-    for key in ("pose", "opening"):
+    for key in ("pose", "opening", "angle_deg"):
         path = f"support.{key}"
         value = plain[key]
         if value is not None and key not in kind.takes:
@@ -54,7 +67,7 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
 
 def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
     """Return the support of the file's fields, on a table where it does not stand."""
-    place = TABLE if frame is None else KINDS[kind].frame(frame)
+    place = KINDS[kind].frame(frame, others.get("angle") or 0.0)
     return Support(kind=kind, frame=place, **others)
 
 
@@ -62,5 +75,5 @@ def support_fields(support: Support) -> dict[str, Any]:
     """Return the file's fields of a support, without those that it does not have."""
     stand = KINDS[support.kind].stand(support.frame)
     fields: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
-    shown = {"frame": stand, "opening": support.opening}
+    shown = {"frame": stand, "opening": support.opening, "angle": support.angle}
     return fields | {name: value for name, value in shown.items() if value is not None}
