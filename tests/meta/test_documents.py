@@ -2,14 +2,17 @@
 
 import importlib
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
 import yaml
 
+import pushpressslide
 from pushpressslide.cli import app
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
 from pushpressslide.taskfile.load import task_from_data
@@ -55,9 +58,14 @@ def test_the_paper_map_has_rows() -> None:
 @pytest.mark.parametrize(("function", "test"), rows_of_the_paper_map())
 def test_the_paper_map_names_real_functions_and_tests(function: str, test: str) -> None:
     parts = function.split(".")
-    at = next(i for i, part in enumerate(parts) if not part.islower() or i == 2)
-    thing = importlib.import_module(".".join(["pushpressslide", *parts[:at]]))
-    for part in parts[at:]:
+    package = ROOT / "src" / "pushpressslide"
+    depth = next(
+        n
+        for n in range(len(parts), 0, -1)
+        if package.joinpath(*parts[:n]).with_suffix(".py").is_file()
+    )
+    thing = importlib.import_module(".".join(["pushpressslide", *parts[:depth]]))
+    for part in parts[depth:]:
         thing = getattr(thing, part)
     assert (ROOT / "tests" / test).exists()
 
@@ -131,3 +139,22 @@ def test_the_mechanics_keep_their_section_numbers() -> None:
 def test_documents_that_the_code_cites_exist(path: Path) -> None:
     for name in re.findall(r"docs/([a-z-]+\.md)", path.read_text(encoding="utf-8")):
         assert (ROOT / "docs" / name).exists()
+
+
+def test_the_example_of_adding_a_mode_reaches_its_goal(monkeypatch) -> None:
+    page = (ROOT / "docs" / "adding-a-mode.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"__name__": "center_push"}
+    exec(compile(page.split("```python\n")[1].split("```")[0], page, "exec"), names)
+    mode = names["MODE"]
+    monkeypatch.setitem(MODES, mode.name, mode)
+    task = replace(
+        pushpressslide.load_task("rear-push-rear"),
+        modes=(mode.name,),
+        start=Pose2(0.36, 0.1, 0.0),
+        goal=Pose2(0.68, 0.105, 0.0),
+    )
+    best, *others = pushpressslide.select(task)
+    assert best.feasible
+    assert {choice.refusal.code for choice in others} == {"detour"}
+    record = pushpressslide.run(pushpressslide.plan(task, best), engine="planar")
+    assert record.reason == "goal_reached"
