@@ -41,7 +41,7 @@ def normals(task: Task) -> list[float]:
     """Return the directions [rad] in the world in which the faces are pushed, at the
     start.
     """
-    corners = [task.start.apply(corner) for corner in task.object.shape.footprint]
+    corners = [task.start.apply(corner) for corner in task.object.shape.corners]
     edges = zip(corners, (*corners[1:], corners[0]), strict=True)
     return [math.atan2(bx - ax, ay - by) for (ax, ay), (bx, by) in edges]
 

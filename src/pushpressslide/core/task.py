@@ -11,53 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.shapes import Box as Box
+from pushpressslide.core.shapes import Cylinder as Cylinder
+from pushpressslide.core.shapes import Prism as Prism
+from pushpressslide.core.shapes import Shape as Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A cuboid; its frame G is at its centre."""
-
-    size: tuple[float, float, float]  # [m] full lengths along x, y, z
-
-    @property
-    def height(self) -> float:
-        """Height [m]."""
-        return self.size[2]
-
-    @property
-    def footprint(self) -> tuple[Point, ...]:
-        """Corners of the base in G, counter-clockwise [m]."""
-        a = 0.5 * self.size[0]
-        b = 0.5 * self.size[1]
-        return ((-a, -b), (a, -b), (a, b), (-a, b))
-
-
-@dataclass(frozen=True, slots=True)
-class Prism:
-    """An upright prism on a convex polygon; its frame G is the polygon's own origin."""
-
-    polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise, convex
-    height: float  # [m]
-
-    @property
-    def footprint(self) -> tuple[Point, ...]:
-        """Corners of the base in G, counter-clockwise [m]."""
-        return self.polygon
-
-
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """An upright cylinder; its frame G is at its centre."""
-
-    radius: float  # [m]
-    height: float  # [m]
-
-
-Shape = Box | Prism | Cylinder
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
-GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far
@@ -74,21 +36,20 @@ class Opening:
     center: Point  # [m] in the wall's plane
     depth: float  # [m] of the back behind the wall's face
 
-    def holds(self, pose: Pose2, shape: Shape) -> bool:
-        """Return whether a shape at ``pose`` lies within the opening's outline, and so
-        goes in.
-        """
-        if isinstance(shape, Cylinder):
-            r = shape.radius
-            corners: tuple[Point, ...] = ((-r, 0.0), (r, 0.0), (0.0, -r), (0.0, r))
-            corners = tuple((pose.x + x, pose.y + y) for x, y in corners)
-        else:
-            corners = tuple(pose.apply(corner) for corner in shape.footprint)
+    @property
+    def edges(self) -> tuple[float, float, float, float]:
+        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
         w, h = self.size
         cx, cy = self.center
-        return all(
-            abs(x - cx) <= 0.5 * w + FIT and abs(y - cy) <= 0.5 * h + FIT
-            for x, y in corners
+        return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
+
+    def holds(self, pose: Pose2, shape: Shape) -> bool:
+        """Return whether a shape at ``pose`` fits the opening's outline."""
+        x_min, x_max, y_min, y_max = shape.bounds(pose)
+        w, h = self.size
+        cx, cy = self.center
+        return all(abs(x - cx) <= 0.5 * w + FIT for x in (x_min, x_max)) and all(
+            abs(y - cy) <= 0.5 * h + FIT for y in (y_min, y_max)
         )
 
 

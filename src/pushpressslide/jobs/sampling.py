@@ -7,8 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Box, Cylinder, ObjectModel, Prism, Task
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    Cylinder,
+    ObjectModel,
+    Prism,
+    Shape,
+    Task,
+)
 from pushpressslide.mechanics.top import inside_top
 
 # [m] of the object's centre from the first robot's base, where new tasks are drawn
@@ -18,10 +26,16 @@ AZIMUTH = math.radians(80.0)  # either side of the base's forward direction
 CONTACT_EDGE = 0.015  # [m] that a drawn top contact is inside the object's top
 
 
-def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, float]:
-    """Return the centroid [m] of a polygon given counter-clockwise."""
+def drawn_centroid(shape: Shape) -> Point:
+    """Return the centroid [m] of a drawn shape in its frame G.
+
+    Not ``shape.centroid``, which rounds otherwise: a seed keeps its task to the bit.
+    """
+    if not shape.corners:
+        return shape.centroid
     area = cx = cy = 0.0
-    for (x0, y0), (x1, y1) in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
+    following = (*shape.corners[1:], shape.corners[0])
+    for (x0, y0), (x1, y1) in zip(shape.corners, following, strict=True):
         a = x0 * y1 - x1 * y0
         area = area + a
         cx = cx + a * (x0 + x1)
@@ -29,9 +43,7 @@ def polygon_centroid(polygon: tuple[tuple[float, float], ...]) -> tuple[float, f
     return cx / (3.0 * area), cy / (3.0 * area)
 
 
-def random_shape(
-    rng: np.random.Generator, round_too: bool = False
-) -> Box | Prism | Cylinder:
+def random_shape(rng: np.random.Generator, round_too: bool = False) -> Shape:
     """Return a box of 8 to 25 cm a side, or a triangle or hexagon prism of like size
     (``round_too``: or a cylinder); more than half are boxes.
     """
@@ -80,9 +92,7 @@ def random_task(base: Task, index: int, seed: int) -> Task:
     rng = np.random.default_rng([seed, index])
     pressed = base.modes == ("press_slide",)
     shape = random_shape(rng, round_too=pressed)
-    center = (
-        polygon_centroid(shape.footprint) if isinstance(shape, Prism) else (0.0, 0.0)
-    )
+    center = drawn_centroid(shape)
     robot = base.robots[0]
 
     def within(pose: Pose2) -> bool:

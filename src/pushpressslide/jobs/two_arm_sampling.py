@@ -9,8 +9,16 @@ import numpy as np
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Box, Cylinder, ObjectModel, Prism, Task
-from pushpressslide.jobs.sampling import polygon_centroid
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    Cylinder,
+    ObjectModel,
+    Prism,
+    Shape,
+    Task,
+)
+from pushpressslide.jobs.sampling import drawn_centroid
 
 MODES = ("parallel_push", "orthogonal_push", "bimanual_press_slide")
 
@@ -44,9 +52,7 @@ def random_two_arm_task(base: Task, index: int, seed: int) -> Task:
     rng = np.random.default_rng([seed, index])
     pressed = base.modes == ("bimanual_press_slide",)
     shape = _shape(rng, pressed)
-    center = (
-        polygon_centroid(shape.footprint) if isinstance(shape, Prism) else (0.0, 0.0)
-    )
+    center = drawn_centroid(shape)
     bases = [robot.base[:2] for robot in base.robots]
     (lx, ly), (rx, ry) = bases
     # x away from the robots
@@ -67,7 +73,7 @@ def random_two_arm_task(base: Task, index: int, seed: int) -> Task:
     for _ in range(10_000):
         push = (
             0.0
-            if isinstance(shape, Cylinder)
+            if not shape.corners
             else _push(rng, shape, base.modes == ("orthogonal_push",))
         )
         x = rng.uniform(AHEAD, 0.8)
@@ -96,11 +102,11 @@ def random_two_arm_task(base: Task, index: int, seed: int) -> Task:
     )
 
 
-def _push(rng: np.random.Generator, shape: Box | Prism, two_faces: bool) -> float:
+def _push(rng: np.random.Generator, shape: Shape, two_faces: bool) -> float:
     """Return the direction [rad] in G in which a face, or two neighbours together, are
     pushed.
     """
-    corners = shape.footprint
+    corners = shape.corners
 
     def normal(i: int) -> float:
         ax, ay = corners[i % len(corners)]
@@ -112,7 +118,7 @@ def _push(rng: np.random.Generator, shape: Box | Prism, two_faces: bool) -> floa
     return normal(i) + (0.5 * between if two_faces else 0.0)
 
 
-def _shape(rng: np.random.Generator, pressed: bool) -> Box | Prism | Cylinder:
+def _shape(rng: np.random.Generator, pressed: bool) -> Shape:
     kinds = [
         "box",
         "box",

@@ -48,7 +48,6 @@ from pushpressslide.modes.base import (
     Draft,
     Mode,
     search,
-    segment,
 )
 from pushpressslide.planning.held_twist import (
     DECAY,
@@ -59,6 +58,7 @@ from pushpressslide.planning.held_twist import (
     utilisation,
 )
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import ORIGIN, HeldDrive
 from pushpressslide.tracking.carried import CarriedTracker

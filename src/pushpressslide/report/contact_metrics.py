@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
@@ -16,8 +16,6 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 from pushpressslide.rom.drives import PinnedDrive
-
-Array = NDArray[np.float64]
 
 CONE_TOLERANCE = 0.02
 """Share by which a measured tangential force may exceed mu f_n before it counts as

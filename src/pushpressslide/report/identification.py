@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.identification.scoring import Identification
 from pushpressslide.mechanics.rho import rho_pole
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 MODELS = {
     "ellipsoid": ("ellipsoid, rho alone", style.ORANGE, "-"),

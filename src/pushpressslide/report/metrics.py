@@ -11,8 +11,8 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2, wrap_angle
@@ -22,8 +22,6 @@ from pushpressslide.report import series
 from pushpressslide.report.contact_metrics import contact_figures, pivots
 from pushpressslide.report.support import seat_error, support_figures
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
-
-Array = NDArray[np.float64]
 
 SCHEMA = 1
 MOTION_FIELDS = (

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.task import Box, Cylinder, Robot, Task
+from pushpressslide.core.task import Robot, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
 from pushpressslide.report.files import Run, load_run
@@ -192,15 +192,6 @@ def _with_belief(true: float, believed: float, unit: str = "") -> str:
 
 
 def _task_table(task: Task, result: Mapping[str, Any]) -> str:
-    shape = task.object.shape
-    if isinstance(shape, Box):
-        form = "box " + " × ".join(f"{1e3 * v:g}" for v in shape.size) + " mm"
-    elif isinstance(shape, Cylinder):
-        form = f"cylinder, radius {1e3 * shape.radius:g} mm, height {1e3 * shape.height:g} mm"
-    else:
-        form = (
-            f"prism on {len(shape.polygon)} corners, height {1e3 * shape.height:g} mm"
-        )
     belief = task.believed
     mu = _with_belief(task.support.friction, belief.support_friction)
     mu_c = _with_belief(task.contact_friction, belief.contact_friction)
@@ -215,7 +206,7 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
             )
         ]
     rows = [
-        ("Object", f"{form}, {mass}"),
+        ("Object", f"{task.object.shape.description}, {mass}"),
         ("Friction", f"{task.support.kind} {mu}, end effector {mu_c}"),
         ("Start", _pose(task.start.x, task.start.y, task.start.yaw)),
         ("Goal", _pose(task.goal.x, task.goal.y, task.goal.yaw)),

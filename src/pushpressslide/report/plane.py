@@ -13,7 +13,7 @@ import numpy as np
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.report import series, style
 
 if TYPE_CHECKING:
@@ -23,20 +23,11 @@ if TYPE_CHECKING:
 BASE_RADIUS = 0.09  # [m] at which a robot's base is drawn
 STATIONS = 6  # footprints between start and end
 ARROW = 0.08  # [m] length of the largest force arrow
-ROUND_SIDES = 48
 
 
 def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
     """Return the object's footprint at ``pose`` X_WG, as corners in the world [m]."""
-    shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        angles = [2.0 * math.pi * i / ROUND_SIDES for i in range(ROUND_SIDES)]
-        corners = [
-            (shape.radius * math.cos(a), shape.radius * math.sin(a)) for a in angles
-        ]
-    else:
-        corners = list(shape.footprint)
-    return [pose.apply(corner) for corner in corners]
+    return [pose.apply(point) for point in task.object.shape.outline()]
 
 
 def plan_figure(plan: Plan) -> Figure:

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 CONTACT_FORCE = 0.1
@@ -186,11 +186,9 @@ def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
     y = -s * dx + c * dy  # in G; B has the same axes
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
-    n = contact.normal
-    along = -n[1] * x + n[0] * y
-    if isinstance(task.object.shape, Cylinder):
-        inward = -(n[0] * x + n[1] * y)
-        along = task.object.shape.radius * np.arctan2(along, inward)
+    body = task.object
+    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    along = side.coordinates(x, y)
     return np.stack([along, tip[:, 2]], axis=1)
 
 

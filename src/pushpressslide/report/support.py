@@ -7,13 +7,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.report import series
-
-Array = NDArray[np.float64]
 
 FIELDS = (
     "max_tilt_deg",

@@ -13,11 +13,10 @@ from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
 from pushpressslide.core.footprint import (
     around,
     carried,
-    distance_outside,
     overlap_area,
 )
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
+from pushpressslide.core.task import Box, Obstacle, Robot, Shape, Task
 from pushpressslide.taskfile.reader import nearest
 
 if TYPE_CHECKING:
@@ -67,14 +66,14 @@ def _check_motion(task: Task) -> None:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
         raise TaskError(task.source, "motion.time_step", motion.time_step, allowed)
     if motion.face is not None:
-        if isinstance(shape, Cylinder):
+        if not shape.corners:
             raise TaskError(
                 task.source,
                 "motion.face",
                 motion.face,
                 "a cylinder has no edges; allowed: null",
             )
-        edges = len(shape.footprint)
+        edges = len(shape.corners)
         if motion.face >= edges:
             raise TaskError(
                 task.source,
@@ -328,7 +327,7 @@ def _check_base(
 ) -> None:
     if base[2] >= shape.height:
         return
-    gap = distance_outside(shape, X_WG.unapply((base[0], base[1])))
+    gap = shape.distance(X_WG.unapply((base[0], base[1])))
     if gap < BASE_RADIUS:
         allowed = (
             f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"

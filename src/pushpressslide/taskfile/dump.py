@@ -40,7 +40,7 @@ def _shape(shape: Shape) -> dict[str, Any]:
         return {"cylinder": {"radius": shape.radius, "height": shape.height}}
     return {
         "prism": {
-            "polygon": [list(corner) for corner in shape.polygon],
+            "polygon": [list(corner) for corner in shape.corners],
             "height": shape.height,
         }
     }

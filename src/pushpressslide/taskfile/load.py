@@ -10,12 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.footprint import (
-    centroid,
-    convexity_fault,
-    depth_inside,
-    signed_area,
-)
+from pushpressslide.core.polygon import centroid, convexity_fault, signed_area
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import (
@@ -173,8 +168,8 @@ def _object(
 ) -> tuple[Shape, float, tuple[float, float]]:
     shape, middle = _shape(d["shape"], source)
     com = d["center_of_mass"]
-    if com is not None and depth_inside(shape, com) <= 0.0:
-        allowed = f"allowed: a point inside the footprint, here {-depth_inside(shape, com):.4g} m outside"
+    if com is not None and shape.depth(com) <= 0.0:
+        allowed = f"allowed: a point inside the footprint, here {-shape.depth(com):.4g} m outside"
         raise TaskError(source, "object.center_of_mass", list(com), allowed)
     return shape, d["mass"], com if com is not None else middle
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.contact_line import FACING, ContactLine, Split
 from pushpressslide.allocation.presses import (
@@ -17,6 +16,7 @@ from pushpressslide.allocation.presses import (
 )
 from pushpressslide.allocation.projections import WrenchCone
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench.solvers import (
     clarabel_conic,
@@ -27,7 +27,6 @@ from pushpressslide.studies.bench.solvers import (
     push_cost,
 )
 
-Array = NDArray[np.float64]
 Figures = dict[str, float]
 COUNTS = ("feasible", "near_boundary", "flag_differs", "unsolved")
 NEAR = 1e-9  # [N] to the boundary, of wrenches of about 1 N: so near a flag may differ

@@ -12,14 +12,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench import solvers
 
-Array = NDArray[np.float64]
 Call = tuple[Callable[..., object], tuple[Any, ...]]
 """A function, and what to call it with."""
 Contestants = dict[str, Sequence[Call] | str]

@@ -10,9 +10,9 @@ import statistics
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation import orthogonal, published
+from pushpressslide.core.arrays import Array
 from pushpressslide.mechanics.friction import cone_edges
 from pushpressslide.report import style
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 Row = dict[str, float]
 FRICTIONS = (0.2, 0.3, 0.5, 0.8)
 

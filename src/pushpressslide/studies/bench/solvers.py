@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.contact_line import Split
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.mechanics.friction import cone_edges
 
-Array = NDArray[np.float64]
 PushSolver = Callable[[Array], Array | None]
 """A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there
 are none.
