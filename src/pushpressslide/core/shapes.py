@@ -1,8 +1,8 @@
 """Shapes of objects: upright bodies on a footprint, and all that is asked of one.
 
-A new kind of shape is one new class that answers as ``Shape`` does. A shape is given in
-its own frame G. A method with an ``origin`` [m] in G takes and gives points in B, which
-has G's axes and its origin there: the projected centre of mass.
+A new kind of shape is one new class: it gives its corners, or answers itself. A shape
+is given in its own frame G. A method with an ``origin`` [m] in G takes and gives points
+in B, which has G's axes and its origin there: the projected centre of mass.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from pushpressslide.core.polygon import centroid, distance_to_segment
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
@@ -24,29 +24,6 @@ ORIGIN: Point = (0.0, 0.0)
 ROUND_SIDES = 24  # a round side is offered as this many directions
 OUTLINE_POINTS = 48  # of a drawn circle
 ON_FACE = 1e-6  # [m] from a face's line at which a corner belongs to it
-
-
-class Side(Protocol):
-    """A side face as a contact at ``point`` sees it: flat, or round."""
-
-    def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
-        """Return the gap [m] to a sphere about ``tip`` [m] in B, and the inward normal.
-
-        The gap is infinite where the sphere is beside the face.
-        """
-        ...
-
-    def foot(self, point: Point) -> Point:
-        """Return the point of the side that is nearest to ``point``, both [m] in B."""
-        ...
-
-    def normal_at(self, point: Point) -> Point:
-        """Return the inward unit normal at a ``point`` [m] in B on the side."""
-        ...
-
-    def coordinates(self, x: Array, y: Array) -> Array:
-        """Return where points (N,) of G are along the side [m], to the normal's left."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +97,24 @@ class RoundSide:
         return arcs
 
 
-class Shape(Protocol):
-    """What every shape answers."""
+Side = FlatSide | RoundSide
+"""A side as a contact sees it."""
 
-    @property
-    def height(self) -> float:
-        """Height [m]."""
-        ...
+
+class Shape:
+    """What every shape answers; here by the corners of a convex footprint."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:  # a property here would be the default of a subclass's field
+
+        @property
+        def height(self) -> float:
+            """Height [m]."""
+
+        @property
+        def description(self) -> str:
+            """Kind and size in words, in millimetres."""
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -134,130 +122,6 @@ class Shape(Protocol):
 
         Edge i, the foot of flat side i, leads from corner i to the next.
         """
-        ...
-
-    @property
-    def centroid(self) -> Point:
-        """Centroid of the footprint in G [m]."""
-        ...
-
-    @property
-    def middle(self) -> Point:
-        """Mean of the corners in G [m]; the centre of a round footprint."""
-        ...
-
-    @property
-    def inner_radius(self) -> float:
-        """Distance [m] from the middle to the nearest point of the outline."""
-        ...
-
-    @property
-    def circumradius(self) -> float:
-        """Distance [m] from the middle to the farthest point of the outline."""
-        ...
-
-    @property
-    def half_width(self) -> float:
-        """Half of the least width of the footprint [m]."""
-        ...
-
-    @property
-    def description(self) -> str:
-        """Kind and size in words, in millimetres."""
-        ...
-
-    def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
-        """Return x_min, x_max, y_min, y_max [m] of the footprint at a pose."""
-        ...
-
-    def outline(self) -> tuple[Point, ...]:
-        """Return the points [m] in G through which to draw the footprint."""
-        ...
-
-    def placed(self, X_WG: Pose2) -> Polygon:
-        """Return the footprint at a pose for Shapely; a circle has 256 sides."""
-        ...
-
-    def depth(self, point: Point) -> float:
-        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
-        ...
-
-    def distance(self, point: Point) -> float:
-        """Return the distance [m] from a point in G to the footprint; 0 inside."""
-        ...
-
-    def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
-        ...
-
-    def rooms(self, points: Array, origin: Point) -> Array:
-        """Return how far points (m, 2) [m] in B are inside the outline.
-
-        In half widths across the nearest edge; < 0 outside. Of shape (m,).
-        """
-        ...
-
-    def ray(self, direction: Point, margin: float, origin: Point) -> float:
-        """Return how far [m] one can go from B's origin along a unit vector.
-
-        Up to ``margin`` [m] inside the outline.
-        """
-        ...
-
-    def extent(self, direction: Point, origin: Point) -> float:
-        """Return how far [m] the footprint extends from B's origin along a unit vector."""
-        ...
-
-    def farthest(self, origin: Point) -> float:
-        """Return the distance [m] from B's origin to the farthest point of the outline."""
-        ...
-
-    def gauge(self) -> Callable[[float, float], float]:
-        """Return a function of (x, y) [m] from the middle: 0 there, 1 on the outline.
-
-        It grows in proportion along each ray (the Minkowski gauge).
-        """
-        ...
-
-    def side_points(
-        self, clearance: float, origin: Point
-    ) -> tuple[tuple[Point, Point], ...]:
-        """Return a point [m] in B on each side, and the inward unit normal there.
-
-        The point nearest to the line through B's origin along the normal that is
-        ``clearance`` [m] away from the corners, or the middle of a short edge. A round
-        side counts as ``ROUND_SIDES`` sides.
-        """
-        ...
-
-    def side(self, point: Point, normal: Point, origin: Point) -> Side:
-        """Return the side on which a contact at ``point`` [m] in B is.
-
-        ``normal`` is the contact's inward unit normal.
-        """
-        ...
-
-    def base_rule(self, resolution: int) -> tuple[Array, Array]:
-        """Return points (m, 2) [m] in G and areas (m,) [m^2] to integrate over the base."""
-        ...
-
-    def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Return points and areas like ``base_rule``, and pressures (m,) there.
-
-        The pressure is linear and unilateral with its centre at ``cop`` [m] in G, of
-        any size. Raises ValueError for a ``cop`` outside the base.
-        """
-        ...
-
-
-class Polygonal:
-    """The answers of shapes on a convex polygon."""
-
-    __slots__ = ()
-
-    @property
-    def corners(self) -> tuple[Point, ...]:
-        """Corners of the footprint in G, counter-clockwise [m]."""
         raise NotImplementedError
 
     @property
@@ -267,24 +131,24 @@ class Polygonal:
 
     @property
     def middle(self) -> Point:
-        """Mean of the corners in G [m]."""
+        """Mean of the corners in G [m]; the centre of a round footprint."""
         xs, ys = zip(*self.corners, strict=True)
         return (sum(xs) / len(xs), sum(ys) / len(ys))
 
     @property
     def inner_radius(self) -> float:
-        """Distance [m] from the middle to the nearest edge's line."""
+        """Distance [m] from the middle to the nearest point of the outline."""
         return min(depth for _, depth in self._outward_edges())
 
     @property
     def circumradius(self) -> float:
-        """Distance [m] from the middle to the farthest corner."""
+        """Distance [m] from the middle to the farthest point of the outline."""
         middle = self.middle
         return max(math.dist(middle, corner) for corner in self.corners)
 
     @property
     def half_width(self) -> float:
-        """Half of the least width of the footprint across an edge [m]."""
+        """Half of the least width of the footprint [m]."""
         return 0.5 * min(width for _, _, _, width in self._inward_edges(ORIGIN))
 
     def bounds(self, X_WG: Pose2) -> tuple[float, float, float, float]:
@@ -293,17 +157,17 @@ class Polygonal:
         return (min(xs), max(xs), min(ys), max(ys))
 
     def outline(self) -> tuple[Point, ...]:
-        """Return the corners."""
+        """Return the points [m] in G through which to draw the footprint."""
         return self.corners
 
     def placed(self, X_WG: Pose2) -> Polygon:
-        """Return the footprint at a pose for Shapely."""
+        """Return the footprint at a pose for Shapely; a circle has 256 sides."""
         from shapely import Polygon
 
         return Polygon([X_WG.apply(corner) for corner in self.corners])
 
     def depth(self, point: Point) -> float:
-        """Return the distance [m] of a point in G from the nearest edge's line."""
+        """Return how far [m] a point in G lies inside the footprint; < 0 outside."""
         depths = []
         for a, b in self._edges():
             edge = (b[0] - a[0], b[1] - a[1])
@@ -319,14 +183,17 @@ class Polygonal:
         return min(distance_to_segment(point, a, b) for a, b in self._edges())
 
     def holds(self, point: Point, margin: float, origin: Point) -> bool:
-        """Return whether ``point`` [m] in B is ``margin`` [m] inside all edges."""
+        """Return whether ``point`` [m] in B is ``margin`` [m] inside the footprint."""
         return all(
             inside + point[0] * nx + point[1] * ny >= margin
             for nx, ny, inside, _ in self._inward_edges(origin)
         )
 
     def rooms(self, points: Array, origin: Point) -> Array:
-        """Return the depths (m,) of points (m, 2) in half widths."""
+        """Return how far points (m, 2) [m] in B are inside the outline.
+
+        In half widths across the nearest edge; < 0 outside. Of shape (m,).
+        """
         import numpy as np
 
         nx, ny, inside, width = np.array(self._inward_edges(origin)).T
@@ -334,7 +201,10 @@ class Polygonal:
         return room
 
     def ray(self, direction: Point, margin: float, origin: Point) -> float:
-        """Return the distance [m] to the first edge ahead, less the margin."""
+        """Return how far [m] one can go from B's origin along a unit vector.
+
+        Up to ``margin`` [m] inside the outline.
+        """
         ux, uy = direction
         return min(
             (inside - margin) / -(ux * nx + uy * ny)
@@ -343,18 +213,21 @@ class Polygonal:
         )
 
     def extent(self, direction: Point, origin: Point) -> float:
-        """Return how far [m] the farthest corner is along a unit vector."""
+        """Return how far [m] the footprint extends from B's origin along a unit vector."""
         return max(
             (x - origin[0]) * direction[0] + (y - origin[1]) * direction[1]
             for x, y in self.corners
         )
 
     def farthest(self, origin: Point) -> float:
-        """Return the distance [m] from B's origin to the farthest corner."""
+        """Return the distance [m] from B's origin to the farthest point of the outline."""
         return max(math.dist(corner, origin) for corner in self.corners)
 
     def gauge(self) -> Callable[[float, float], float]:
-        """Return the largest distance in the directions of the edges, over theirs."""
+        """Return a function of (x, y) [m] from the middle: 0 there, 1 on the outline.
+
+        It grows in proportion along each ray (the Minkowski gauge).
+        """
         edges = self._outward_edges()
 
         def gauge(x: float, y: float) -> float:
@@ -366,7 +239,12 @@ class Polygonal:
     def side_points(
         self, clearance: float, origin: Point
     ) -> tuple[tuple[Point, Point], ...]:
-        """Return a point [m] in B on each edge, and the inward unit normal."""
+        """Return a point [m] in B on each side, and the inward unit normal there.
+
+        The point nearest to the line through B's origin along the normal that is
+        ``clearance`` [m] away from the corners, or the middle of a short edge. A round
+        side counts as ``ROUND_SIDES`` sides.
+        """
         corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
         out = []
         for a, b in zip(corners, (*corners[1:], corners[0]), strict=True):
@@ -379,8 +257,11 @@ class Polygonal:
             out.append((foot, turned_left(u)))
         return tuple(out)
 
-    def side(self, point: Point, normal: Point, origin: Point) -> FlatSide:
-        """Return the flat side with that inward normal."""
+    def side(self, point: Point, normal: Point, origin: Point) -> Side:
+        """Return the side on which a contact at ``point`` [m] in B is.
+
+        ``normal`` is the contact's inward unit normal.
+        """
         nx, ny = normal
         corners = [(x - origin[0], y - origin[1]) for x, y in self.corners]
         depth = min(nx * x + ny * y for x, y in corners)
@@ -390,13 +271,17 @@ class Polygonal:
         return FlatSide(point, normal, depth, (min(along), max(along)))
 
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
-        """Return points (m, 2) and areas (m,): a fan of triangles."""
+        """Return points (m, 2) [m] in G and areas (m,) [m^2] to integrate over the base."""
         from pushpressslide.core import quadrature
 
         return quadrature.base_rule(self.corners, resolution)
 
     def pressure(self, cop: Point, resolution: int) -> tuple[Array, Array, Array]:
-        """Return points, areas and pressures; the far side lifts for a far ``cop``."""
+        """Return points and areas like ``base_rule``, and pressures (m,) there.
+
+        The pressure is linear and unilateral with its centre at ``cop`` [m] in G, of
+        any size. Raises ValueError for a ``cop`` outside the base.
+        """
         from pushpressslide.core import quadrature
 
         return quadrature.polygon_pressure(self.corners, cop, resolution)
@@ -430,7 +315,7 @@ class Polygonal:
 
 
 @dataclass(frozen=True, slots=True)
-class Box(Polygonal):
+class Box(Shape):
     """A cuboid; its frame G is at its centre."""
 
     size: tuple[float, float, float]  # [m] full lengths along x, y, z
@@ -459,7 +344,7 @@ class Box(Polygonal):
 
 
 @dataclass(frozen=True, slots=True)
-class Prism(Polygonal):
+class Prism(Shape):
     """An upright prism on a convex polygon; its frame G is the polygon's own origin."""
 
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise, convex
@@ -477,7 +362,7 @@ class Prism(Polygonal):
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder:
+class Cylinder(Shape):
     """An upright cylinder; its frame G is at its centre."""
 
     radius: float  # [m]
@@ -604,7 +489,7 @@ class Cylinder:
             out.append((foot, normal))
         return tuple(out)
 
-    def side(self, point: Point, normal: Point, origin: Point) -> RoundSide:
+    def side(self, point: Point, normal: Point, origin: Point) -> Side:
         """Return the round side."""
         return RoundSide((-origin[0], -origin[1]), self.radius, normal)
 

@@ -80,6 +80,7 @@ class OrthogonalPush(Mode):
     tracking_point = "CoM"
     cop_steering = False
     walls = False
+    pushed_faces = 2
     drives = (TwistDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

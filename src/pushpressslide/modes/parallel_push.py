@@ -90,6 +90,7 @@ class ParallelPush(Mode):
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
     walls = False
+    pushed_faces = 1
     drives = (CarDrive, TwistDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

@@ -93,6 +93,7 @@ class PressAndPush(Mode):
     tracking_point = "the pressed point"
     cop_steering = True
     walls = False
+    pushed_faces = None
     drives = (PinnedDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

@@ -100,6 +100,7 @@ class PressSlide(Mode):
     tracking_point = "virtual axle"
     cop_steering = True
     walls = False
+    pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

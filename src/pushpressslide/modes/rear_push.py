@@ -61,6 +61,7 @@ class RearPush(Mode):
     tracking_point = "virtual front axle"
     cop_steering = False
     walls = False
+    pushed_faces = 1
     drives = (RearSteerDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

@@ -18,7 +18,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.errors import MissingFrameError, PushPressSlideError
 from pushpressslide.robots.facts import (
     JointFacts,
     JointKind,
@@ -116,7 +116,7 @@ def _chain(description: _Description, tip_frame: str) -> list[JointFacts]:
     if link not in description.links:
         names = [*description.links, *(frame.name for frame in description.frames)]
         known = ", ".join(names)
-        raise PushPressSlideError(
+        raise MissingFrameError(
             f"it has no frame {tip_frame!r}; there are {known[:300]}"
         )
     by_child = {joint.child: joint for joint in description.joints}
