@@ -2,14 +2,17 @@
 
 import importlib
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
 import yaml
 
+import pushpressslide
 from pushpressslide.cli import app
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
 from pushpressslide.taskfile.load import task_from_data
@@ -136,3 +139,23 @@ def test_the_mechanics_keep_their_section_numbers() -> None:
 def test_documents_that_the_code_cites_exist(path: Path) -> None:
     for name in re.findall(r"docs/([a-z-]+\.md)", path.read_text(encoding="utf-8")):
         assert (ROOT / "docs" / name).exists()
+
+
+def test_the_example_of_adding_a_mode_reaches_its_goal(monkeypatch) -> None:
+    page = (ROOT / "docs" / "adding-a-mode.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"__name__": "center_push"}
+    example = page.split("```python\n")[1].split("```")[0]
+    exec(compile(example, "adding-a-mode", "exec"), names)
+    mode = names["MODE"]
+    monkeypatch.setitem(MODES, mode.name, mode)
+    task = replace(
+        pushpressslide.load_task("rear-push-rear"),
+        modes=(mode.name,),
+        start=Pose2(0.36, 0.1, 0.0),
+        goal=Pose2(0.68, 0.105, 0.0),
+    )
+    best, *others = pushpressslide.select(task)
+    assert best.feasible
+    assert {choice.refusal.code for choice in others} == {"detour"}
+    record = pushpressslide.run(pushpressslide.plan(task, best), engine="planar")
+    assert record.reason == "goal_reached"
