@@ -11,7 +11,6 @@ import typer
 from pushpressslide.cli.app import app, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
-    EngineName,
     Force,
     Json,
     Models,
@@ -32,6 +31,7 @@ from pushpressslide.cli.shell import (
     results_folder,
 )
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
+from pushpressslide.jobs.engines import DEFAULT, ENGINES
 
 
 @app.command()
@@ -124,7 +124,7 @@ def plan(
 @app.command()
 def run(
     task: TaskName,
-    engine: EngineName = Engine.drake,
+    engine: Engine = DEFAULT,
     mode: ModeName = None,
     seed: Seed = 0,
     out: Out = None,
@@ -154,29 +154,26 @@ def run(
     """
     loaded = task_of(task, sets, mode)
     folder = results_folder(out, loaded.name, force)
-    if engine is Engine.planar and (live or video):
+    if (live or video) and not ENGINES[engine].has_arms:
         option = "--live" if live else "--video"
+        allowed = [name for name, other in ENGINES.items() if other.has_arms]
         raise PushPressSlideError(
-            f"{option} is not allowed with --engine planar; allowed: --engine drake"
+            f"{option} is not allowed with --engine {engine}; allowed: --engine "
+            f"{', '.join(allowed)}"
         )
     from pushpressslide.jobs.interrupt import Interrupted
-    from pushpressslide.jobs.run import run_task
+    from pushpressslide.jobs.run import Monitor, Output, run_task
 
     try:
-        with progress_bar(f"{loaded.name} on {engine.value}", not quiet) as progress:
+        with progress_bar(f"{loaded.name} on {engine}", not quiet) as progress:
             result = run_task(
                 loaded,
                 engine=engine.value,
                 seed=seed,
-                out=folder,
-                mode=mode,
                 force=anyway,
-                live=(lambda address: complain(f"watch at {address}"))
-                if live
-                else None,
-                video=video,
-                progress=progress,
                 models=models.value,
+                out=Output(folder, video),
+                monitor=Monitor(progress, _show_address if live else None),
             )
     except Interrupted as stopped:
         raise Interruption(str(stopped)) from None
@@ -187,6 +184,10 @@ def run(
 
         tables.print_result(result, folder)
     return REACHED if result["success"] else MISSED
+
+
+def _show_address(address: str) -> None:
+    complain(f"watch at {address}")
 
 
 @app.command()

@@ -10,7 +10,6 @@ import typer
 from pushpressslide.cli.app import app, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
     Engine,
-    EngineName,
     Force,
     Json,
     ModeName,
@@ -22,6 +21,7 @@ from pushpressslide.cli.options import (
     Variation,
 )
 from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.jobs.engines import DEFAULT
 
 
 @app.command()
@@ -31,7 +31,7 @@ def sweep(
         int,
         typer.Option("--samples", min=1, max=1_000_000, help="Number of variations."),
     ],
-    engine: EngineName = Engine.drake,
+    engine: Engine = DEFAULT,
     vary: Annotated[
         Variation,
         typer.Option(

@@ -13,8 +13,9 @@ from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.engines import DEFAULT, ENGINES
 from pushpressslide.jobs.parallel import Progress, in_parallel
-from pushpressslide.jobs.run import Engine, run_task, versions
+from pushpressslide.jobs.run import Output, run_task, versions
 from pushpressslide.report.files import load_run
 from pushpressslide.studies.paper.claims import claims
 from pushpressslide.studies.paper.corrections import corrections
@@ -52,7 +53,7 @@ def reproduce(
     *,
     seed: int = 0,
     out: Path,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     jobs: int = JOBS,
     progress: Progress | None = None,
 ) -> Path:
@@ -79,7 +80,7 @@ def reproduce(
         for experiment, variant in variants.values()
     }
     task = load_task(TASK)
-    cases = LIGHT if with_axle and engine == "drake" else ()
+    cases = LIGHT if with_axle and ENGINES[engine].has_arms else ()
     done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
     axle = result_of(task, [done[case] for case in cases]) if cases else None
     if axle is not None:
@@ -116,17 +117,17 @@ def reproduce(
 
 
 def run_variant(
-    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine
+    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: str
 ) -> Outcome:
     """Run one variant and leave its files in ``folder``, with pictures where they are
     asked for; what cannot be run comes back as words.
     """
     try:
         task = load_task(variant.task, variant.overrides)
-        result = run_task(task, engine=engine, seed=seed, out=folder)
+        result = run_task(task, engine=engine, seed=seed, out=Output(folder))
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
-    if engine == "drake" and variant.name in experiment.pictured:
+    if ENGINES[engine].has_arms and variant.name in experiment.pictured:
         write_pictures(folder)
     if experiment.name != IDENTIFIED_RHO.name:
         return Outcome(folder, result)
