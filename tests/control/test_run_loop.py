@@ -25,7 +25,7 @@ from pushpressslide.core.control import (
     TipCommand,
     TipState,
 )
-from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.plan import JointPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Sensing
@@ -87,8 +87,8 @@ class Diary:
     def diverged(self) -> str | None:
         return "it broke" if self.time > self.breaks_after else None
 
-    def hand_over(self, placement: Plan, kept: frozenset[int]) -> None:
-        self.handed_over.append((placement, kept))
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        self.handed_over.append((placement, lasting))
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,8 @@ class Line:
     step: int = 0
     phase: str = "move"
     failure: tuple[str, str] | None = None
-    reference: Plan | None = None
+    reference: Segment | None = None
+    ticks: tuple[float, float] = (0.0, 0.0)
 
 
 class Script:
@@ -107,17 +108,18 @@ class Script:
     made: list[Script]
     failure: tuple[str, str] | None = None
 
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.kept = frozenset({0})
-        self.ticks = (0.0, 0.0)
+    def __init__(self, plan: Plan, number: int = 0, gap: float | None = None) -> None:
+        self.segments = plan.placements[number]
+        self.arms = len(plan.task.robots)
+        self.gap = gap
+        self.lasting = frozenset({0})
         self.seen: list[Measurement] = []
         self.held: Commands = ()
         self.made.append(self)
 
     def init(self, measurement: Measurement, held: Commands) -> Line:
         self.held = held
-        return Line(reference=self.plan)
+        return Line(reference=self.segments[0])
 
     def step(
         self, state: Line, measurement: Measurement
@@ -131,7 +133,7 @@ class Script:
             phase="done" if last else "move",
             failure=self.failure if last else None,
         )
-        return (PUSH,) * len(self.plan.task.robots), log, state
+        return (PUSH,) * self.arms, log, state
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +146,7 @@ def one() -> Plan:
 def two() -> Plan:
     """A plan with two arms and two placements."""
     plan = shortened(pps.plan(pps.load_task("pivot-and-move")), 1.0)
-    assert len(plan.grasps) == len(plan.task.robots) == 2
+    assert len(plan.placements) == len(plan.task.robots) == 2
     return plan
 
 
@@ -239,8 +241,8 @@ def test_a_goal_that_is_reached_counts_before_any_watch(one, scripts) -> None:
 def test_placements_are_handed_over_in_order(two, scripts) -> None:
     plant = Diary(arms=2)
     record = run_loop(plant, two)
-    assert [script.plan for script in scripts] == list(two.grasps)
-    assert plant.handed_over == [(two.grasps[1], frozenset({0}))]
+    assert [script.segments for script in scripts] == list(two.placements)
+    assert plant.handed_over == [(two.by_placement[1], frozenset({0}))]
     assert record.reason == "goal_reached"
     assert len(record.arrays["time"]) == 2 * TICKS
     legs = record.arrays["leg"]
@@ -297,8 +299,7 @@ def test_an_arm_that_is_held_obeys_its_tip_command_while_others_approach(
 
 def test_the_controller_knows_the_gap_that_the_approach_leaves(two, scripts) -> None:
     approached(two)
-    for script in scripts:
-        assert script.plan.task.motion.approach_distance == APPROACH.gap
+    assert [script.gap for script in scripts] == [APPROACH.gap, APPROACH.gap]
 
 
 def test_a_disturbance_reaches_the_arms_but_not_the_record(two, scripts) -> None:
@@ -323,7 +324,7 @@ def test_progress_is_told_with_the_expected_duration(one) -> None:
     told: list[tuple[float, float]] = []
     plant = Diary(arms=1, overhead=7.0)
     run_loop(plant, one, RunOptions(progress=lambda *times: told.append(times)))
-    expected = 7.0 + sum(stretch.profile.duration for stretch in one.way)
+    expected = 7.0 + one.duration
     assert [time for time, _ in told] == pytest.approx(
         [(i * PROGRESS_TICKS - 1) * PERIOD for i in range(1, len(told) + 1)]
     )

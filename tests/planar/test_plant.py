@@ -46,7 +46,7 @@ def test_without_commands_nothing_moves_but_time(plan: Plan) -> None:
 def test_a_hand_over_moves_the_tips_but_those_that_stay(plan: Plan) -> None:
     plant = PlanarPlant(plan)
     before = plant.measure().tips
-    plant.hand_over(plan.grasps[1], frozenset({0}))
+    plant.hand_over(plan.by_placement[1], frozenset({0}))
     after = plant.measure().tips
     assert after[0] == before[0]
     assert after[1].position != before[1].position

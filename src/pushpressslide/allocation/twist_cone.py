@@ -5,7 +5,7 @@ limit surface.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -48,30 +48,6 @@ class TwistCone:
                 tau = cross(point, (fx, fy))
                 size = math.hypot(fx, fy, tau / surface.rho)
                 self._edges.append((fx / size, fy / size, tau / size))
-
-    @property
-    def figures(self) -> dict[str, float]:
-        """What a choice remembers of the surface."""
-        surface = self.surface
-        x, y = self.surface.center
-        return {
-            "push_force": surface.max_force,
-            "rho": surface.rho,
-            "lift": surface.lift,
-            "cop_x": x,
-            "cop_y": y,
-        }
-
-    @classmethod
-    def remembered(
-        cls, figures: Mapping[str, float], contacts: Sequence[Contact], friction: float
-    ) -> TwistCone:
-        """Return the cone of contacts on the surface of a choice's ``figures``."""
-        center = (figures["cop_x"], figures["cop_y"])
-        surface = DraggedSurface(
-            figures["push_force"], figures["rho"], figures["lift"], center
-        )
-        return cls(contacts, friction, surface)
 
     def wrench(self, vx: float, vy: float, w: float) -> Wrench:
         """Return the wrench about the CoM that drives a twist of it."""

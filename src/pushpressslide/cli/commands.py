@@ -116,8 +116,10 @@ def plan(
     if as_json:
         print_json(plan_to_dict(made, choices))
         return
-    typer.echo(f"{made.choice.mode}: {made.choice.reason}")
-    typer.echo(f"path {made.path.length:.3f} m in {made.profile.duration:.1f} s")
+    for choice in made.chosen(choices):
+        typer.echo(f"{choice.mode}: {choice.reason}")
+    length = sum(segment.path.length for segment in made.segments)
+    typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
     typer.echo(folder / "plan.png")
 
 

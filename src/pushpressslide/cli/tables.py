@@ -73,12 +73,24 @@ def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
 
 def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
     """Return the ranked choices as plain data, SI units, without their paths."""
-    rows = []
-    for choice in choices:
-        row = asdict(choice)
-        del row["path"]
-        rows.append(row)
-    return rows
+    from pushpressslide.report.plan_files import drive_to_dict
+
+    return [
+        {
+            "mode": choice.mode,
+            "feasible": choice.feasible,
+            "evaluated": choice.evaluated,
+            "reason": choice.reason,
+            "contacts": [asdict(contact) for contact in choice.contacts],
+            "path_length": choice.path_length,
+            "time": choice.time,
+            "friction_margin": choice.friction_margin,
+            "refusal": None if choice.refusal is None else asdict(choice.refusal),
+            "drives": [drive_to_dict(segment.drive) for segment in choice.segments],
+            "leg": choice.leg,
+        }
+        for choice in choices
+    ]
 
 
 def print_choices(choices: Sequence[Choice]) -> None:
@@ -86,14 +98,14 @@ def print_choices(choices: Sequence[Choice]) -> None:
     console = Console(markup=False, highlight=False)
     row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
     console.print(row.format("mode", "verdict", "path m", "time s", "margin deg"))
-    for choice in gathered(choices):
+    for choice, reason in gathered(choices):
         figures = (
             _number(choice.path_length, digits=3),
             _number(choice.time, digits=1),
             _number(choice.friction_margin, math.degrees(1.0), 1),
         )
         console.print(row.format(choice.mode, choice.verdict, *figures))
-        console.print(Padding(choice.reason, (0, 0, 0, 4)))
+        console.print(Padding(reason, (0, 0, 0, 4)))
 
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:

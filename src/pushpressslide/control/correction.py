@@ -1,87 +1,192 @@
-"""Re-planning on the way: a path from where the object really is costs microseconds, so
+"""Replanning on the way: a path from where the object really is costs microseconds, so
 that errors need not be chased.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import MotionPath, Plan
+from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder
+from pushpressslide.core.task import Cylinder, ObjectModel, Task
 from pushpressslide.identification.online import Identified
-from pushpressslide.modes.base import Mode
+from pushpressslide.modes import MODES
+from pushpressslide.modes.base import poses_along, workspace_refusal
+from pushpressslide.selection.clearance import obstacle_refusal, swept
 
 SLID = 2.5e-3  # [m] of a contact along its face
 OFF_PATH = 1e-3  # [m] of the tracking point from the path
 OFF_HEADING = 0.0175  # [rad] of the heading from the path's; 1 degree
 OFF_AXLE = 0.015  # [m] of the virtual axle from where the plan has it
-ROOM = 0.02  # [m] of path that must be left
+LEAST_LEFT = 0.02  # [m] of path
 PAUSE = 0.4  # [s] between two re-plans
 # times the way that is left: a longer plan has turned a loop and is not taken
 DETOUR = 1.1
 SLACK = 0.005  # [m] on top of that
 
 
+@dataclass(frozen=True, slots=True)
+class Replan:
+    """Better segments from here, to start at speed."""
+
+    segments: tuple[Segment, ...]
+    progress: float  # [m] on the first one's path
+    clock: float  # [s] on its profile
+
+
+class Replanner:
+    """Replans segments of one task; its plans are free of obstacles and stay in the
+    workspace.
+    """
+
+    def __init__(self, task: Task) -> None:
+        """Hold the legs of ``task``."""
+        self._parts = task.parts
+
+    def replan(
+        self,
+        segments: Sequence[Segment],
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        longest: float,
+        identified: Identified | None = None,
+    ) -> tuple[Segment, ...]:
+        """Return ``segments`` replanned from where object and contacts really are; none
+        if that takes more than ``longest`` [m], or its path is not free.
+        """
+        first = segments[0]
+        part = self._parts[first.leg]
+        fresh = MODES[first.mode].replan(
+            part, segments, X_WB, touched, longest, identified
+        )
+        return fresh if self._free(part, fresh) else ()
+
+    def again(
+        self, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+    ) -> tuple[Segment, ...]:
+        """Return the segments of another attempt at a segment's goal; none where there
+        is none.
+        """
+        part = self._parts[segment.leg]
+        fresh = MODES[segment.mode].again(part, segment, X_WB, touched)
+        if not self._free(part, fresh):
+            return ()
+        return tuple(replace(piece, leg=segment.leg) for piece in fresh)
+
+    def onward(
+        self,
+        segments: Sequence[Segment],
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        guidance: Guidance,
+        since_last: float,
+        identified: Identified | None = None,
+    ) -> Replan | None:
+        """Return better segments from here; None if all is well.
+
+        Made when a contact has slid or the tracking point is off the path, unless that
+        would take a detour; or when the virtual axle is ``identified`` elsewhere.
+        ``since_last`` [s] is the time since the last replan.
+        """
+        followed = segments[0]
+        left = followed.path.length - guidance.progress
+        _, across, heading = guidance.error
+        off_path = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING
+        slid = slide(followed.contacts, touched) > SLID
+        moved = 0.0
+        if identified is not None:
+            X = followed.X_BV
+            planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
+            moved = abs(identified.axle - planned)
+        if not (off_path or slid or moved > OFF_AXLE):
+            return None
+        if left < LEAST_LEFT or since_last < PAUSE:
+            return None
+        longest = DETOUR * left + SLACK
+        if moved > OFF_AXLE:  # the path of another point has another length
+            longest += 2.0 * moved
+        rest = (rest_of(followed, guidance.progress), *segments[1:])
+        fresh = self.replan(rest, X_WB, touched, longest, identified)
+        if not fresh:
+            return None
+        # at speed: the new path begins with the piece on which its profile would have
+        # reached it
+        speed = followed.profile.speed
+        acceleration = followed.profile.acceleration
+        ramp = 0.5 * speed * speed / acceleration
+        first, *others = fresh
+        led = first.follows(led_in(first.path, ramp))
+        return Replan((led, *others), ramp, speed / acceleration)
+
+    def _free(self, part: Task, segments: Sequence[Segment]) -> bool:
+        """Whether segments keep clear of obstacles and stay in the workspace."""
+        for piece in segments:
+            if workspace_refusal(part, poses_along(piece)) is not None:
+                return False
+        if not (segments and part.obstacles):
+            return True
+        return obstacle_refusal(part, swept(part, segments)) is None
+
+
 def touched_points(
-    plan: Plan, X_WB: Pose2, tips: tuple[TipState, ...]
+    body: ObjectModel, segment: Segment, X_WB: Pose2, tips: Sequence[TipState]
 ) -> tuple[Point, ...]:
-    """Return where the tips touch the object's surface, in B [m], by their own
+    """Return where the tips touch the surface of ``body``, in B [m], by their own
     kinematics.
 
     On the line of its face, the circle of a round side, or the top: a tip's measured
     depth is not a slide.
     """
     out = []
-    shape = plan.task.object.shape
-    com = plan.task.object.center_of_mass
-    for c in plan.choice.contacts:
-        at = tips[c.arm].position
-        p = X_WB.unapply((at[0], at[1]))
-        if c.kind == "side" and isinstance(shape, Cylinder):
-            x = p[0] + com[0]
-            y = p[1] + com[1]
-            k = shape.radius / math.hypot(x, y)
-            p = (k * x - com[0], k * y - com[1])
-        elif c.kind == "side":
-            across = (p[1] - c.point[1]) * c.normal[0] - (p[0] - c.point[0]) * c.normal[
-                1
-            ]
-            p = (c.point[0] - across * c.normal[1], c.point[1] + across * c.normal[0])
+    shape = body.shape
+    com = body.center_of_mass
+    for contact in segment.contacts:
+        x, y, _ = tips[contact.arm].position
+        p = X_WB.unapply((x, y))
+        if contact.kind == "side" and isinstance(shape, Cylinder):
+            gx = p[0] + com[0]
+            gy = p[1] + com[1]
+            k = shape.radius / math.hypot(gx, gy)
+            p = (k * gx - com[0], k * gy - com[1])
+        elif contact.kind == "side":
+            cx, cy = contact.point
+            nx, ny = contact.normal
+            across = (p[1] - cy) * nx - (p[0] - cx) * ny
+            p = (cx - across * ny, cy + across * nx)
         out.append(p)
     return tuple(out)
 
 
-def slide(plan: Plan, touched: tuple[Point, ...]) -> float:
-    """Return how far the farthest contact has slid from where the plan has it [m]."""
-    return max(
-        math.dist(p, c.point)
-        for p, c in zip(touched, plan.choice.contacts, strict=True)
-    )
+def slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+    """Return how far the farthest contact has slid from where it is planned [m]."""
+    pairs = zip(touched, contacts, strict=True)
+    return max(math.dist(point, contact.point) for point, contact in pairs)
 
 
-def side_slide(plan: Plan, touched: tuple[Point, ...]) -> float:
-    """Return how far the farthest contact on a side face has slid from where the plan
-    has it [m].
+def side_slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+    """Return how far the farthest contact on a side face has slid from where it is
+    planned [m].
     """
-    pairs = zip(touched, plan.choice.contacts, strict=True)
+    pairs = zip(touched, contacts, strict=True)
     return max(
-        (math.dist(p, c.point) for p, c in pairs if c.kind == "side"), default=0.0
+        (math.dist(p, contact.point) for p, contact in pairs if contact.kind == "side"),
+        default=0.0,
     )
 
 
-def left_of(plan: Plan, progress: float) -> Plan:
-    """Return a plan along arcs without the first ``progress`` [m] of its path; any
+def rest_of(segment: Segment, progress: float) -> Segment:
+    """Return a segment along arcs without the first ``progress`` [m] of its path; any
     other as it is.
     """
-    path = plan.path
+    path = segment.path
     if not isinstance(path, ArcPath):
-        return plan
-    return replace(plan, path=path.rest(min(max(progress, 0.0), path.length)))
+        return segment
+    return replace(segment, path=path.rest(min(max(progress, 0.0), path.length)))
 
 
 def led_in(path: MotionPath, length: float) -> MotionPath:
@@ -89,52 +194,3 @@ def led_in(path: MotionPath, length: float) -> MotionPath:
     if isinstance(path, ArcPath):
         return ArcPath(advance(path.start, 0.0, -length), ((0.0, length), *path.pieces))
     return path.led_in(length)
-
-
-def corrected(
-    mode: Mode,
-    plan: Plan,
-    X_WB: Pose2,
-    touched: tuple[Point, ...],
-    guidance: Guidance,
-    left: float,
-    since_last: float,
-    identified: Identified | None = None,
-) -> tuple[Plan, float, float] | None:
-    """Return a better plan from here, with the progress [m] and the clock [s] to start
-    it at speed; None if all is well.
-
-    Made when a contact has slid or the tracking point is off the path, ``left`` [m]
-    before the end, unless that would take a detour; or when the virtual axle is
-    ``identified`` to be elsewhere.
-    """
-    _, across, heading = guidance.error
-    off = (
-        abs(across) > OFF_PATH
-        or abs(heading) > OFF_HEADING
-        or slide(plan, touched) > SLID
-    )
-    X = plan.X_BV
-    planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
-    moved = identified is not None and abs(identified.axle - planned) > OFF_AXLE
-    if not (off or moved) or left < ROOM or since_last < PAUSE:
-        return None
-    longest = DETOUR * left + SLACK
-    if moved and identified is not None:  # the path of another point has another length
-        longest += 2.0 * abs(identified.axle - planned)
-    fresh = mode.replan(
-        left_of(plan, guidance.progress), X_WB, touched, longest, identified
-    )
-    if fresh is None:
-        return None
-    # at speed: the new path begins with the way on which its profile would have reached
-    # it
-    v = plan.profile.speed
-    a = plan.profile.acceleration
-    ramp = 0.5 * v * v / a
-    path = led_in(fresh.path, ramp)
-    return (
-        replace(fresh, path=path, profile=SpeedProfile(path.length, v, a)),
-        ramp,
-        v / a,
-    )

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pushpressslide.core.control import Measurement, Vector3
-from pushpressslide.core.footprint import carried
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.task import Task
 
 # [m] of any tip beyond where it pressed at first at which the object counts as going in
 ENTERED = 0.002
@@ -71,25 +71,15 @@ def braking(speed: float, allowed: float) -> float:
     return BRAKE * min(1.0, (speed / allowed) ** 2) if speed > 0.0 else 0.0
 
 
-def entry(plan: Plan) -> Entry | None:
-    """Return the way into the opening that the last stretch's goal lies in; None where
-    it lies in none.
+def entry(task: Task, contacts: Sequence[Contact]) -> Entry | None:
+    """Return the way into the opening that the goal of ``task`` lies in; None where it
+    lies in none.
     """
-    task = plan.stretches[-1].task
     opening = task.support.opening
     if opening is None or not task.enters:
         return None
-    contacts = plan.choice.contacts
-    return Entry(
-        opening.depth,
-        tuple((c.arm, c.tip_place(task.robots[c.arm].tip_radius)[1]) for c in contacts),
+    tips = tuple(
+        (contact.arm, contact.tip_place(task.robots[contact.arm].tip_radius)[1])
+        for contact in contacts
     )
-
-
-def holds(plan: Plan) -> bool:
-    """Return whether the arms must hold the object at its goal, since nothing else
-    carries it there.
-    """
-    return plan.next_grasp is None and not carried(
-        plan.task, plan.stretches[-1].task.goal
-    )
+    return Entry(opening.depth, tips)

@@ -66,5 +66,5 @@ class Plant(Protocol):
     def diverged(self) -> str | None:
         """Return why the run cannot go on, or None."""
 
-    def hand_over(self, placement: Plan, kept: frozenset[int]) -> None:
-        """Go on with the next placement; arms in ``kept`` keep their contacts."""
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Go on with the next placement; arms in ``lasting`` keep their contacts."""

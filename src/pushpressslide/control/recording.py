@@ -18,7 +18,7 @@ from pushpressslide.core.control import (
     Measurement,
     TipCommand,
 )
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Ending, Record
 
 PATH_SAMPLES = 200
@@ -32,8 +32,8 @@ class Tick:
     truth: Measurement  # at the start of the tick
     commands: Commands  # as given, before any disturbance
     log: ControlLog
-    # the stretch that was followed, as planned when it began; None before the first
-    followed: Plan | None
+    # the segment that was followed, as planned when it began; None before the first
+    followed: Segment | None
     row: PlantRow
     wall_times: tuple[float, float, float]  # [s] to track, to allocate, in total
 
@@ -47,16 +47,18 @@ class Recorder:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
-        self._grasp = plan
-        self._before = 0  # what is done now, and how many stretches came before it
-        self._followed: list[Plan] = []  # of each stretch that was begun
+        self._placements = plan.placements
+        self._number = 0  # of the placement that is done now
+        self._before = 0  # segments that were begun before it
+        self._followed: list[Segment] = []  # each segment that was begun
 
     def __len__(self) -> int:
         return len(self._rows.get("time", ()))
 
-    def begin(self, grasp: Plan) -> None:
-        """Note that another grasp begins."""
-        self._grasp, self._before = grasp, len(self._followed)
+    def begin(self, number: int) -> None:
+        """Note that the placement of that ``number`` begins."""
+        self._number = number
+        self._before = len(self._followed)
 
     def add(self, tick: Tick) -> None:
         """Append one tick."""
@@ -65,7 +67,7 @@ class Recorder:
         if followed is not None and (not begun or followed is not begun[-1]):
             begun.append(followed)
         rows = {
-            **self._plan_rows(followed or self._grasp),
+            **self._plan_rows(followed or self._placements[self._number][0]),
             **_log_rows(tick),
             **_arm_rows(tick),
             **_wall_time_rows(tick),
@@ -74,10 +76,10 @@ class Recorder:
         for name, value in rows.items():
             self._rows.setdefault(name, []).append(value)
 
-    def _plan_rows(self, followed: Plan) -> dict[str, Any]:
+    def _plan_rows(self, followed: Segment) -> dict[str, Any]:
         X_BV = followed.X_BV
         return {
-            "leg": followed.choice.leg,
+            "leg": followed.leg,
             "stretch": max(self._before, len(self._followed) - 1),
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
         }
@@ -95,9 +97,11 @@ class Recorder:
             name: np.asarray(rows, dtype=np.float64)
             for name, rows in self._rows.items()
         }
-        paths = [stretch.path for stretch in self._followed]
-        done = min(len(paths) - self._before, len(self._grasp.stretches))
-        paths += [stretch.path for stretch in self._grasp.way[done:]]
+        placements = self._placements
+        paths = [segment.path for segment in self._followed]
+        done = min(len(paths) - self._before, len(placements[self._number]))
+        rest = [piece for group in placements[self._number :] for piece in group]
+        paths += [segment.path for segment in rest[done:]]
         samples = [
             p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
         ]
@@ -106,8 +110,7 @@ class Recorder:
             np.arange(len(paths), dtype=np.float64), PATH_SAMPLES
         )
         modes = tuple(
-            mode
-            for mode, _ in groupby(stretch.choice.mode for stretch in self._plan.way)
+            mode for mode, _ in groupby(piece.mode for piece in self._plan.segments)
         )
         return Record(
             arrays, ending.code, ending.text, engine, seed, wall_time, modes, meta

@@ -9,7 +9,7 @@ plant, the user or the time limit end the run.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 
 from pushpressslide.control.approach import JointApproach
@@ -26,7 +26,7 @@ from pushpressslide.core.control import (
     TipCommand,
     TipCommands,
 )
-from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Ending, Record
 
 PROGRESS_TICKS = 25  # between two reports of the progress
@@ -66,7 +66,8 @@ class _RunLoop:
     def __init__(
         self, plant: Plant, plan: Plan, options: RunOptions, watches: Sequence[Watch]
     ) -> None:
-        task = plan.task
+        task = plan.part(plan.segments[0])
+        self.plan = plan
         self.plant = plant
         self.options = options
         self.time_limit = task.limits.time
@@ -74,12 +75,11 @@ class _RunLoop:
         self.recorder = Recorder(plan)
         self.watches = (self._finished, *watches, self._diverged, self._stopped)
         self.ticks = 0
-        self.expected = plant.overhead + sum(
-            stretch.profile.duration for stretch in plan.way
-        )
+        self.expected = plant.overhead + plan.duration
+        self.placements = plan.by_placement
+        self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
-        first, *self.ahead = plan.grasps
-        self._begin(first, (None,) * len(task.robots), plant.time)
+        self._begin((None,) * len(task.robots), plant.time)
 
     def run(self) -> Record:
         """Go through all ticks and return the record."""
@@ -88,7 +88,7 @@ class _RunLoop:
         while self.plant.time < self.time_limit:
             tick = self._tick()
             self.recorder.add(tick)
-            if self._placement_done() and self.ahead:
+            if self._placement_done() and self.number + 1 < len(self.placements):
                 self._hand_over(tick)
             ended = self._ending(tick)
             if ended is not None:
@@ -108,7 +108,8 @@ class _RunLoop:
         self.plant.apply(self._disturbed(truth.time, commands, log))
         total = perf_counter() - began
         self.plant.advance()
-        wall_times = (*self.controller.ticks, total)
+        decided = self.state.ticks if self.state is not None else (0.0, 0.0)
+        wall_times = (*decided, total)
         return Tick(truth, commands, log, followed, self.plant.row(), wall_times)
 
     def _decide(self, truth: Measurement) -> tuple[Commands, ControlLog]:
@@ -126,26 +127,32 @@ class _RunLoop:
             return commands
         return disturb(time, commands)
 
-    def _begin(self, placement: Plan, held: TipCommands, time: float) -> None:
+    def _begin(self, held: TipCommands, time: float) -> None:
+        """Begin the present placement at ``time`` [s]."""
+        task = self.placements[self.number].task
         paths = self.plant.joint_paths
-        self.approach = JointApproach(placement.task.start, paths, held, time)
-        self.controller = Controller(_from_real_gap(placement, paths))
+        self.approach = JointApproach(task.start, paths, held, time)
+        gap = None
+        if paths:  # what the approach really leaves
+            planned = task.motion.approach_distance
+            gap = min(planned, *(path.gap for path in paths))
+        self.controller = Controller(self.plan, self.number, gap)
         self.state = None
 
     def _hand_over(self, tick: Tick) -> None:
         """Begin the next placement; arms that keep their contact go on as commanded."""
-        placement = self.ahead.pop(0)
-        kept = self.controller.kept
+        lasting = self.controller.lasting
         held = tuple(
-            command if i in kept and isinstance(command, TipCommand) else None
+            command if i in lasting and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
         if not self.plant.joint_paths:
             # where tips are put elsewhere at once, the sensor sees them before as well
             self.sensor.measure(self.plant.measure())
-        self.plant.hand_over(placement, kept)
-        self._begin(placement, held, tick.truth.time)
-        self.recorder.begin(placement)
+        self.number += 1
+        self.plant.hand_over(self.placements[self.number], lasting)
+        self._begin(held, tick.truth.time)
+        self.recorder.begin(self.number)
 
     def _placement_done(self) -> bool:
         state = self.state
@@ -180,13 +187,3 @@ class _RunLoop:
         progress = self.options.progress
         if progress is not None and self.ticks % PROGRESS_TICKS == 0:
             progress(time, self.expected)
-
-
-def _from_real_gap(placement: Plan, paths: tuple[JointPath, ...]) -> Plan:
-    """Return the placement with the gap before the contacts that the approach leaves."""
-    if not paths:
-        return placement
-    motion = placement.task.motion
-    gap = min(motion.approach_distance, *(path.gap for path in paths))
-    motion = replace(motion, approach_distance=gap)
-    return replace(placement, task=replace(placement.task, motion=motion))

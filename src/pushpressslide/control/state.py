@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from pushpressslide.core.allocation import Allocation
@@ -12,17 +11,19 @@ from pushpressslide.core.control import (
     Measurement,
     Phase,
     TipCommand,
+    TipState,
     Vector3,
 )
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import Tracker
+from pushpressslide.modes.base import Allocator, Tracker
 
 FREE_STIFFNESS = (1500.0, 1500.0, 3000.0)  # [N/m] of a tip that touches nothing
 FREE_DAMPING = (150.0, 150.0, 250.0)  # [N s/m]
@@ -36,30 +37,41 @@ JOINT_LEAD = 0.03
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """A plan with its closed-form laws; made anew when object or contacts turn out to
-    be elsewhere.
+    """A segment with its closed-form laws; made anew when object or contacts turn out
+    to be elsewhere.
     """
 
-    plan: Plan
+    segment: Segment
     tracker: Tracker
-    allocate: Callable[[float, float, float], Allocation]
+    allocate: Allocator
     tip_points: tuple[Point, ...]  # [m] in B, of the tips' centres, one per contact
 
 
-def bind(plan: Plan) -> Binding:
-    """Return the laws of ``plan``'s mode for its contacts."""
-    mode = MODES[plan.choice.mode]
-    choice = plan.choice
-    robots = plan.task.robots
+def bind(task: Task, segment: Segment) -> Binding:
+    """Return the laws of a segment's mode for its contacts; ``task`` is its leg's."""
+    mode = MODES[segment.mode]
+    contacts = segment.contacts
     tip_points = tuple(
-        c.tip_place(robots[c.arm].tip_radius)[0] for c in choice.contacts
+        contact.tip_place(task.robots[contact.arm].tip_radius)[0]
+        for contact in contacts
     )
-    figures = choice.parameters
-    cop = (figures.get("cop_x", 0.0), figures.get("cop_y", 0.0))
-    allocate = mode.allocator(
-        choice.contacts, plan.task.believed.contact_friction, figures.get("rho"), cop
-    )
-    return Binding(plan, mode.tracker(plan), allocate, tip_points)
+    friction = task.believed.contact_friction
+    drive = segment.drive
+    allocate = mode.allocator(contacts, friction, drive.rho, drive.center)
+    return Binding(segment, mode.tracker(task, segment), allocate, tip_points)
+
+
+@dataclass(frozen=True, slots=True)
+class TipContext:
+    """What the laws of one tip are given at a tick."""
+
+    contact: Contact
+    tip: TipState
+    X_WB: Pose2
+    time: float  # [s]
+    dt: float  # [s] since the last tick
+    joint_progress: float  # [m] on the planned path, for the joint reference
+    tool_yaw: float  # [rad] wanted of the tool, less the joint path's offset
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +83,7 @@ class TipMemory:
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
-    # of a tip that comes into this grasp with the contact it has
+    # of a tip that comes into this placement with the contact it has
     held: TipCommand | None = None
 
 
@@ -84,26 +96,27 @@ class ControllerState:
     tips: tuple[TipMemory, ...]  # one per contact
     binding: Binding  # what is being followed now
     last_time: float  # [s]
-    stretch: Plan  # as planned: what is being followed, before any re-planning
-    ahead: tuple[Plan, ...]  # the stretches that come after it
-    identifier: AxleIdentifier | None  # of the virtual axle in this stretch
-    joint_start: float = 0.0  # [m] of joint path before this stretch
+    segment: Segment  # as planned: what is being followed, before any replanning
+    ahead: tuple[Segment, ...]  # the segments that come after it
+    identifier: AxleIdentifier | None  # of the virtual axle in this segment
+    joint_start: float = 0.0  # [m] of joint path before this segment
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
-    # the plan that errors are judged by: the one made at the first touch
-    reference: Plan | None = None
+    # the segment that errors are judged by, as planned when it began
+    reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     # whether the touch begins with lining up, or goes on from where the tips are
     align: bool = True
     lost: float | None = None  # [s] since when contact is missing
-    corrected: float = 0.0  # [s] of the last re-plan on the way
-    regrasps: int = 0
+    replanned: float = 0.0  # [s] of the last replan on the way
+    retouches: int = 0
     retries: int = 0
-    # what is identified of the virtual axle in this stretch
+    # what is identified of the virtual axle in this segment
     axle: AxleState = AxleState()
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
     failure: tuple[ReasonCode, str] | None = None
+    ticks: tuple[float, float] = (0.0, 0.0)  # [s] wall time of track and allocate
 
 
 def tip_position(
@@ -172,7 +185,7 @@ def begin(
     """Return the state at the start of a phase; only a press that goes on keeps its
     regulator.
     """
-    contacts = state.binding.plan.choice.contacts
+    contacts = state.binding.segment.contacts
     tips = tuple(
         TipMemory(
             measurement.tips[c.arm].position,
@@ -195,23 +208,23 @@ def joint_progress(state: ControllerState) -> float:
     """Return where on the PLANNED path the joint reference is taken: as far from the
     end as the object is on its own path.
     """
-    left = state.binding.plan.path.length - state.progress
-    return state.joint_start + max(0.0, state.stretch.path.length - left)
+    left = state.binding.segment.path.length - state.progress
+    return state.joint_start + max(0.0, state.segment.path.length - left)
 
 
-def joint_reference(state: ControllerState, time: float) -> float:
-    """Return where on the planned path the joint reference is taken in the move [m]:
-    with the joint-tracking term where the reference is at the same ``time`` [s], the
+def joint_reference(state: ControllerState, time: float, tracking: bool) -> float:
+    """Return where on the planned path the joint reference is taken in the move [m].
+
+    With joint ``tracking`` it is where the reference is at the same ``time`` [s], the
     paper's q(t), at most JOINT_LEAD from the object.
     """
     here = joint_progress(state)
     reference = state.reference
-    if not state.stretch.task.motion.joint_tracking or reference is None:
+    if not tracking or reference is None:
         return here
-    timed = (
-        reference.profile.at(time - state.reference_start)[0] - reference.path.length
-    )
-    timed += state.joint_start + state.stretch.path.length
+    elapsed = time - state.reference_start
+    timed = reference.profile.at(elapsed)[0] - reference.path.length
+    timed += state.joint_start + state.segment.path.length
     return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
 
 
@@ -220,10 +233,10 @@ def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleS
     identifier = state.identifier
     if identifier is None:
         return state.axle
-    force = measurement.tips[state.binding.plan.choice.contacts[0].arm].force
-    return identifier.step(
-        state.axle, measurement.time, X_WB, X_WB.unrotate((force[0], force[1]))
-    )
+    arm = state.binding.segment.contacts[0].arm
+    fx, fy, _ = measurement.tips[arm].force
+    force = X_WB.unrotate((fx, fy))
+    return identifier.step(state.axle, measurement.time, X_WB, force)
 
 
 def identified(state: ControllerState) -> Identified | None:
@@ -234,22 +247,24 @@ def identified(state: ControllerState) -> Identified | None:
 def control_log(
     state: ControllerState,
     measurement: Measurement,
+    X_BG: Pose2,
     guidance: Guidance | None = None,
-    wrench: Wrench | None = None,
     allocation: Allocation | None = None,
 ) -> ControlLog:
-    """Return what was thought at a tick, for the record."""
-    plan = state.reference if state.reference is not None else state.stretch
-    clock = (
-        measurement.time - state.reference_start if state.reference is not None else 0.0
-    )
-    reference = plan.object_pose(plan.profile.at(clock)[0])
+    """Return what was decided at a tick, for the record."""
+    followed = state.segment
+    clock = 0.0
+    if state.reference is not None:
+        followed = state.reference
+        clock = measurement.time - state.reference_start
+    reference = followed.body_pose(followed.profile.at(clock)[0]).compose(X_BG)
     pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
-    if guidance is None or wrench is None or allocation is None:
+    if guidance is None or allocation is None:
         nothing = (0.0, 0.0, 0.0)
         return ControlLog(
             state.phase, state.progress, pose, nothing, nothing, nothing, 0.0, "ok"
         )
+    wrench = guidance.wrench
     rx, ry, rt = allocation.residual
     given = Wrench(wrench.fx - rx, wrench.fy - ry, wrench.tau - rt, wrench.about)
     return ControlLog(

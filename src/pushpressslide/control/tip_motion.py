@@ -1,5 +1,5 @@
-"""What the tips do in the move and on release: from contact forces and the object's
-twist to tip commands.
+"""What the tips do in the move: from contact forces and the object's twist to tip
+commands.
 """
 
 from __future__ import annotations
@@ -13,19 +13,18 @@ from pushpressslide.control.entry import braking
 from pushpressslide.control.state import (
     SERVO_CAP,
     ControllerState,
+    TipContext,
     TipMemory,
     approached,
     contact_yaw,
     pressed,
 )
-from pushpressslide.control.touch import held_at
-from pushpressslide.core.control import TipCommand, TipState, Vector3
+from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator
 
-# of all pushes: one that is asked for less may part from its face for a while
 LEAST_SHARE = 0.2
 LOSS_SHARE = 0.6  # of its planned load below which a press counts as lost
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
@@ -42,7 +41,27 @@ class Felt(NamedTuple):
     """What a tip feels of its contact."""
 
     lost: bool
-    use: float  # share of the friction cone that its shear takes
+    friction_utilisation: float
+
+
+class TipTask(NamedTuple):
+    """What a tip is to do at a tick."""
+
+    twist: Twist  # of the object, in B
+    center: Point  # [m] of the tip's centre, in B
+    force: Point  # [N] along the support, in B
+    load: float  # [N] that a press is to have
+    entry_speed: float | None = None  # [m/s] of a press whose object enters an opening
+
+
+class _Normal(NamedTuple):
+    """How a tip behaves along its height above the support."""
+
+    height: float  # [m] of the reference
+    stiffness: float  # [N/m]
+    damping: float  # [N s/m]
+    push: float = 0.0  # [N] into the support
+    acceleration: float = 0.0  # [m/s^2] of the reference
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,79 +76,84 @@ class TipMover:
     regulator: NormalForceRegulator
 
     def step(
-        self,
-        memory: TipMemory,
-        tip: TipState,
-        contact: Contact,
-        X_WB: Pose2,
-        twist: Twist,
-        inside: Point,
-        f_B: Point,
-        load: float,
-        dt: float,
-        progress: float,
-        entry_speed: float | None = None,
+        self, memory: TipMemory, context: TipContext, task: TipTask
     ) -> tuple[TipCommand, TipMemory, Felt]:
-        """Return the tip's command, what to remember, and what it feels.
-
-        ``twist`` is the object's, in B; ``inside`` [m] in B is the tip's centre;
-        ``f_B`` [N] the force along the support, ``load`` [N] what a press is to have;
-        ``progress`` [m] is for the joint reference; ``entry_speed`` [m/s] is that of a
-        press whose object goes into an opening.
-        """
-        n = contact.direction(X_WB)
-        normal_force = pressed(tip.force, n)
-        shear = math.hypot(
-            tip.force[0] - normal_force * n[0], tip.force[1] - normal_force * n[1]
-        )
-        felt = Felt(
-            normal_force < max(0.5 * self.threshold, LOSS_SHARE * contact.load),
-            shear / (self.friction * max(normal_force, self.threshold)),
-        )
-        f = X_WB.rotate(f_B)
-        at_tip = twist.moved_to(inside)
-        before = memory.velocity or (0.0, 0.0)
-        wanted = X_WB.rotate((at_tip.vx, at_tip.vy))
-        v = approached(before, wanted, TIP_ACCELERATION[contact.kind] * dt)
-        a = (
-            ((v[0] - before[0]) / dt, (v[1] - before[1]) / dt, 0.0)
-            if dt > 0.0
-            else (0.0, 0.0, 0.0)
-        )
-        height = tip.position[2]
+        """Return the tip's command, what to remember, and what it feels."""
+        contact = context.contact
+        X_WB = context.X_WB
+        tip = context.tip
+        normal_force = pressed(tip.force, contact.direction(X_WB))
+        felt = self._felt(contact, tip.force, contact.direction(X_WB), normal_force)
+        force = X_WB.rotate(task.force)
+        velocity, (ax, ay) = self._motion(memory, context, task)
         regulator = memory.regulator
-        stiffness = 0.0
-        damping = PRESS_DAMPING
-        push = 0.0
-        if entry_speed is not None:  # nothing but the damper holds it back
-            push = load
-            damping = load / entry_speed
+        if task.entry_speed is not None:  # nothing but the damper holds it back
+            speed = task.entry_speed
+            down = braking(-tip.velocity[2], speed)
+            normal = _Normal(tip.position[2], 0.0, task.load / speed, task.load, down)
             felt = Felt(False, 0.0)
-            a = (a[0], a[1], braking(-tip.velocity[2], entry_speed))
-            most = self.friction * max(normal_force, 0.0)
-            size = math.hypot(*f)
-            # what it holds by friction
-            f = (f[0] * most / size, f[1] * most / size) if size > most else f
+            force = _within(force, self.friction * max(normal_force, 0.0))
         elif contact.kind == "top":
-            push, regulator = self.regulator.step(regulator, load, normal_force, dt)
+            push, regulator = self.regulator.step(
+                regulator, task.load, normal_force, context.dt
+            )
+            normal = _Normal(tip.position[2], 0.0, PRESS_DAMPING, push)
         else:
-            height = contact.height
-            stiffness = HEIGHT_STIFFNESS
-            damping = HEIGHT_DAMPING
+            normal = _Normal(contact.height, HEIGHT_STIFFNESS, HEIGHT_DAMPING)
         command = TipCommand(
-            force=(f[0], f[1], -push),
-            position=(tip.position[0], tip.position[1], height),
-            velocity=(v[0], v[1], 0.0),
-            stiffness=(0.0, 0.0, stiffness),
-            damping=(self.damping, self.damping, damping),
+            force=(force[0], force[1], -normal.push),
+            position=(tip.position[0], tip.position[1], normal.height),
+            velocity=(velocity[0], velocity[1], 0.0),
+            stiffness=(0.0, 0.0, normal.stiffness),
+            damping=(self.damping, self.damping, normal.damping),
             normal_yaw=contact_yaw(contact, X_WB),
-            tool_yaw=X_WB.yaw,
-            tool_yaw_rate=twist.w,
+            tool_yaw=context.tool_yaw,
+            tool_yaw_rate=task.twist.w,
             servo_cap=SERVO_CAP,
-            progress=progress,
-            acceleration=a,
+            progress=context.joint_progress,
+            acceleration=(ax, ay, normal.acceleration),
         )
-        return command, replace(memory, velocity=v, regulator=regulator), felt
+        return command, replace(memory, velocity=velocity, regulator=regulator), felt
+
+    def _felt(
+        self, contact: Contact, force: Vector3, normal: Vector3, normal_force: float
+    ) -> Felt:
+        """Return what a tip feels whose ``force`` on the object has ``normal_force``
+        [N] along its ``normal``.
+        """
+        shear = math.hypot(
+            force[0] - normal_force * normal[0], force[1] - normal_force * normal[1]
+        )
+        least = max(0.5 * self.threshold, LOSS_SHARE * contact.load)
+        limit = self.friction * max(normal_force, self.threshold)
+        return Felt(normal_force < least, shear / limit)
+
+    def _motion(
+        self, memory: TipMemory, context: TipContext, task: TipTask
+    ) -> tuple[Point, Point]:
+        """Return velocity [m/s] and acceleration [m/s^2] of the tip's reference along
+        the support.
+        """
+        at_tip = task.twist.moved_to(task.center)
+        before = memory.velocity or (0.0, 0.0)
+        wanted = context.X_WB.rotate((at_tip.vx, at_tip.vy))
+        dt = context.dt
+        velocity = approached(
+            before, wanted, TIP_ACCELERATION[context.contact.kind] * dt
+        )
+        if dt <= 0.0:
+            return velocity, (0.0, 0.0)
+        ax = (velocity[0] - before[0]) / dt
+        ay = (velocity[1] - before[1]) / dt
+        return velocity, (ax, ay)
+
+
+def _within(force: Point, most: float) -> Point:
+    """Return ``force``, no larger than ``most`` [N]."""
+    size = math.hypot(*force)
+    if size <= most:
+        return force
+    return (force[0] * most / size, force[1] * most / size)
 
 
 def missing(
@@ -145,29 +169,11 @@ def missing(
     return any(f.lost and wanted for f, wanted in zip(felt, asked, strict=True))
 
 
-def drawn_back(
-    start: Vector3,
-    contact: Contact,
-    X_WB: Pose2,
-    back: float,
-    tool_yaw: float,
-    progress: float,
-) -> TipCommand:
-    """Return the command of a tip that is drawn ``back`` [m] off its contact from
-    ``start`` [m].
-    """
-    n = contact.direction(X_WB)
-    place = (start[0] - back * n[0], start[1] - back * n[1], start[2] - back * n[2])
-    return held_at(contact, X_WB, place, (0.0, 0.0, 0.0), None, tool_yaw, progress)
-
-
 def drag_ratio(state: ControllerState) -> float:
-    """Return what the object's drag was seen to be over what it was planned to be:
-    friction, mass, or a load that it pushes.
+    """Return measured over planned support friction: friction, mass, or a load that the
+    object pushes differ.
     """
-    seen = state.axle.drag
-    if seen is None:
+    measured = state.axle.drag
+    if measured is None:
         return 1.0
-    return min(
-        max(seen / state.stretch.choice.parameters["push_force"], DRAG[0]), DRAG[1]
-    )
+    return min(max(measured / state.segment.drive.max_friction, DRAG[0]), DRAG[1])

@@ -1,14 +1,16 @@
-"""What selection and planning return: contacts, a choice of mode, a plan, a joint path."""
+"""What selection and planning return: contacts, segments, a choice, a plan."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.drive import Drive
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 
@@ -36,9 +38,7 @@ class Contact:
         return replace(self, load=0.0) == replace(other, load=0.0)
 
     def direction(self, X_WB: Pose2) -> Vector3:
-        """Return the unit vector from the tip into the object: in the plane, and up
-        from the support.
-        """
+        """Return the unit vector from the tip into the object, in the support's frame."""
         if self.kind == "top":
             return (0.0, 0.0, -1.0)
         x, y = X_WB.rotate(self.normal)
@@ -46,17 +46,52 @@ class Contact:
 
     def tip_place(self, radius: float, gap: float = 0.0) -> tuple[Point, float]:
         """Return where the centre of a tip of ``radius`` [m] is, ``gap`` [m] before the
-        contact.
-
-        Its place in B [m] and its height above the support [m].
+        contact: its place in B [m] and its height above the support [m].
         """
         out = radius + gap
         if self.kind == "top":
             return self.point, self.height + out
-        return (
-            self.point[0] - out * self.normal[0],
-            self.point[1] - out * self.normal[1],
-        ), self.height
+        nx, ny = self.normal
+        return (self.point[0] - out * nx, self.point[1] - out * ny), self.height
+
+
+def same_places(first: Sequence[Contact], second: Sequence[Contact]) -> bool:
+    """Return whether two sets of contacts are the same, however hard they press."""
+    if len(first) != len(second):
+        return False
+    return all(a.same_place(b) for a, b in zip(first, second, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A piece of motion: one mode, its contacts, one reduced model, one timed path."""
+
+    mode: str
+    contacts: tuple[Contact, ...]
+    drive: Drive
+    path: MotionPath  # of the vehicle frame V in the world
+    profile: SpeedProfile
+    goal: Pose2  # X_WG at its end
+    cone_margin: float | None = None  # [rad] least distance of forces to a cone's edge
+    leg: int = 0  # index of the task's leg that it belongs to
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Pose of the vehicle frame in the body frame."""
+        return self.drive.X_BV
+
+    def same_placement(self, other: Segment) -> bool:
+        """Return whether the same mode does both with the same contacts."""
+        return self.mode == other.mode and same_places(self.contacts, other.contacts)
+
+    def body_pose(self, s: float) -> Pose2:
+        """Return the planned X_WB at arc length ``s`` [m]."""
+        return self.path.pose(s).compose(self.X_BV.inverse())
+
+    def follows(self, path: MotionPath) -> Segment:
+        """Return the segment along another path, at the same speed."""
+        profile = replace(self.profile, length=path.length)
+        return replace(self, path=path, profile=profile)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,98 +99,127 @@ class Choice:
     """One mode at one placement of its contacts, judged for a task."""
 
     mode: str
-    feasible: bool
-    reason: str  # one line: why it can, or the number that decides why it cannot
+    label: str = ""  # which placement it is, in words; nothing reads it again
     contacts: tuple[Contact, ...] = ()
-    path_length: float | None = None  # [m] of the tracking point
+    segments: tuple[Segment, ...] = ()  # empty: no path was found or looked for
     time: float | None = None  # [s] estimated
-    # [rad] least distance of the planned force angle to the cone's edge
-    friction_margin: float | None = None
-    # the mode's own figures, by name, SI
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    path: MotionPath | None = None  # of the vehicle frame V
-    goal: Pose2 | None = None  # X_WG at the path's end; None: the task's goal
-    # the next stretch of motion, with the same contacts
-    following: Choice | None = None
-    leg: int = 0  # of the task, that it is for
-    # in full; else it was passed over, as one that is no slower was found
-    judged: bool = True
+    merits: str = ""  # what is good to know of it, in words; nothing reads it again
+    refusal: Refusal | None = None  # None: it can do the task
+    leg: int = 0  # of the task, that it begins with
+
+    @property
+    def feasible(self) -> bool:
+        """Whether it can do the task."""
+        return self.refusal is None
+
+    @property
+    def evaluated(self) -> bool:
+        """False if skipped because an equally fast choice was already feasible."""
+        return self.refusal is None or self.refusal.code != SKIPPED
 
     @property
     def verdict(self) -> str:
-        """What was found, in a word or two."""
-        return (
-            "possible" if self.feasible else "refused" if self.judged else "passed over"
-        )
+        """What was decided, in a word or two."""
+        if self.feasible:
+            return "possible"
+        return "refused" if self.evaluated else "passed over"
 
     @property
-    def stretches(self) -> tuple[Choice, ...]:
-        """This choice and those that follow it."""
-        return (self,) if self.following is None else (self, *self.following.stretches)
+    def reason(self) -> str:
+        """One line: what it offers, or the number that decides against it."""
+        text = self.merits if self.refusal is None else str(self.refusal)
+        return f"{self.label}: {text}" if self.label and text else self.label or text
 
-    def goes_on(self, before: Choice) -> bool:
-        """Return whether its contacts are those of the choice ``before`` it, pressed as
-        they may be.
-        """
-        pairs = zip(self.contacts, before.contacts, strict=False)
-        return len(self.contacts) == len(before.contacts) and all(
-            a.same_place(b) for a, b in pairs
-        )
+    @property
+    def path_length(self) -> float | None:
+        """Length of the tracking point's path [m]."""
+        if not self.segments:
+            return None
+        return sum(segment.path.length for segment in self.segments)
+
+    @property
+    def friction_margin(self) -> float | None:
+        """Least distance [rad] of the planned forces to a cone's edge."""
+        return self.segments[0].cone_margin if self.segments else None
+
+    def refused(self, refusal: Refusal | None) -> Choice:
+        """Return the choice with a reason against it; None: with none."""
+        return replace(self, refusal=refusal)
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A task, the chosen mode, and the timed path of the tracking point."""
+    """A task and the segments that do it, in order."""
 
     task: Task
-    choice: Choice
-    # of the vehicle frame V (origin: tracking point, x: heading) in the world
-    path: MotionPath
-    profile: SpeedProfile
-    X_BV: Pose2  # the vehicle frame in the body frame
-    following: Plan | None = None  # the next stretch of motion, with the same contacts
-    next_grasp: Plan | None = None  # the next grasp, from where the last stretch ends
+    segments: tuple[Segment, ...]
+
+    @property
+    def placements(self) -> tuple[tuple[Segment, ...], ...]:
+        """The segments in groups: those of a group are done without letting go."""
+        groups: list[list[Segment]] = []
+        for segment in self.segments:
+            if groups and groups[-1][-1].same_placement(segment):
+                groups[-1].append(segment)
+            else:
+                groups.append([segment])
+        return tuple(tuple(group) for group in groups)
+
+    @property
+    def by_placement(self) -> tuple[Plan, ...]:
+        """One plan for each placement, with the task of its first leg."""
+        return tuple(Plan(self.part(group[0]), group) for group in self.placements)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts that it begins with."""
+        return self.segments[0].contacts
 
     @property
     def goal(self) -> Pose2:
-        """X_WG that the path leads to."""
-        return self.task.goal if self.choice.goal is None else self.choice.goal
+        """X_WG at its end."""
+        return self.segments[-1].goal
+
+    def part(self, segment: Segment) -> Task:
+        """Return the task of a segment's leg."""
+        parts = self.task.parts
+        return parts[segment.leg] if self.task.legs else parts[0]
+
+    def object_pose(self, segment: Segment, s: float) -> Pose2:
+        """Return the planned X_WG at arc length ``s`` [m] of a segment."""
+        return segment.body_pose(s).compose(self.task.object.X_GB.inverse())
+
+    def chosen(self, choices: Sequence[Choice]) -> list[Choice]:
+        """Return those of ``choices`` that the plan consists of."""
+        return [
+            choice
+            for choice in choices
+            if choice.segments and choice.segments[0] in self.segments
+        ]
 
     @property
-    def stretches(self) -> tuple[Plan, ...]:
-        """This plan and those that follow it."""
-        return (self,) if self.following is None else (self, *self.following.stretches)
-
-    @property
-    def grasps(self) -> tuple[Plan, ...]:
-        """The plan of each grasp, in order: this one, and those for which arms let go
-        in between.
-        """
-        return (self,) if self.next_grasp is None else (self, *self.next_grasp.grasps)
-
-    def kept(self, after: Plan) -> frozenset[int]:
-        """Return the arms that need not let go for the grasp ``after`` it."""
-        pairs = [(c, d) for c in self.choice.contacts for d in after.choice.contacts]
-        return frozenset(c.arm for c, d in pairs if c.same_place(d))
-
-    @property
-    def way(self) -> tuple[Plan, ...]:
-        """The stretches of all grasps."""
-        return tuple(stretch for grasp in self.grasps for stretch in grasp.stretches)
+    def duration(self) -> float:
+        """Time [s] of all segments, without approach and release."""
+        return sum(segment.profile.duration for segment in self.segments)
 
     @property
     def contacts_by_leg(self) -> dict[int, tuple[Contact, ...]]:
         """The contacts that the arms have in each leg."""
         return {
-            part.choice.leg: grasp.choice.contacts
-            for grasp in self.grasps
-            for part in grasp.stretches
+            segment.leg: placement[0].contacts
+            for placement in self.placements
+            for segment in placement
         }
 
-    def object_pose(self, s: float) -> Pose2:
-        """Return the planned X_WG at arc length ``s`` [m]."""
-        X_WB = self.path.pose(s).compose(self.X_BV.inverse())
-        return X_WB.compose(self.task.object.X_GB.inverse())
+
+def lasting_arms(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:
+    """Return the arms that keep their contact from one placement to the next."""
+    return frozenset(
+        contact.arm
+        for contact in before[0].contacts
+        for other in after[0].contacts
+        if contact.same_place(other)
+    )
 
 
 @dataclass(frozen=True, slots=True)

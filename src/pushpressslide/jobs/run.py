@@ -17,17 +17,18 @@ from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
+from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, Preparation, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.planner import chained, grasp, refusal, usable
-from pushpressslide.selection.select import grasps, select
+from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.select import placements, select
 
 # choices of a mode that are judged in full where the first have no joint path
 MORE = 3 * ENOUGH
 
-Problems = dict[tuple[str, tuple[Contact, ...], str], InfeasibleTaskError]
+Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
 
 def versions() -> dict[str, str]:
@@ -87,7 +88,8 @@ def simulate(
     # choices after the first are for where that has no joint path
     enough = ENOUGH if chosen.has_arms else 1
     judged = _prepared(preparation, task, select(task, enough), force)
-    plan = chained(preparation.plans)
+    segments = chain.from_iterable(part.segments for part in preparation.plans)
+    plan = Plan(task, tuple(segments))
     with monitor.held():
         record = chosen.run(
             plan,
@@ -105,21 +107,21 @@ def _prepared(
     """Add to ``preparation`` the best choice of every placement, and return the judged
     choices, with what those lack that had to be passed over.
     """
-    placements = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
-    for group in placements:
+    groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
+    for group in groups:
         usable(task, group, force=force)
-    for number, group in enumerate(placements):
+    for number, group in enumerate(groups):
         problems: Problems = {}
         added = _add_first(preparation, task, group, force, problems)
-        if not added and not all(choice.judged for choice in group):
-            placements[number] = group = grasps(task, MORE)[number]
+        if not added and not all(choice.evaluated for choice in group):
+            groups[number] = group = placements(task, MORE)[number]
             added = _add_first(preparation, task, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
             raise next(iter(problems.values()))
-        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(placements))))
-    return list(chain.from_iterable(placements))
+        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(groups))))
+    return list(chain.from_iterable(groups))
 
 
 def _add_first(
@@ -136,17 +138,17 @@ def _add_first(
     again.
     """
     for i, choice in enumerate(choices):
-        if choice.path is None or not (choice.feasible or force):
+        if not choice.segments or not (choice.feasible or force):
             continue
-        key = (choice.mode, choice.contacts, choice.reason)
+        key = (choice.mode, choice.contacts, choice.label, choice.merits)
         try:
             if key not in problems:
-                preparation.add(grasp(task, choice, force=force))
+                preparation.add(plan_of(task, [choice]).by_placement[0])
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
-        reason = f"{choice.reason}; but {str(problems[key]).split(': ', 1)[-1]}"
-        choices[i] = replace(choice, feasible=False, reason=reason)
+        why = str(problems[key]).split(": ", 1)[-1]
+        choices[i] = choice.refused(Refusal("joint_path", literal(why)))
     return False
 
 

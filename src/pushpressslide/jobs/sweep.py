@@ -45,7 +45,7 @@ def run_sample(
     sample = sample_task(task, vary, index, seed)
     row: dict[str, Any] = {"index": index, "task": sample.name, "forced": anyway}
     try:
-        plan, record, _ = simulate(sample, engine=engine, seed=seed, force=anyway)
+        plan, record, choices = simulate(sample, engine=engine, seed=seed, force=anyway)
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
     except (SimulationError, ValueError, RuntimeError) as error:
@@ -69,7 +69,7 @@ def run_sample(
         **row,
         "status": "reached" if measured["success"] else "missed",
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
-        "choice": plan.choice.reason,
+        "choice": plan.chosen(choices)[0].reason,
         **{name: measured[name] for name in kept},
     }
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from pushpressslide.core.pose import Point
+from pushpressslide.core.refusal import Refusal, RefusedError
 
 # shares of the press's friction that a motion may take, the best first
 USES = (0.7, 0.8, 0.9, 0.96)
@@ -56,40 +57,43 @@ def press_loads(
     most: float,
     wanted: float | None = None,
     pushed: float = 0.0,
-) -> tuple[str | None, list[float]]:
-    """Return what stands against any press of up to ``most`` [N], and the loads [N] to
-    try, the safest first; ``wanted`` [N] is the only one where it is given. ``pushed``
-    [N]: that of a body that the object pushes.
+) -> list[float]:
+    """Return the loads [N] to try, up to ``most`` [N], the safest first; ``wanted`` [N]
+    is the only one where it is given. ``pushed`` [N]: the drag of a body that the
+    object pushes.
+
+    Raises RefusedError with what stands against any press.
     """
-    if wanted is None:
-        loads = [
-            max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
-            for use in USES
-        ]
-        if loads[-1] <= most:
-            return None, sorted({load for load in loads if load <= most}, reverse=True)
-        if mu_contact <= mu_support:
-            why = f"contact friction {mu_contact:g} must exceed the support's, {mu_support:g}: no press drags"
-            return why, []
-        return (
-            f"needs a press of {loads[-1]:.1f} N, limits.normal_force is {most:g} N",
-            [],
+    if wanted is not None:
+        if wanted > most:
+            text = (
+                "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+            )
+            raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
+        used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
+        if used > MOST_USE:
+            needed = used * mu_contact / MOST_USE
+            text = (
+                f"pressed with {wanted:g} N the tip slips before the object: straight "
+                "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "
+                f"contact friction {mu_contact:g}, needed {needed:.3f}"
+            )
+            raise RefusedError(Refusal("friction", text, used, MOST_USE))
+        return [wanted]
+    loads = [
+        max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
+        for use in USES
+    ]
+    if loads[-1] <= most:
+        return sorted({load for load in loads if load <= most}, reverse=True)
+    if mu_contact <= mu_support:
+        text = (
+            "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
+            "press drags"
         )
-    if wanted > most:
-        return (
-            f"motion.press_force of {wanted:g} N, limits.normal_force is {most:g} N",
-            [],
-        )
-    use = friction_use(wanted, weight, mu_support, mu_contact, pushed)
-    if use > MOST_USE:
-        needed = use * mu_contact / MOST_USE
-        return (
-            f"pressed with {wanted:g} N the tip slips before the object: straight "
-            f"sliding takes {use:.2f} of "
-            f"its friction, allowed {MOST_USE:g}; contact friction {mu_contact:g}, "
-            f"needed {needed:.3f}"
-        ), []
-    return None, [wanted]
+        raise RefusedError(Refusal("friction", text, mu_contact, mu_support))
+    text = "needs a press of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+    raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:

@@ -1,48 +1,54 @@
-"""What a contact mode is: its contacts, its reduced model, its tracking point, what it
-can do, and its closed-form laws.
+"""What a contact mode is, the one search for its choices, and the one replan.
+
+A mode says which placements of its contacts there are, with which drive each would
+move the object, and its closed-form laws. Search and replan are the same for all.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 from itertools import count
-from typing import Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.refusal import SKIPPED, Refusal, literal
+from pushpressslide.core.task import Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
-GRAVITY = 9.81
 TURN = 2.0 * math.pi
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
 # nor is more
 ASIDE = (math.radians(20.0), math.radians(60.0))
 # from behind the contact, of a tool that turns with the object
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
-TURNING = 0.3  # [rad] of the object on its way, for which such tools are tried
+TURNING = 0.3  # [rad] of the object on its path, from which such tools are tried
 REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
-ENOUGH = 8  # choices of one mode that the arms can follow: no other is judged in full
-UNJUDGED = "not judged in full, as there is one that is no slower"
+ENOUGH = 8  # feasible choices of one mode, after which no other is evaluated
+NOT_EVALUATED = Refusal(
+    SKIPPED, "not judged in full, as there is one that is no slower"
+)
+CROSSING = Refusal("arms_cross", "the arms would cross")
 
-# Makes the choices of one placement, judged but for the arms' reach; or where not asked
-# to judge, tells what they would be.
-Draft = Callable[[bool], list[Choice]]
+Allocator = Callable[[float, float, float], Allocation]
 
 
 class Tracker(Protocol):
-    """A tracking law bound to a plan; its only state is the progress, which is handed
-    in and out.
+    """A tracking law bound to a segment; its only state is the progress, which is
+    handed in and out.
     """
 
     def step(
@@ -57,177 +63,208 @@ class Tracker(Protocol):
         ...
 
 
-class Mode(Protocol):
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """The choices of one placement, made when they are asked for."""
+
+    least_time: float  # [s] that none of its choices beats
+    # makes the choices, judged but for the arms' reach; told False, it says only what
+    # they would be
+    make: Callable[[bool], list[Choice]]
+    # whether its choices are judged in the order of the drafts, not of their own times
+    ordered: bool = False
+
+
+class Course(NamedTuple):
+    """Where a segment is led from here."""
+
+    contacts: tuple[Contact, ...]
+    drive: Drive
+    path: MotionPath
+
+
+class Mode(ABC):
     """One contact topology."""
 
-    name: str
-    arms: int
-    reduced_model: str
-    tracking_point: str
-    cop_steering: bool
-    walls: bool  # whether it can hold an object on a wall
+    name: ClassVar[str]
+    arms: ClassVar[int]
+    reduced_model: ClassVar[str]
+    tracking_point: ClassVar[str]
+    cop_steering: ClassVar[bool]
+    walls: ClassVar[bool]  # whether it can hold an object on a wall
+    drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
 
+    @abstractmethod
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each
-        judged feasible or not; in full no more than it takes to find ``enough`` that
-        are.
+        judged feasible or not; evaluated until ``enough`` are feasible.
         """
-        ...
 
-    def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: the frame at the tracking point, x along the heading, in the
-        body frame.
-        """
-        ...
+    @abstractmethod
+    def tracker(self, task: Task, segment: Segment) -> Tracker:
+        """Return the tracking law for a segment of ``task``."""
 
-    def tracker(self, plan: Plan) -> Tracker:
-        """Return the tracking law for a plan."""
-        ...
-
+    @abstractmethod
     def allocator(
         self,
         contacts: Sequence[Contact],
         friction: float,
         rho: float | None = None,
         cop: Point = (0.0, 0.0),
-    ) -> Callable[[float, float, float], Allocation]:
+    ) -> Allocator:
         """Return ``allocate(fx, fy, tau)``: a wrench in B to contact forces.
 
         About the CoM for pushes, about the centre of pressure ``cop`` [m] for presses.
         """
-        ...
 
-    def identifier(self, plan: Plan) -> AxleIdentifier | None:
-        """Return what identifies the mode's virtual axle on the way; None where there
-        is nothing to be identified.
+    @abstractmethod
+    def course(
+        self,
+        task: Task,
+        segment: Segment,
+        X_WB: Pose2,
+        contacts: tuple[Contact, ...],
+        longest: float,
+        identified: Identified | None,
+    ) -> Course | None:
+        """Return how a segment is led to its goal from ``X_WB`` with ``contacts`` where
+        they really are; None if that takes more than ``longest`` [m].
         """
-        ...
-
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return a plan for another attempt at the goal, with the same contacts, from
-        ``X_WB`` near it; None where the mode cannot go back.
-        """
-        ...
 
     def replan(
         self,
-        plan: Plan,
+        task: Task,
+        segments: Sequence[Segment],
         X_WB: Pose2,
-        touched: tuple[Point, ...],
+        touched: Sequence[Point],
         longest: float,
         identified: Identified | None = None,
-    ) -> Plan | None:
-        """Return the plan from where object and contacts (points in B [m]) really are;
-        None if that takes more than ``longest`` [m]. ``identified``: what was seen of
-        the virtual axle on the way.
+    ) -> tuple[Segment, ...]:
+        """Return ``segments`` with the first one replanned from where object and
+        contacts (points in B [m]) really are; none if that takes more than ``longest``
+        [m]. ``identified``: what was seen of the virtual axle on the way.
         """
-        ...
+        first, *others = segments
+        contacts = tuple(
+            replace(contact, point=point)
+            for contact, point in zip(first.contacts, touched, strict=True)
+        )
+        course = self.course(task, first, X_WB, contacts, longest, identified)
+        if course is None:
+            return ()
+        led = replace(first, contacts=course.contacts, drive=course.drive)
+        return (led.follows(course.path), *others)
+
+    def again(
+        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+    ) -> tuple[Segment, ...]:
+        """Return the segments of another attempt at the goal, with the same contacts,
+        from ``X_WB`` near it; none where the mode cannot go back.
+        """
+        return self.replan(task, (segment,), X_WB, touched, math.inf)
+
+    def identifier(self, segment: Segment) -> AxleIdentifier | None:
+        """Return what identifies the mode's virtual axle on the way; None where nothing
+        is identified.
+        """
+        return None
 
 
-def tool_load(task: Task, heading: float) -> tuple[float, float]:
-    """Return what a body pushed by the object adds to the drag [N], and how far
-    ``heading`` [rad] in B is off the pushing face's normal [rad].
+def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Choice]:
+    """Return the choices that ``drafts`` make, the feasible ones first, the quickest
+    first; after ``enough`` feasible ones no other is evaluated.
+
+    Drafts are made in the order of their least times. The arms are asked for a choice
+    once no draft that is left can be quicker.
     """
-    shape = task.object.shape
-    tool = task.tool
-    if tool is None or isinstance(shape, Cylinder):
-        return 0.0, 0.0
-    (ax, ay), (bx, by) = (
-        shape.footprint[(tool.face + i) % len(shape.footprint)] for i in (0, 1)
-    )
-    body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
-    outward = math.atan2(ax - bx, by - ay)
-    return body.friction * body.mass * GRAVITY, abs(
-        math.remainder(heading - outward, TURN)
-    )
-
-
-def followed(
-    task: Task,
-    drafts: Iterable[tuple[float, Draft]],
-    frame: Callable[[Choice], Pose2],
-    enough: int,
-    told: Callable[[str, str], str],
-) -> list[Choice]:
-    """Return the choices that ``drafts`` make, those first that the arms can follow,
-    the quickest first; after ``enough`` of them no other is judged in full.
-
-    A draft comes with the least time [s] that its choices can take. They are made in
-    that order, and the arms are asked for a choice once no draft that is left can be
-    quicker. ``frame`` gives X_BV; ``told(reason, why)`` is the reason of one that is
-    refused.
-    """
-    turn = count()
+    number = count()
+    waiting: list[tuple[float, bool, int, Draft | Choice]] = []
     out = []
-    found = 0
-    waiting: list[tuple[float, bool, int, Draft | Choice]] = [
-        (t, True, next(turn), d) for t, d in drafts
-    ]
+    for draft in drafts:
+        if isinstance(draft, Draft):
+            waiting.append((draft.least_time, True, next(number), draft))
+        else:
+            out.append(draft)
     heapify(waiting)
+    feasible = 0
     while waiting:
         *_, item = heappop(waiting)
-        if not isinstance(item, Choice):
-            for choice in item(found < enough):
-                if choice.feasible and choice.time is not None:
-                    heappush(waiting, (choice.time, False, next(turn), choice))
-                else:
+        if isinstance(item, Draft):
+            for choice in item.make(feasible < enough):
+                if not choice.feasible or choice.time is None:
                     out.append(choice)
+                    continue
+                due = item.least_time if item.ordered else choice.time
+                heappush(waiting, (due, False, next(number), choice))
             continue
-        why = path_problem(task, item, frame(item)) if found < enough else UNJUDGED
-        found += why is None
-        judged = (
-            item
-            if why is None
-            else replace(item, feasible=False, reason=told(item.reason, why))
-        )
-        out.append(replace(judged, judged=why is not UNJUDGED))
-    return sorted(
-        out, key=lambda c: (not c.feasible, c.time if c.time is not None else math.inf)
-    )
+        refusal = arms_refusal(task, item) if feasible < enough else NOT_EVALUATED
+        if refusal is None:
+            feasible += 1
+            out.append(item)
+        else:
+            out.append(item.refused(refusal))
+    return sorted(out, key=promptness)
 
 
-def instead(reason: str, why: str) -> str:
-    """Return what was chosen and why not, in place of its merits."""
-    return f"{reason.split(' with ')[0]}: {why}"
+def with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
+    """Return a choice with its contacts given to ``arms``."""
+    contacts = given_to(choice.contacts, arms)
+    segments = tuple(replace(piece, contacts=contacts) for piece in choice.segments)
+    return replace(choice, contacts=contacts, segments=segments)
 
 
-def beside(reason: str, why: str) -> str:
-    """Return a choice's merits, and why not."""
-    return f"{reason}; {why}"
+def promptness(choice: Choice) -> tuple[bool, float]:
+    """Return the order of choices: the feasible ones, then by time, in milliseconds."""
+    time = math.inf if choice.time is None else round(choice.time, 3)
+    return not choice.feasible, time
 
 
-def path_problem(task: Task, choice: Choice, X_BV: Pose2) -> str | None:
+def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
     """Return what stands against the path of a choice: time, workspace, reach of the
     tips; None if nothing.
     """
-    path = choice.path
-    if path is None:
-        return "no path"
-    if choice.time is not None and choice.time > task.limits.time:
-        return f"needs about {choice.time:.0f} s, limits.time is {task.limits.time:g} s"
-    X_VB = X_BV.inverse()
-    X_BG = task.object.X_GB.inverse()
-    count = max(3, math.ceil(path.length / REACH_STEP))
-    bodies = [
-        path.pose(path.length * i / count).compose(X_VB) for i in range(count + 1)
-    ]
+    limit = task.limits.time
+    if not choice.segments:
+        return Refusal("no_path", "no path")
+    if choice.time is not None and choice.time > limit:
+        text = "needs about {figure:s.0f}, limits.time is {allowed:sg}"
+        return Refusal("time_limit", text, choice.time, limit, "s")
+    for piece in choice.segments:
+        poses = poses_along(piece)
+        refusal = workspace_refusal(task, poses)
+        for contact in piece.contacts:
+            refusal = refusal or _reach_refusal(task, contact, poses)
+        if refusal is not None:
+            return refusal
+    return None
+
+
+def poses_along(piece: Segment) -> list[Pose2]:
+    """Return X_WB along a segment, at most REACH_STEP apart."""
+    path = piece.path
+    X_VB = piece.X_BV.inverse()
+    steps = max(3, math.ceil(path.length / REACH_STEP))
+    return [path.pose(path.length * i / steps).compose(X_VB) for i in range(steps + 1)]
+
+
+def workspace_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+    """Return where the object's frame G would leave the workspace along ``poses``
+    X_WB.
+    """
     bounds = task.limits.workspace
-    if bounds is not None:
-        for X_WB in bodies:
-            X = X_WB.compose(X_BG)
-            if not (bounds[0] <= X.x <= bounds[1] and bounds[2] <= X.y <= bounds[3]):
-                return f"the path leaves limits.workspace at ({X.x:.3f}, {X.y:.3f})"
-    return next(
-        (
-            p
-            for c in choice.contacts
-            if (p := _reach_problem(task, c, bodies)) is not None
-        ),
-        None,
-    )
+    if bounds is None:
+        return None
+    x_min, x_max, y_min, y_max = bounds
+    X_BG = task.object.X_GB.inverse()
+    for X_WB in poses:
+        X = X_WB.compose(X_BG)
+        if not (x_min <= X.x <= x_max and y_min <= X.y <= y_max):
+            place = f"({X.x:.3f}, {X.y:.3f})"
+            return Refusal("workspace", f"the path leaves limits.workspace at {place}")
+    return None
 
 
-def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | None:
+def _reach_refusal(task: Task, contact: Contact, bodies: list[Pose2]) -> Refusal | None:
     """Return why the arm of a contact cannot follow it along the body poses X_WB; None
     if it can.
     """
@@ -235,7 +272,8 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
     frame = task.support.frame
     point, height = contact.tip_place(robot.tip_radius)
     points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
-    azimuths = tool_azimuths(contact, bodies[len(bodies) // 2], task.bases[contact.arm])
+    middle = bodies[len(bodies) // 2]
+    azimuths = tool_azimuths(contact, middle, task.bases[contact.arm])
     holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
@@ -250,7 +288,8 @@ def _reach_problem(task: Task, contact: Contact, bodies: list[Pose2]) -> str | N
             for lean in LEANS
             for side in SIDES
         ]
-    return held_somehow_problem(robot, points, holds)
+    problem = held_somehow_problem(robot, points, holds)
+    return None if problem is None else Refusal("reach", literal(problem))
 
 
 def tool_azimuths(

@@ -24,10 +24,10 @@ from pushpressslide.allocation.cop_strategy import (
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.wall_presses import wall_loads
-from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
 from pushpressslide.core.task import Cop, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
@@ -41,25 +41,39 @@ from pushpressslide.mechanics.osculating import (
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
-from pushpressslide.modes.base import ENOUGH, followed, instead
+from pushpressslide.modes.base import (
+    ENOUGH,
+    Allocator,
+    Course,
+    Draft,
+    Mode,
+    search,
+)
+from pushpressslide.planning.held_twist import (
+    DECAY,
+    EDGE,
+    path_onward,
+    tipping_refusal,
+    twist_at,
+    utilisation,
+)
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.rom.drives import ORIGIN, HeldDrive
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
 
 COP: Cop = "balanced"
 # shares of the tips' friction that a motion may take, the best first
-USE = (0.7, 0.8, 0.9, 0.95)
+UTILISATION = (0.7, 0.8, 0.9, 0.95)
 HARDER = 1.3  # times as hard where the drag's lever takes more of the friction
 LEAST_PRESS = 4.0  # [N] below which a tip bounces on the object
-EDGE = 0.012  # [m] that a contact stays away from the top's edges
-ROUNDING = 1e-6  # [m] by which it may be nearer
+ROUNDING = 1e-6  # [m] by which a contact may be nearer to the edge
 APART = 0.10  # [m] between the contacts, so that the arms have room
-# half widths that the centre of pressure stays inside the base's edge
-TIPPING_ROOM = 0.15
-DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
 
 Pair = tuple[Point, Point]
+Presses = Callable[..., TwoPresses]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,11 +81,11 @@ class _Drag:
     """Two presses that drag the object with one twist."""
 
     surface: DraggedSurface  # near that twist
-    use: float  # share of the tips' friction that it takes
-    room: float  # half widths of the centre of pressure from the base's edge
+    friction_utilisation: float
+    tipping_margin: float  # half widths
 
 
-class BimanualPressSlide:
+class BimanualPressSlide(Mode):
     """Two arms press on top and slide the object."""
 
     name = "bimanual_press_slide"
@@ -80,242 +94,123 @@ class BimanualPressSlide:
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
     walls = True
+    drives = (HeldDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return one choice per pair of contacts, feasible ones first, those with the
-        shortest arms first.
-        """
-        farthest = max((hypot(*p) for p in top_places(task.object, EDGE)), default=0.0)
-        placed = [self._placed(task, points, farthest) for points in self._pairs(task)]
-        if not placed:
-            return [
-                Choice(
-                    self.name,
-                    False,
-                    f"the top has no two places {APART * 1e3:.0f} mm apart",
-                )
-            ]
-        placed.sort(key=lambda c: _arm_length(task, c.contacts))
-        drafts = [(c.time or inf, partial(self._draft, task, c)) for c in placed]
-        return followed(task, drafts, self.vehicle_frame, enough, instead)
+        """Return the choices of all placements."""
+        return search(task, self._drafts(task), enough)
 
-    @staticmethod
-    def _pairs(task: Task) -> list[Pair]:
-        """Pairs of places to press, in B [m]: opposite each other about the CoM, or
-        given.
-        """
-        body = task.object
-        given = task.motion.contacts
-        if given is not None and len(given) == 2:
-            first, second = (body.X_GB.inverse().apply(p) for p in given)
-            return [(first, second)]
-        dx, dy = lean(task, task.motion.press_force or lean_press(task))
-        pairs: list[Pair] = []
-        for p, q in ((p, (-p[0], -p[1])) for p in top_places(body, EDGE)):
-            new = all(
-                min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs
-            )
-            if (
-                new
-                and inside_top(body, q, EDGE - ROUNDING)
-                and math.dist(p, q) >= APART
-            ):
-                pairs.append((p, q))
+    def _drafts(self, task: Task) -> list[Draft | Choice]:
+        """Return one draft per pair of contacts, those with the shortest arms first."""
+        farthest = max((hypot(*p) for p in top_places(task.object, EDGE)), default=0.0)
+        placed = [self._placed(task, points, farthest) for points in _pairs(task)]
+        if not placed:
+            text = "the top has no two places {allowed:mm.0f} apart"
+            refusal = Refusal("too_close", text, None, APART, "m")
+            return [Choice(self.name, refusal=refusal)]
+        placed.sort(key=lambda one: _arm_length(task, one[0].contacts))
         return [
-            ((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs
+            Draft(choice.time or inf, partial(self._pressed, task, choice, path))
+            for choice, path in placed
         ]
 
-    def _placed(self, task: Task, points: Pair, farthest: float) -> Choice:
-        """Return the choice of one pair of contacts, and how long it takes, but for
-        their loads; ``farthest`` [m] that a place is from the CoM.
+    def _placed(
+        self, task: Task, points: Pair, farthest: float
+    ) -> tuple[Choice, TwistPath]:
+        """Return the choice of one pair of contacts, but for their loads, and the path
+        of the body; ``farthest`` [m] that a place is from the CoM.
         """
         body = task.object
-        motion = task.motion
         start = task.start.compose(body.X_GB)
         goal = task.goal.compose(body.X_GB)
         radius = max(farthest, *(hypot(*p) for p in points))
         path = TwistPath.between((start, goal), radius)
         poses = [path.pose(0.25 * i * path.length) for i in range(5)]
         ways = assignments(task.bases, points, poses)
-        arms = (0, 1) if motion.contacts and (0, 1) in ways else next(iter(ways), None)
+        given = task.motion.contacts is not None and (0, 1) in ways
+        arms = (0, 1) if given else next(iter(ways), None)
         if arms == (1, 0):
             points = (points[1], points[0])
-        what = "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
         contacts = tuple(
-            Contact(i, "top", p, (0.0, 0.0), body.shape.height)
-            for i, p in enumerate(points)
+            Contact(i, "top", point, ORIGIN, body.shape.height)
+            for i, point in enumerate(points)
         )
-
-        def refused(why: str) -> Choice:
-            return Choice(self.name, False, f"{what}: {why}", contacts)
-
-        if not all(inside_top(body, p, EDGE - ROUNDING) for p in points):
-            return refused(
-                f"the contacts must be {EDGE * 1e3:.0f} mm inside the object's top"
-            )
-        if math.dist(*points) < APART:
-            apart = math.dist(*points) * 1e3
-            return refused(
-                f"the contacts are {apart:.0f} mm apart, allowed from "
-                f"{APART * 1e3:.0f} mm"
-            )
-        if arms is None:
-            return refused("the arms would cross, whichever takes which contact")
-        if path.length == 0.0:
-            return refused("the goal is the start")
-        return Choice(
-            self.name, True, what, contacts, path.length, _time(task, path), path=path
+        choice = Choice(
+            self.name,
+            "pressed at " + " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points),
+            contacts,
+            time=_time(task, path),
+            refusal=_placement_refusal(task, points, crossing=arms is None),
         )
+        if choice.feasible and path.length == 0.0:
+            choice = choice.refused(Refusal("at_goal", "the goal is the start"))
+        return choice, path
 
-    def _draft(self, task: Task, placed: Choice, judged: bool) -> list[Choice]:
+    def _pressed(
+        self, task: Task, placed: Choice, path: TwistPath, evaluated: bool
+    ) -> list[Choice]:
         """Judge one pair of contacts but for the arms' reach."""
-        body = placed.path
-        mu = task.believed.contact_friction
-        what = placed.reason
-        if not (judged and placed.feasible and isinstance(body, TwistPath)):
+        if not (evaluated and placed.feasible):
             return [placed]
+        points = (placed.contacts[0].point, placed.contacts[1].point)
         try:
-            problem, loads = self._loads(
-                task, (placed.contacts[0].point, placed.contacts[1].point), body
-            )
+            refusal, loads = _loads(task, points, path)
         except ValueError as error:
-            return [
-                replace(placed, feasible=False, path=None, reason=f"{what}: {error}")
-            ]
+            return [placed.refused(refusal_of(error, "press"))]
         for normals in loads:
-            pressed = tuple(
-                replace(c, load=n)
-                for c, n in zip(placed.contacts, normals, strict=True)
+            contacts = tuple(
+                replace(contact, load=load)
+                for contact, load in zip(placed.contacts, normals, strict=True)
             )
-            point = _tracking_point(task, pressed, _twist(body, (0.0, 0.0)))
-            ends = body.start.compose(Pose2(*point)), body.end.compose(Pose2(*point))
-            path = TwistPath.between(ends, body.radius)
+            point = _tracking_point(task, contacts, twist_at(path, ORIGIN))
+            X_BV = Pose2(*point)
+            ends = path.start.compose(X_BV), path.end.compose(X_BV)
+            tracked = TwistPath.between(ends, path.radius)
             try:
-                drag = self._drag(task, pressed, path, point)
+                drag = self._drag(task, contacts, tracked, point)
             except ValueError as error:
-                return [
-                    replace(
-                        placed,
-                        feasible=False,
-                        path=None,
-                        reason=f"{what}: it would tip: {error}",
-                    )
-                ]
-            if drag.use <= USE[-1]:
+                tips = f"it would tip: {refusal_of(error, 'tipping')}"
+                return [placed.refused(Refusal("tipping", tips))]
+            if drag.friction_utilisation <= UTILISATION[-1]:
                 break
-        if problem is None and drag.room < TIPPING_ROOM:
-            problem = (
-                f"drag at {task.object.shape.height:.3f} m tips the object: the centre "
-                "of pressure comes "
-                f"within {drag.room:.2f} half widths of the base's edge, allowed "
-                f"{TIPPING_ROOM:g}"
-            )
-        if problem is None and drag.use > USE[-1]:
-            problem = _slipping(normals, drag.use)
-        fraction = _fraction(task, pressed)
-        left, right = normals
-        reason = (
-            f" with {left:.1f} and {right:.1f} N: path {path.length:.3f} m, centre of "
-            "pressure "
-            f"{fraction:.2f} of the way from left to right, {drag.use:.2f} of the "
-            "tips' friction used"
+        return [self._driven(task, placed, contacts, tracked, point, drag, refusal)]
+
+    def _driven(
+        self,
+        task: Task,
+        placed: Choice,
+        contacts: tuple[Contact, ...],
+        path: TwistPath,
+        point: Point,
+        drag: _Drag,
+        refusal: Refusal | None,
+    ) -> Choice:
+        """Return the choice of contacts with loads, and the path that it tracks."""
+        used = drag.friction_utilisation
+        height = task.object.shape.height
+        if refusal is None:
+            cause = f"drag at {height:.3f} m tips the object"
+            refusal = tipping_refusal(cause, drag.tipping_margin)
+        if refusal is None and used > UTILISATION[-1]:
+            refusal = _slipping(contacts, used)
+        load = sum(contact.load for contact in contacts)
+        drive = HeldDrive(drag.surface, path.radius, point, lever(task, load), used)
+        mu = task.believed.contact_friction
+        margin = atan(mu) - atan(used * mu)
+        piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
+        left, right = (contact.load for contact in contacts)
+        merits = (
+            f"{left:.1f} and {right:.1f} N, path {path.length:.3f} m, centre of "
+            f"pressure {_fraction(task, contacts):.2f} of the way from left to right, "
+            f"{used:.2f} of the tips' friction used"
         )
-        parameters = {
-            **_figures(drag),
-            "lever": lever(task, sum(normals)),
-            "radius": path.radius,
-            "speed": task.motion.speed,
-            "track_x": point[0],
-            "track_y": point[1],
-            "press_left": left,
-            "press_right": right,
-            "cop_fraction": fraction,
-        }
-        told = what + (reason if problem is None else f": {problem}")
-        time = _time(task, path)
-        margin = atan(mu) - atan(drag.use * mu)
-        ok = problem is None
-        return [
-            Choice(
-                self.name,
-                ok,
-                told,
-                pressed,
-                path.length,
-                time,
-                margin,
-                parameters,
-                path,
-            )
-        ]
-
-    def _loads(
-        self, task: Task, points: Pair, path: TwistPath
-    ) -> tuple[str | None, list[Point]]:
-        """Return what stands against the loads, and loads [N] to try for ``path``: the
-        largest where none do.
-
-        Raises ValueError where no two tips can press so.
-        """
-        belief = task.believed
-        cap = task.limits.normal_force
-        given = task.motion.press_force
-        cop: Cop = COP if task.motion.cop is None else task.motion.cop
-        twist = _twist(path, (0.0, 0.0))
-        weight = task.weight_on_support
-        mu_s = belief.support_friction
-        mu_a = belief.contact_friction
-        rho = touching_ellipsoid(pressures(task)((0.0, 0.0)), mu_s, twist).rho
-
-        def presses(use: float = 1.0) -> TwoPresses:
-            return TwoPresses(*points, weight, mu_s, use * mu_a, rho, cap)
-
-        if given is not None:
-            normals = loads_with(presses(), cop, given)
-            if given > cap:
-                raise ValueError(
-                    f"motion.press_force of {given:g} N, limits.normal_force is "
-                    f"{cap:g} N"
-                )
-            if min(normals) < LEAST_PRESS:
-                raise ValueError(
-                    f"the lighter press is {min(normals):.1f} N, allowed from "
-                    f"{LEAST_PRESS:g} N: a contact "
-                    "that does not press holds nothing"
-                )
-            return None, [normals]
-        if weight == 0.0:
-            steps = [(twist, along) for along in weights(task, path)]
-            return None, [
-                wall_loads(presses, steps, USE, max(LEAST_PRESS, lean_press(task)))
-            ]
-        found = safe_loads(presses, cop, twist, USE, LEAST_PRESS)
-        if found is not None:
-            return None, [
-                found,
-                loads_with(presses(), cop, min(cap, HARDER * max(found))),
-            ]
-        if mu_a <= mu_s:
-            raise ValueError(
-                f"contact friction {mu_a:g} must exceed the support's, {mu_s:g}: no "
-                "press drags"
-            )
-        if isinstance(cop, str):
-            normals = loads_with(presses(), cop, cap)
-            use = presses().at(normals, twist).needed / sum(normals)
-            return f"{_slipping(normals, use)}; limits.normal_force is {cap:g} N", [
-                normals
-            ]
-        can = possible_fractions(presses, twist, USE[-1:], LEAST_PRESS)
-        span = (
-            f"allowed from {can[0]:.2f} to {can[1]:.2f}"
-            if can
-            else "and so does any other"
-        )
-        raise ValueError(
-            f"a centre of pressure {cop:g} of the way from left to right needs a "
-            "contact that does not "
-            f"press, or more than limits.normal_force of {cap:g} N, {span}"
+        return replace(
+            placed,
+            contacts=contacts,
+            segments=(piece,),
+            time=_time(task, path),
+            merits=merits,
+            refusal=refusal,
         )
 
     def _drag(
@@ -326,7 +221,7 @@ class BimanualPressSlide:
         """
         belief = task.believed
         height = task.object.shape.height
-        twist = _twist(path, point)
+        twist = twist_at(path, point)
         load = task.weight_on_support + sum(c.load for c in contacts)
         surface, cop = dragged_ellipsoid(
             pressures(task),
@@ -339,119 +234,204 @@ class BimanualPressSlide:
         mu = belief.contact_friction
         raised = lever(task, load)
         x, y = surface.center
-        use = 0.0
-        room = inf
+        most = 0.0
+        margin = inf
         allocate = self.allocator(contacts, mu, surface.rho, surface.center)
         for wx, wy in weights(task, path):
             lifted = replace(surface, center=(x - raised * wx, y - raised * wy))
             fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
-            given = allocate(
-                fx - wx, fy - wy, tau - Wrench(wx, wy, 0.0).moved_to((x, y)).tau
-            )
+            held = Wrench(wx, wy, 0.0).moved_to((x, y))
+            given = allocate(fx - wx, fy - wy, tau - held.tau)
             used = max(
                 hypot(*f) / (mu * c.load)
                 for f, c in zip(given.forces, contacts, strict=True)
             )
-            lost = (
-                hypot(*given.residual[:2], given.residual[2] / surface.rho)
-                / surface.max_force
-            )
-            use = max(use, used / max(1.0 - lost, 1e-3))
-            room = min(
-                room,
-                room_inside(task.object, (cop[0] - raised * wx, cop[1] - raised * wy)),
-            )
-        return _Drag(surface, use, room)
+            most = max(most, utilisation(used, given, surface))
+            moved = (cop[0] - raised * wx, cop[1] - raised * wy)
+            margin = min(margin, room_inside(task.object, moved))
+        return _Drag(surface, most, margin)
 
-    def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: origin at the tracking point, axes along B's."""
-        return Pose2(choice.parameters["track_x"], choice.parameters["track_y"])
-
-    def tracker(self, plan: Plan) -> EasedTracker:
-        """Return the holonomic law for a plan, within what the contacts hold."""
-        p = plan.choice.parameters
-        friction = plan.task.believed.contact_friction
-        surface = DraggedSurface(
-            p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"])
-        )
-        allocate = self.allocator(
-            plan.choice.contacts, friction, p["rho"], surface.center
-        )
-
-        def holds(wrench: Wrench) -> bool:
-            allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
-            return allocation.status == "ok" and allocation.margin > 0.0
-
+    def tracker(self, task: Task, segment: Segment) -> EasedTracker:
+        """Return the holonomic law for a segment, within what the contacts hold."""
+        drive = segment.drive
+        assert isinstance(drive, HeldDrive)
         law = CarriedTracker(
-            plan.X_BV, surface, plan.task.weight_in_plane, p["lever"], DECAY
+            drive.X_BV, drive.surface, task.weight_in_plane, drive.lever, DECAY
         )
-        return EasedTracker(law, holds)
+        mu = task.believed.contact_friction
+        allocate = self.allocator(segment.contacts, mu, drive.rho, drive.center)
+        return EasedTracker(law, allocate)
 
     def allocator(
         self,
         contacts: Sequence[Contact],
         friction: float,
         rho: float | None = None,
-        cop: Point = (0.0, 0.0),
-    ) -> Callable[[float, float, float], Allocation]:
+        cop: Point = ORIGIN,
+    ) -> Allocator:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` plays no part."""
         left, right = contacts
         allocate = two_press_allocator((left.point, right.point), friction)
         return partial(allocate, normals=(left.load, right.load), cop=cop)
 
-    def identifier(self, plan: Plan) -> None:
-        """Return nothing: two tips that hold lead the object, whatever its rho."""
-
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan by one more twist to the goal."""
-        return self.replan(plan, X_WB, touched, inf)
-
-    def replan(
+    def course(
         self,
-        plan: Plan,
+        task: Task,
+        segment: Segment,
         X_WB: Pose2,
-        touched: tuple[Point, ...],
+        contacts: tuple[Contact, ...],
         longest: float,
-        identified: Identified | None = None,
-    ) -> Plan | None:
-        """Return the plan by one twist from the object's true pose and contacts; None
-        if its path is longer than ``longest`` [m].
-        """
-        task = plan.task
-        figures = plan.choice.parameters
-        contacts = tuple(
-            replace(c, point=p)
-            for c, p in zip(plan.choice.contacts, touched, strict=True)
+        identified: Identified | None,
+    ) -> Course | None:
+        """Return the course by one twist from the object's true pose and contacts."""
+        planned = segment.drive
+        assert isinstance(planned, HeldDrive)
+        path = path_onward(
+            task, X_WB, planned.X_BV, segment.goal, planned.radius, longest
         )
-        goal = plan.goal.compose(task.object.X_GB)
-        path = TwistPath.between(
-            (X_WB.compose(plan.X_BV), goal.compose(plan.X_BV)), figures["radius"]
-        )
-        if not 0.0 < path.length <= longest:
+        if path is None:
             return None
         try:
-            drag = self._drag(task, contacts, path, plan.X_BV.position)
+            drag = self._drag(task, contacts, path, planned.point)
         except ValueError:
             return None
-        choice = replace(
-            plan.choice,
-            contacts=contacts,
-            path=path,
-            path_length=path.length,
-            parameters={**figures, **_figures(drag)},
+        used = drag.friction_utilisation
+        drive = replace(planned, surface=drag.surface, friction_utilisation=used)
+        return Course(contacts, drive, path)
+
+
+def _pairs(task: Task) -> list[Pair]:
+    """Pairs of places to press, in B [m]: opposite each other about the CoM, or given."""
+    body = task.object
+    given = task.motion.contacts
+    if given is not None and len(given) == 2:
+        first, second = (body.X_GB.inverse().apply(p) for p in given)
+        return [(first, second)]
+    dx, dy = lean(task, task.motion.press_force or lean_press(task))
+    pairs: list[Pair] = []
+    for p in top_places(body, EDGE):
+        q = (-p[0], -p[1])
+        new = all(
+            min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs
         )
-        profile = SpeedProfile(
-            path.length, plan.profile.speed, plan.profile.acceleration
+        if not new or math.dist(p, q) < APART:
+            continue
+        if inside_top(body, q, EDGE - ROUNDING):
+            pairs.append((p, q))
+    return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
+
+
+def _placement_refusal(task: Task, points: Pair, crossing: bool) -> Refusal | None:
+    """Return what stands against two contacts, whatever their loads."""
+    if not all(inside_top(task.object, p, EDGE - ROUNDING) for p in points):
+        text = "the contacts must be {allowed:mm.0f} inside the object's top"
+        return Refusal("off_top", text, None, EDGE, "m")
+    apart = math.dist(*points)
+    if apart < APART:
+        text = "the contacts are {figure:mm.0f} apart, allowed from {allowed:mm.0f}"
+        return Refusal("too_close", text, apart, APART, "m")
+    if crossing:
+        text = "the arms would cross, whichever takes which contact"
+        return Refusal("arms_cross", text)
+    return None
+
+
+def _loads(
+    task: Task, points: Pair, path: TwistPath
+) -> tuple[Refusal | None, list[Point]]:
+    """Return what stands against the loads, and loads [N] to try for ``path``: the
+    largest where none do.
+
+    Raises RefusedError where no two tips can press so.
+    """
+    belief = task.believed
+    cap = task.limits.normal_force
+    cop: Cop = COP if task.motion.cop is None else task.motion.cop
+    twist = twist_at(path, ORIGIN)
+    weight = task.weight_on_support
+    mu_s = belief.support_friction
+    mu_a = belief.contact_friction
+    rho = touching_ellipsoid(pressures(task)(ORIGIN), mu_s, twist).rho
+
+    def presses(share: float = 1.0) -> TwoPresses:
+        return TwoPresses(*points, weight, mu_s, share * mu_a, rho, cap)
+
+    given = task.motion.press_force
+    if given is not None:
+        return None, [_given_loads(presses(), cop, given, cap)]
+    if weight == 0.0:
+        steps = [(twist, along) for along in weights(task, path)]
+        least = max(LEAST_PRESS, lean_press(task))
+        return None, [wall_loads(presses, steps, UTILISATION, least)]
+    found = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
+    if found is not None:
+        harder = loads_with(presses(), cop, min(cap, HARDER * max(found)))
+        return None, [found, harder]
+    if mu_a <= mu_s:
+        text = (
+            "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
+            "press drags"
         )
-        return replace(plan, choice=choice, path=path, profile=profile)
+        raise RefusedError(Refusal("friction", text, mu_a, mu_s))
+    if isinstance(cop, str):
+        normals = loads_with(presses(), cop, cap)
+        used = presses().at(normals, twist).needed / sum(normals)
+        return _slipping_at_limit(normals, used, cap), [normals]
+    raise RefusedError(_cop_refusal(presses, cop, twist, cap))
+
+
+def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Point:
+    """Return the loads [N] of a given press. Raises RefusedError where it is too hard or
+    too light.
+    """
+    normals = loads_with(presses, cop, given)
+    if given > cap:
+        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        raise RefusedError(Refusal("normal_force", text, given, cap, "N"))
+    if min(normals) < LEAST_PRESS:
+        text = (
+            "the lighter press is {figure:N.1f}, allowed from {allowed:Ng}: a contact "
+            "that does not press holds nothing"
+        )
+        raise RefusedError(Refusal("press", text, min(normals), LEAST_PRESS, "N"))
+    return normals
+
+
+def _cop_refusal(presses: Presses, cop: float, twist: Twist, cap: float) -> Refusal:
+    """Return what stands against a wanted centre of pressure."""
+    can = possible_fractions(presses, twist, UTILISATION[-1:], LEAST_PRESS)
+    span = "and so does any other"
+    if can:
+        span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"
+    text = (
+        "a centre of pressure {figure:g} of the way from left to right needs a contact "
+        f"that does not press, or more than limits.normal_force of {cap:g} N, {span}"
+    )
+    return Refusal("cop", text, cop)
+
+
+def _slipping(contacts: Sequence[Contact], used: float) -> Refusal:
+    left, right = (contact.load for contact in contacts)
+    return Refusal("friction", _slipping_text(left, right), used, UTILISATION[-1])
+
+
+def _slipping_at_limit(normals: Point, used: float, cap: float) -> Refusal:
+    text = f"{_slipping_text(*normals)}; limits.normal_force is {cap:g} N"
+    return Refusal("friction", text, used, UTILISATION[-1])
+
+
+def _slipping_text(left: float, right: float) -> str:
+    return (
+        f"pressed with {left:.1f} and {right:.1f} N the tips slip before the object: "
+        "the motion takes {figure:.2f} of their friction, allowed {allowed:g}"
+    )
 
 
 def _time(task: Task, path: TwistPath) -> float:
     """How long the whole run takes [s]."""
-    motion = SpeedProfile(
-        path.length, task.motion.speed, task.motion.acceleration
-    ).duration
-    return round(motion + overhead(task, pressed=True), 3)
+    motion = task.motion
+    profile = SpeedProfile(path.length, motion.speed, motion.acceleration)
+    return round(profile.duration + overhead(task, pressed=True), 3)
 
 
 def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
@@ -464,56 +444,29 @@ def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
     )
 
 
-def _twist(path: TwistPath, point: Point) -> Twist:
-    """The twist per metre with which a path of ``point`` begins."""
-    return Twist(*path.rate(0.0), point)
-
-
 def _cop(task: Task, contacts: Sequence[Contact]) -> Point:
     """The centre of pressure without drag [m]."""
-    weight = task.weight_on_support
-    return center_of_pressure(
-        weight, (0.0, 0.0), [c.load for c in contacts], [c.point for c in contacts]
-    )
+    loads = [contact.load for contact in contacts]
+    points = [contact.point for contact in contacts]
+    return center_of_pressure(task.weight_on_support, ORIGIN, loads, points)
 
 
 def _tracking_point(task: Task, contacts: Sequence[Contact], twist: Twist) -> Point:
     """The CoP where the object turns about a point inside its base, else the CoM [m]."""
-    if twist.w and inside_top(
-        task.object, (-twist.vy / twist.w, twist.vx / twist.w), 0.0
-    ):
-        return _cop(task, contacts)
-    return (0.0, 0.0)
+    if not twist.w:
+        return ORIGIN
+    icr = (-twist.vy / twist.w, twist.vx / twist.w)
+    return _cop(task, contacts) if inside_top(task.object, icr, 0.0) else ORIGIN
 
 
 def _fraction(task: Task, contacts: Sequence[Contact]) -> float:
     """The centre of pressure without drag, as part of the way from the left to the
     right contact.
     """
-    lx, ly = contacts[0].point
+    left, right = (contact.point for contact in contacts)
     x, y = _cop(task, contacts)
-    line = ContactLine(contacts[0].point, contacts[1].point)
-    return line.in_axes((x - lx, y - ly))[0] / line.length
-
-
-def _slipping(normals: Point, use: float) -> str:
-    return (
-        f"pressed with {normals[0]:.1f} and {normals[1]:.1f} N the tips slip before "
-        "the object: the motion "
-        f"takes {use:.2f} of their friction, allowed {USE[-1]:g}"
-    )
-
-
-def _figures(drag: _Drag) -> dict[str, float]:
-    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre."""
-    surface = drag.surface
-    return {
-        "cop_x": surface.center[0],
-        "cop_y": surface.center[1],
-        "rho": surface.rho,
-        "push_force": surface.max_force,
-        "friction_use": drag.use,
-    }
+    line = ContactLine(left, right)
+    return line.in_axes((x - left[0], y - left[1]))[0] / line.length
 
 
 MODE = BimanualPressSlide()

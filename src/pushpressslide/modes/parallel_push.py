@@ -17,59 +17,70 @@ from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
-from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.refusal import Refusal, literal, refusal_of
+from pushpressslide.core.task import GRAVITY, Cylinder, Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import ENOUGH, beside, followed
-from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.modes.base import (
+    CROSSING,
+    ENOUGH,
+    Allocator,
+    Course,
+    Draft,
+    Mode,
+    search,
+    with_arms,
+)
+from pushpressslide.planning.in_cone import (
+    describe_cone_margin,
+    least_cone_margin,
+    path_in_cone,
+)
 from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_cars
+from pushpressslide.planning.pushed_car import gentle_path, pushed_cars
+from pushpressslide.planning.segments import run_time, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
-    drag_problem,
+    drag_refusal,
     farthest_corner,
-    given_to,
     least_distance,
     span,
 )
+from pushpressslide.rom.drives import ORIGIN, CarDrive, TwistDrive
+from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.axle import AxleTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
-ORIGIN = (0.0, 0.0)
-GRAVITY = 9.81  # [m/s^2]
 # [m] of the contacts from the CoM's line that are tried
 HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
-DRIVES = {
-    "differential": ("differential",),
-    "synchronised": ("synchronised",),
-    "mixed": ("mixed",),
-}
+VEHICLES = ("differential", "synchronised", "mixed")
 # in this order, where motion.vehicle is none of these: both mixed correct an error any
-# way at once, a car takes some look-aheads of straight way for it
+# way at once, a car takes some look-aheads of straight path for it
 EITHER = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
-SPARE = math.radians(6.0)
-REPLAN_SPARE = math.radians(2.0)  # inside the cone: of a plan, and of one made anew
-KEPT = 0.9  # of the friction: what corrections may use
+CONE_MARGIN = math.radians(6.0)  # that a plan keeps from its cone's edges
+REPLAN_MARGIN = math.radians(2.0)  # that a plan made under way keeps
+CORRECTION_SHARE = 0.9  # of the friction, that corrections may use
+# times the straight distance, and [m]: a longer path has turned a loop
 LOOP_RATIO = 1.25
-SLACK = 0.03  # times the straight way, and [m]: a longer path has turned a loop
+SLACK = 0.03
 
-Cars = Callable[[Face, bool], dict[tuple[Contact, ...], PushedCar]]
+Contacts = tuple[Contact, ...]
+Cars = Callable[[Face, bool], dict[Contacts, PushedCar]]
 
 
-class ParallelPush:
+class ParallelPush(Mode):
     """Two arms push one face side by side."""
 
     name = "parallel_push"
@@ -78,128 +89,83 @@ class ParallelPush:
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
     walls = False
+    drives = (CarDrive, TwistDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return the ways to push each face, feasible ones first, the quickest first."""
+        """Return the choices of all placements."""
+        return search(task, self._drafts(task), enough)
+
+    def _drafts(self, task: Task) -> list[Draft | Choice]:
+        """Return one draft for each pair of contacts on each face."""
         if isinstance(task.object.shape, Cylinder):
-            return [
-                Choice(
-                    self.name,
-                    False,
-                    "a cylinder has no flat face for two tips side by side",
-                )
-            ]
-        pushed = [
-            f
-            for f in faces(task.object, CORNER_CLEARANCE)
-            if task.motion.face in (None, f.index)
-        ]
-        places = [
-            (face, contacts) for face in pushed for contacts in _places(task, face)
+            text = "a cylinder has no flat face for two tips side by side"
+            return [Choice(self.name, refusal=Refusal("no_faces", text))]
+        placed = [
+            (face, contacts)
+            for face in faces(task.object, CORNER_CLEARANCE)
+            if task.motion.face in (None, face.index)
+            for contacts in _placements(task, face)
         ]
 
         @cache
-        def cars(
-            face: Face, synchronised: bool
-        ) -> dict[tuple[Contact, ...], PushedCar]:
-            contacts = [c for f, c in places if f == face]
+        def cars(face: Face, synchronised: bool) -> dict[Contacts, PushedCar]:
+            contacts = [pair for other, pair in placed if other == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
             made = pushed_cars(task, halves, contact_height(task), synchronised)
             return dict(zip(contacts, made, strict=True))
 
-        drafts = [
-            (_least_time(task, face), partial(self._drafts, task, face, contacts, cars))
-            for face, contacts in places
+        return [
+            Draft(
+                _least_time(task, face), partial(self._push, task, face, contacts, cars)
+            )
+            for face, contacts in placed
         ]
-        return followed(task, drafts, self.vehicle_frame, enough, beside)
 
-    def _drafts(
-        self,
-        task: Task,
-        face: Face,
-        contacts: tuple[Contact, ...],
-        cars: Cars,
-        judged: bool,
+    def _push(
+        self, task: Task, face: Face, contacts: Contacts, cars: Cars, evaluated: bool
     ) -> list[Choice]:
         """Judge contacts on a face but for the arms' reach: one choice for each way to
         give them to arms.
         """
-        left, right = (c.point for c in contacts)
-        height = contacts[0].height
-        what = f"face {face.index} at ({left[0]:.3f}, {left[1]:.3f}) and ({right[0]:.3f}, {right[1]:.3f})"
-        if not judged:
-            return [
-                Choice(self.name, True, what, contacts, time=_least_time(task, face))
-            ]
-        apart = math.dist(left, right)
-        needed = least_distance(task)
-        problem = drag_problem(task, (face,), height)
-        if apart < needed:
-            problem = f"contacts {apart * 1e3:.0f} mm apart, two tools need {needed * 1e3:.0f} mm"
-        elif abs(face.offset) > 1e-9:
-            problem = "no contact on the other side of the line through the CoM"
-        if problem is not None:
-            return [Choice(self.name, False, f"{what}: {problem}", contacts)]
+        places = " and ".join("({:.3f}, {:.3f})".format(*c.point) for c in contacts)
+        choice = Choice(self.name, f"face {face.index} at {places}", contacts)
+        if not evaluated:
+            return [replace(choice, time=_least_time(task, face))]
+        refusal = _placement_refusal(task, face, contacts)
+        if refusal is not None:
+            return [choice.refused(refusal)]
         why = []
-        for drive in DRIVES.get(task.motion.vehicle or "", EITHER):
+        vehicle = task.motion.vehicle or ""
+        for kind in (vehicle,) if vehicle in VEHICLES else EITHER:
             try:
-                if drive == "mixed":
-                    choice = self._mixed(task, contacts)
+                if kind == "mixed":
+                    driven = self._by_twists(task, choice)
                 else:
-                    choice = self._as_car(
-                        task, cars(face, drive == "synchronised")[contacts]
-                    )
+                    car = cars(face, kind == "synchronised")[contacts]
+                    driven = self._as_car(task, choice, car)
             except ValueError as error:
-                choice = Choice(self.name, False, str(error))
-            why.append(f"{drive}: {choice.reason}")
-            if choice.path is not None:
-                return self._given(
-                    task,
-                    replace(choice, reason=f"{what}, {why[-1]}"),
-                    contacts,
-                    choice.path,
-                )
-        return [Choice(self.name, False, f"{what}: {'; '.join(why)}", contacts)]
+                driven = choice.refused(refusal_of(error, "tipping"))
+            if driven.segments:
+                label = f"{choice.label}, {kind}"
+                return self._given_to_arms(task, replace(driven, label=label))
+            why.append(f"{kind}: {driven.refusal}")
+        return [choice.refused(Refusal("no_path", literal("; ".join(why))))]
 
-    def _given(
-        self,
-        task: Task,
-        choice: Choice,
-        contacts: tuple[Contact, ...],
-        path: MotionPath,
-    ) -> list[Choice]:
-        """Return one choice for each way to give the contacts to the arms, with what
-        all drives have in common.
-        """
-        X_VB = self.vehicle_frame(choice).inverse()
-        motion = task.motion
-        time = SpeedProfile(
-            path.length, motion.speed, motion.acceleration
-        ).duration + overhead(task)
-        common = {"speed": motion.speed, "contact_height": contacts[0].height}
-        choice = replace(
-            choice,
-            contacts=contacts,
-            path_length=path.length,
-            time=time,
-            parameters={**choice.parameters, **common},
-        )
+    def _given_to_arms(self, task: Task, choice: Choice) -> list[Choice]:
+        """Return one choice for each way to give the contacts to the arms."""
+        (piece,) = choice.segments
+        choice = replace(choice, time=run_time(task, choice.segments))
         poses = [
-            path.pose(share * path.length).compose(X_VB) for share in (0.0, 0.5, 1.0)
+            piece.body_pose(share * piece.path.length) for share in (0.0, 0.5, 1.0)
         ]
-        ways = assignments(task.bases, [c.point for c in contacts], poses)
+        points = [contact.point for contact in choice.contacts]
+        ways = assignments(task.bases, points, poses)
         if not ways:
-            return [
-                replace(
-                    choice,
-                    feasible=False,
-                    reason=f"{choice.reason}; the arms would cross",
-                )
-            ]
-        return [replace(choice, contacts=given_to(contacts, arms)) for arms in ways]
+            return [choice.refused(CROSSING)]
+        return [with_arms(choice, arms) for arms in ways]
 
-    def _as_car(self, task: Task, car: PushedCar) -> Choice:
-        """Return the choice to push as a car, without what all drives have in common."""
+    def _as_car(self, task: Task, choice: Choice, car: PushedCar) -> Choice:
+        """Return the choice to push as a car."""
         start, goal = (
             X.compose(task.object.X_GB).compose(car.X_BV)
             for X in (task.start, task.goal)
@@ -208,72 +174,66 @@ class ParallelPush:
         longest = LOOP_RATIO * math.hypot(goal.x - start.x, goal.y - start.y) + SLACK
         path = gentle_path(start, goal, curvature, longest)
         if path.length > longest:
-            turns = f"a loop of {path.length:.2f} m with radii of {1.0 / curvature:.3f} m and no way back"
-            return Choice(self.name, False, f"{turns}, allowed {longest:.2f} m")
+            text = (
+                "a loop of {figure:m.2f} with radii of "
+                f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
+            )
+            return choice.refused(Refusal("loop", text, path.length, longest, "m"))
+        belief = task.believed
         used = max((abs(k) for k, _ in path.pieces), default=0.0)
-        reason = f"path {path.length:.3f} m, {used / car.tightest:.2f} of the tightest curve used"
-        level = task.believed.support_friction * task.believed.mass * GRAVITY
-        return Choice(
-            self.name,
-            True,
-            reason,
-            path=path,
-            friction_margin=atan(task.believed.contact_friction)
-            - atan(car.lead * used),
-            parameters={**car.figures, "push_force": level, "curvature": curvature},
+        margin = atan(belief.contact_friction) - atan(car.lead * used)
+        max_friction = belief.support_friction * belief.mass * GRAVITY
+        drive = CarDrive(car, max_friction, curvature)
+        piece = segment(
+            task, self.name, choice.contacts, drive, path, cone_margin=margin
         )
+        merits = (
+            f"path {path.length:.3f} m, {used / car.tightest:.2f} of the tightest "
+            "curve used"
+        )
+        return replace(choice, segments=(piece,), merits=merits)
 
-    def _mixed(self, task: Task, contacts: Sequence[Contact]) -> Choice:
-        """Return the choice to drive twists of the contacts' cone, without what all
-        drives have in common.
-        """
+    def _by_twists(self, task: Task, choice: Choice) -> Choice:
+        """Return the choice to drive twists of the contacts' cone."""
         start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
         direct = screw(start, goal)
         radius = farthest_corner(task.object)
-        surface = push_surface(task, contacts[0].height, Twist(*direct))
-        cone = TwistCone(contacts, task.believed.contact_friction, surface)
+        surface = push_surface(task, choice.contacts[0].height, Twist(*direct))
+        cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)
         longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length + SLACK
-        path = path_in_cone(start, goal, cone, SPARE, radius, longest)
+        path = path_in_cone(start, goal, cone, CONE_MARGIN, radius, longest)
         if path is None:
-            return Choice(
-                self.name,
-                False,
-                f"the direct way is {told(cone.angle(*direct), SPARE)}; no three "
-                f"twists of {longest:.2f} m",
+            margin = cone.angle(*direct)
+            text = (
+                f"the direct way is {describe_cone_margin(margin, CONE_MARGIN)}; "
+                f"no three twists of {longest:.2f} m"
             )
-        spare = least_spare(path, cone)
-        reason = f"path {path.length:.3f} m of {len(path.pieces)} twist(s), {told(spare, SPARE)}"
-        return Choice(
-            self.name,
-            True,
-            reason,
-            friction_margin=spare,
-            path=path,
-            parameters={**cone.figures, "radius": radius},
+            refusal = Refusal("outside_cone", text, margin, CONE_MARGIN, "rad")
+            return choice.refused(refusal)
+        margin = least_cone_margin(path, cone)
+        drive = TwistDrive(surface, radius)
+        piece = segment(
+            task, self.name, choice.contacts, drive, path, cone_margin=margin
         )
+        merits = (
+            f"path {path.length:.3f} m of {len(path.pieces)} twist(s), "
+            f"{describe_cone_margin(margin, CONE_MARGIN)}"
+        )
+        return replace(choice, segments=(piece,), merits=merits)
 
-    def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: at a car's axle, x along the pushes; else B itself."""
-        figures = choice.parameters
-        return PushedCar.remembered(figures).X_BV if "axle" in figures else Pose2()
-
-    def tracker(self, plan: Plan) -> AxleTracker | HolonomicTracker:
-        """Return the law for a plan: look-ahead alignment of a car; else the holonomic
-        one, corrected within the cone of KEPT of the friction.
+    def tracker(self, task: Task, segment: Segment) -> AxleTracker | HolonomicTracker:
+        """Return the law for a segment: look-ahead alignment of a car; else the
+        holonomic one, corrected within the cone of CORRECTION_SHARE of the friction.
         """
-        figures = plan.choice.parameters
-        motion = plan.task.motion
-        if isinstance(plan.path, TwistPath):
-            friction = KEPT * plan.task.believed.contact_friction
-            cone = TwistCone.remembered(figures, plan.choice.contacts, friction)
-            return HolonomicTracker(plan.X_BV, cone.surface, cone.nearest)
-        car = PushedCar.remembered(figures)
-        law = LookAheadAlignment(
-            motion.look_ahead or LOOK_AHEAD, STEERING_SHARE * car.tightest
-        )
-        return AxleTracker(
-            law, car.heading, car.axle, car.lead, car.rho, figures["push_force"]
-        )
+        drive = segment.drive
+        if isinstance(drive, TwistDrive):
+            friction = CORRECTION_SHARE * task.believed.contact_friction
+            cone = TwistCone(segment.contacts, friction, drive.surface)
+            return HolonomicTracker(drive.X_BV, cone.surface, cone.nearest)
+        assert isinstance(drive, CarDrive)
+        look_ahead = task.motion.look_ahead or LOOK_AHEAD
+        law = LookAheadAlignment(look_ahead, STEERING_SHARE * drive.car.tightest)
+        return AxleTracker(law, drive.car, drive.max_friction)
 
     def allocator(
         self,
@@ -281,72 +241,74 @@ class ParallelPush:
         friction: float,
         rho: float | None = None,
         cop: Point = ORIGIN,
-    ) -> Callable[[float, float, float], Allocation]:
+    ) -> Allocator:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM;
         ``rho`` [m] weighs torque errors (default: half the distance of the contacts).
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
-        rho = rho if rho is not None else 0.5 * math.dist(*points)
+        if rho is None:
+            rho = 0.5 * math.dist(*points)
         return parallel_push_allocator(points, contacts[0].normal, friction, rho)
 
-    def identifier(self, plan: Plan) -> None:
-        """Return nothing: two contacts hold the object, wherever its axle is."""
-
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan for what is left of the way; None where that is not within
-        the cone, or for a car, which does not go back.
+    def again(
+        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+    ) -> tuple[Segment, ...]:
+        """Return the segment for what is left; none where that is not within the cone,
+        or for a car, which does not go back.
         """
-        return (
-            self.replan(plan, X_WB, touched, math.inf)
-            if isinstance(plan.path, TwistPath)
-            else None
-        )
+        if isinstance(segment.drive, CarDrive):
+            return ()
+        return super().again(task, segment, X_WB, touched)
 
-    def replan(
+    def course(
         self,
-        plan: Plan,
+        task: Task,
+        segment: Segment,
         X_WB: Pose2,
-        touched: tuple[Point, ...],
+        contacts: tuple[Contact, ...],
         longest: float,
-        identified: Identified | None = None,
-    ) -> Plan | None:
-        """Return the plan from the object's true pose and the true contacts; None if
-        its path is longer than ``longest`` [m]. How the object moves is believed as
+        identified: Identified | None,
+    ) -> Course | None:
+        """Return the course by the true contacts; how the object moves is believed as
         before.
         """
-        figures = plan.choice.parameters
-        pairs = zip(plan.choice.contacts, touched, strict=True)
-        contacts = tuple(replace(contact, point=point) for contact, point in pairs)
-        start = X_WB.compose(plan.X_BV)
-        goal = plan.goal.compose(plan.task.object.X_GB).compose(plan.X_BV)
+        drive = segment.drive
+        start = X_WB.compose(drive.X_BV)
+        goal = segment.goal.compose(task.object.X_GB).compose(drive.X_BV)
         path: MotionPath | None
-        if isinstance(plan.path, TwistPath):
-            cone = TwistCone.remembered(
-                figures, contacts, plan.task.believed.contact_friction
-            )
-            path = path_in_cone(
-                start, goal, cone, REPLAN_SPARE, figures["radius"], longest
-            )
+        if isinstance(drive, TwistDrive):
+            cone = TwistCone(contacts, task.believed.contact_friction, drive.surface)
+            path = path_in_cone(start, goal, cone, REPLAN_MARGIN, drive.radius, longest)
         else:
-            path = gentle_path(start, goal, figures["curvature"], longest)
+            assert isinstance(drive, CarDrive)
+            path = gentle_path(start, goal, drive.curvature, longest)
         if path is None or path.length > longest:
             return None
-        choice = replace(
-            plan.choice, contacts=contacts, path=path, path_length=path.length
-        )
-        profile = SpeedProfile(
-            path.length, plan.profile.speed, plan.profile.acceleration
-        )
-        return replace(plan, choice=choice, path=path, profile=profile)
+        return Course(contacts, drive, path)
+
+
+def _placement_refusal(task: Task, face: Face, contacts: Contacts) -> Refusal | None:
+    """Return what stands against contacts on a face."""
+    left, right = contacts
+    apart = math.dist(left.point, right.point)
+    needed = least_distance(task)
+    if apart < needed:
+        text = "contacts {figure:mm.0f} apart, two tools need {allowed:mm.0f}"
+        return Refusal("too_close", text, apart, needed, "m")
+    if abs(face.offset) > 1e-9:
+        text = "no contact on the other side of the line through the CoM"
+        return Refusal("offset_contact", text)
+    return drag_refusal(task, (face,), left.height)
 
 
 def _least_time(task: Task, face: Face) -> float:
     """The least time [s] that a push on a face can take: about straight to the goal."""
+    motion = task.motion
     start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
-    drives = DRIVES.get(task.motion.vehicle or "", EITHER)
     direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
     # of a car's axle, somewhere ahead of the CoM
-    (ax, ay), (bx, by) = (X.rotate(face.normal) for X in (start, goal))
+    ax, ay = start.rotate(face.normal)
+    bx, by = goal.rotate(face.normal)
     x = goal.x - start.x
     y = goal.y - start.y
     dx = bx - ax
@@ -354,29 +316,28 @@ def _least_time(task: Task, face: Face) -> float:
     square = dx * dx + dy * dy
     ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
     axle = math.hypot(x + ahead * dx, y + ahead * dy)
-    least = (
-        direct
-        if drives == ("mixed",)
-        else axle
-        if "mixed" not in drives
-        else min(direct, axle)
+    vehicle: str | None = motion.vehicle
+    least = min(direct, axle)
+    if vehicle == "mixed":
+        least = direct
+    elif vehicle in VEHICLES:
+        least = axle
+    return SpeedProfile(least, motion.speed, motion.acceleration).duration + overhead(
+        task
     )
-    return SpeedProfile(
-        least, task.motion.speed, task.motion.acceleration
-    ).duration + overhead(task)
 
 
-def _places(task: Task, face: Face) -> list[tuple[Contact, ...]]:
+def _placements(task: Task, face: Face) -> list[Contacts]:
     """Return contacts left and right of the line through the CoM, the widest first."""
     low, high = span(task.object, face)
-    room = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
+    inside = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
     height = contact_height(task)
     return [
         tuple(
             Contact(i, "side", on_face(face, y), face.normal, height)
-            for i, y in enumerate((w, -w))
+            for i, y in enumerate((half_width, -half_width))
         )
-        for w in dict.fromkeys(min(w, room) for w in HALF_WIDTHS)
+        for half_width in dict.fromkeys(min(w, inside) for w in HALF_WIDTHS)
     ]
 
 

@@ -10,17 +10,18 @@ side, where it has the longest lever; the press holds what drag and push leave o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import atan, hypot, inf
+from math import atan, hypot
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.path import SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
+from pushpressslide.core.task import GRAVITY, Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.identification.online import Identified
@@ -28,23 +29,38 @@ from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.mechanics.top import inside_top, room_inside
-from pushpressslide.modes.base import ENOUGH, followed, instead
+from pushpressslide.modes.base import (
+    CROSSING,
+    ENOUGH,
+    Allocator,
+    Course,
+    Draft,
+    Mode,
+    search,
+)
+from pushpressslide.planning.held_twist import (
+    DECAY,
+    EDGE,
+    path_onward,
+    tipping_refusal,
+    twist_at,
+    utilisation,
+)
 from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments, contact_height
+from pushpressslide.rom.drives import ORIGIN, PinnedDrive
 from pushpressslide.tracking.eased import EasedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
-GRAVITY = 9.81  # [m/s^2]
 # shares of the press's friction that holding the pivot may take, best first
-USE = (0.5, 0.6, 0.7, 0.8, 0.9)
+UTILISATION = (0.5, 0.6, 0.7, 0.8, 0.9)
 LEAST_PRESS = 3.0  # [N] below which contact is not felt for sure
 HALVINGS = 8  # of the interval of presses
-EDGE = 0.012  # [m] that the press stays away from the top's edges
 LEAST_TURN = math.radians(3.0)  # of a goal
-# half widths that the centre of pressure stays inside the base's edge
-TIPPING_ROOM = 0.15
-DECAY = 0.015  # [m] of way over which the tracker takes an error down to 1/e
+
+Pair = tuple[Contact, Contact]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +69,21 @@ class _Drag:
 
     surface: DraggedSurface  # the limit surface near that twist
     forces: Allocation
-    use: float  # share of the press's friction
+    friction_utilisation: float  # of the press
     cop: Point  # [m] in B, centre of pressure
-    room: float  # half widths of it from the base's edge
+    tipping_margin: float  # half widths
 
 
-class PressAndPush:
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """The turn about the pin that the task asks for."""
+
+    pin: Point  # [m] in B
+    path: TwistPath  # of the pin
+    time: float  # [s] of the whole run
+
+
+class PressAndPush(Mode):
     """One arm pins a point, the other turns the object about it."""
 
     name = "press_and_push"
@@ -67,170 +92,134 @@ class PressAndPush:
     tracking_point = "the pressed point"
     cop_steering = True
     walls = False
+    drives = (PinnedDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return one choice per place to push and way to give the contacts to the arms,
-        feasible ones first, those with the longest lever first.
-        """
+        """Return the choices of all placements."""
+        return search(task, self._drafts(task), enough)
+
+    def _drafts(self, task: Task) -> list[Draft | Choice]:
+        """Return one draft per place to push, those with the longest lever first."""
         try:
             pin = _pin(task)
-        except ValueError as error:
-            return [Choice(self.name, False, str(error))]
+        except RefusedError as error:
+            return [Choice(self.name, refusal=error.refusal)]
         turn = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi)
         places = levers(task.object, pin, math.copysign(1.0, turn), task.motion.face)
         if not places:
-            least = LEAST_LEVER * 1e3
-            return [
-                Choice(
-                    self.name,
-                    False,
-                    f"no face has a lever of {least:.0f} mm about the pressed point",
-                )
-            ]
-        body = task.object
+            text = "no face has a lever of {allowed:mm.0f} about the pressed point"
+            refusal = Refusal("lever", text, None, LEAST_LEVER, "m")
+            return [Choice(self.name, refusal=refusal)]
+        motion = task.motion
         radius = max(math.dist(pin, place.point) for place in places)
-        start, goal = (
-            X.compose(body.X_GB).compose(Pose2(*pin)) for X in (task.start, task.goal)
-        )
+        X_GB = task.object.X_GB
+        X_BV = Pose2(*pin)
+        start, goal = (X.compose(X_GB).compose(X_BV) for X in (task.start, task.goal))
         path = TwistPath.between((start, goal), radius)
-        time = SpeedProfile(
-            path.length, task.motion.speed, task.motion.acceleration
-        ).duration
-        time += overhead(task, pressed=True)
-        drafts = [
-            (time, partial(self._drafts, task, pin, place, path, time))
-            for place in places
+        profile = SpeedProfile(path.length, motion.speed, motion.acceleration)
+        time = profile.duration + overhead(task, pressed=True)
+        turning = _Turn(pin, path, time)
+        return [
+            Draft(time, partial(self._pushed, task, turning, place)) for place in places
         ]
-        return followed(task, drafts, self.vehicle_frame, enough, instead)
 
-    def _drafts(
-        self,
-        task: Task,
-        pin: Point,
-        lever: Lever,
-        path: TwistPath,
-        time: float,
-        judged: bool,
+    def _pushed(
+        self, task: Task, turn: _Turn, lever: Lever, evaluated: bool
     ) -> list[Choice]:
         """Judge one place to push but for the arms' reach: one choice for each way to
-        give the two to the arms.
+        give the two contacts to the arms.
         """
-        body = task.object
-        belief = task.believed
-        cap = task.limits.normal_force
-        what = (
-            f"pressed at ({pin[0]:.3f}, {pin[1]:.3f}), pushed on face "
-            f"{lever.face.index} at "
-            f"({lever.point[0]:.3f}, {lever.point[1]:.3f})"
-        )
+        top = task.object.shape.height
         height = contact_height(task)
-
-        def contacts(load: float) -> tuple[Contact, Contact]:
-            return (
-                Contact(0, "top", pin, (0.0, 0.0), body.shape.height, load),
-                Contact(1, "side", lever.point, lever.face.normal, height),
-            )
-
-        def refused(why: str) -> list[Choice]:
-            return [Choice(self.name, False, f"{what}: {why}", contacts(0.0))]
-
-        top = body.shape.height
+        press = Contact(0, "top", turn.pin, ORIGIN, top)
+        push = Contact(1, "side", lever.point, lever.face.normal, height)
+        label = (
+            "pressed at ({:.3f}, {:.3f}), ".format(*turn.pin)
+            + f"pushed on face {lever.face.index} at "
+            + "({:.3f}, {:.3f})".format(*lever.point)
+        )
+        choice = Choice(self.name, label, (press, push), time=turn.time)
         if height >= top:
-            return refused(
-                f"the push is at {height * 1e3:.0f} mm, the object is {top * 1e3:.0f} "
-                "mm high"
-            )
-        if not judged:
-            return [Choice(self.name, True, what, contacts(0.0), path.length, time)]
-        poses = [
-            path.pose(0.25 * i * path.length).compose(Pose2(*pin).inverse())
-            for i in range(5)
-        ]
-        ways = assignments(task.bases, (pin, lever.point), poses)
+            text = "the push is at {figure:mm.0f}, the object is {allowed:mm.0f} high"
+            return [choice.refused(Refusal("above_object", text, height, top, "m"))]
+        if not evaluated:
+            return [choice]
+        path = turn.path
+        X_VB = Pose2(*turn.pin).inverse()
+        poses = [path.pose(0.25 * i * path.length).compose(X_VB) for i in range(5)]
+        ways = assignments(task.bases, (turn.pin, lever.point), poses)
         if not ways:
-            return refused("the arms would cross, whichever takes which contact")
+            text = f"{CROSSING}, whichever takes which contact"
+            return [choice.refused(Refusal(CROSSING.code, text))]
         try:
-            load, drag = self._press(task, contacts, _twist(path, pin))
+            load, drag = self._press(task, (press, push), twist_at(path, turn.pin))
         except ValueError as error:
-            return refused(f"the object would tip: {error}")
-        side = drag.forces.normals[1]
-        problem = None
-        if load > cap:
-            problem = (
-                f"motion.press_force of {load:g} N, limits.normal_force is {cap:g} N"
-            )
-        elif drag.forces.status != "ok" or drag.use > USE[-1]:
-            problem = (
-                f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
-                f"{drag.use:.2f} of its "
-                f"friction, allowed {USE[-1]:g}; limits.normal_force is {cap:g} N"
-            )
-        elif side > cap:
-            problem = f"needs a push of {side:.1f} N, limits.normal_force is {cap:g} N"
-        elif drag.room < TIPPING_ROOM:
-            problem = (
-                "drag tips the object: the centre of pressure comes within "
-                f"{drag.room:.2f} half widths of "
-                f"the base's edge, allowed {TIPPING_ROOM:g}"
-            )
-        mu = belief.contact_friction
-        speed = task.motion.speed
-        reason = (
-            f" with {load:.1f} and {side:.1f} N: lever {lever.length * 1e3:.0f} mm, "
-            f"path {path.length:.3f} m, {drag.use:.2f} of the press's friction used"
-        )
-        parameters = {
-            **_figures(drag, lever.point, lever.face.normal),
-            "radius": path.radius,
-            "lever": lever.length,
-            "face": float(lever.face.index),
-            "contact_height": height,
-            "press_force": load,
-            "speed": speed,
-        }
-        choice = Choice(
-            self.name,
-            problem is None,
-            what + (reason if problem is None else f": {problem}"),
-            contacts(load),
-            path.length,
-            time,
-            atan(mu) - atan(drag.use * mu),
-            parameters,
-            path,
-        )
-        pairs = [zip(choice.contacts, arms, strict=True) for arms in ways]
-        return [
-            replace(choice, contacts=tuple(replace(c, arm=arm) for c, arm in pair))
-            for pair in pairs
-        ]
+            tips = f"the object would tip: {refusal_of(error, 'tipping')}"
+            return [choice.refused(Refusal("tipping", tips))]
+        driven = self._driven(task, choice, turn, lever, load, drag)
+        return [_in_arms(driven, arms) for arms in ways]
 
-    def _press(
+    def _driven(
         self,
         task: Task,
-        contacts: Callable[[float], tuple[Contact, Contact]],
-        twist: Twist,
-    ) -> tuple[float, _Drag]:
+        choice: Choice,
+        turn: _Turn,
+        lever: Lever,
+        load: float,
+        drag: _Drag,
+    ) -> Choice:
+        """Return the choice with a press of ``load`` [N]."""
+        press, push = choice.contacts
+        contacts = (replace(press, load=load), push)
+        used = drag.friction_utilisation
+        mu = task.believed.contact_friction
+        piece = segment(
+            task,
+            self.name,
+            contacts,
+            _drive(drag, turn.path.radius, contacts),
+            turn.path,
+            cone_margin=atan(mu) - atan(used * mu),
+        )
+        merits = (
+            f"{load:.1f} and {drag.forces.normals[1]:.1f} N, lever "
+            f"{lever.length * 1e3:.0f} mm, path {turn.path.length:.3f} m, {used:.2f} of "
+            "the press's friction used"
+        )
+        return replace(
+            choice,
+            contacts=contacts,
+            segments=(piece,),
+            merits=merits,
+            refusal=_drag_refusal(task, load, drag),
+        )
+
+    def _press(self, task: Task, contacts: Pair, twist: Twist) -> tuple[float, _Drag]:
         """Return the load to press with [N], the least that is safe, and what dragging
         is like then.
 
         Raises ValueError where the object tips.
         """
+        press, push = contacts
+
+        def dragged(load: float) -> _Drag:
+            return self._drag(task, (replace(press, load=load), push), twist)
+
         given = task.motion.press_force
         cap = task.limits.normal_force
         if given is not None:
-            return given, self._drag(task, contacts(given), twist)
-        hardest = self._drag(task, contacts(cap), twist)
-        use = next((share for share in USE if hardest.use <= share), None)
-        if use is None:
-            return cap, hardest
+            return given, dragged(given)
+        drag = dragged(cap)
+        hardest = drag.friction_utilisation
+        used = next((share for share in UTILISATION if hardest <= share), None)
+        if used is None:
+            return cap, drag
         low = LEAST_PRESS
         high = cap
-        drag = hardest
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            lighter = self._drag(task, contacts(middle), twist)
-            if lighter.use <= use:
+            lighter = dragged(middle)
+            if lighter.friction_utilisation <= used:
                 high = middle
                 drag = lighter
             else:
@@ -248,9 +237,8 @@ class PressAndPush:
         load = weight + press.load
 
         def forces(wrench: Wrench) -> Allocation:
-            return self.allocator(contacts, mu, None, wrench.about)(
-                wrench.fx, wrench.fy, wrench.tau
-            )
+            allocate = self.allocator(contacts, mu, None, wrench.about)
+            return allocate(wrench.fx, wrench.fy, wrench.tau)
 
         def shift(wrench: Wrench) -> Point:
             (ax, ay), (bx, by) = forces(wrench).forces
@@ -258,47 +246,31 @@ class PressAndPush:
             h2 = push.height / load
             return (h1 * ax + h2 * bx, h1 * ay + h2 * by)
 
-        resting = center_of_pressure(weight, (0.0, 0.0), [press.load], [press.point])
+        resting = center_of_pressure(weight, ORIGIN, [press.load], [press.point])
         surface, cop = dragged_ellipsoid(
             pressures(task), belief.support_friction, load, resting, twist, shift
         )
-        wanted = surface.wrench(twist)
-        given = forces(wanted)
-        lost = (
-            hypot(*given.residual[:2], given.residual[2] / surface.rho)
-            / surface.max_force
-        )
-        use = hypot(*given.forces[0]) / (mu * press.load) / max(1.0 - lost, 1e-3)
-        return _Drag(surface, given, use, cop, room_inside(task.object, cop))
+        given = forces(surface.wrench(twist))
+        pressed = hypot(*given.forces[0]) / (mu * press.load)
+        used = utilisation(pressed, given, surface)
+        return _Drag(surface, given, used, cop, room_inside(task.object, cop))
 
-    def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: origin at the pressed point, axes along B's."""
-        return Pose2(*choice.contacts[0].point)
-
-    def tracker(self, plan: Plan) -> EasedTracker:
-        """Return the holonomic law for a plan, within what the contacts hold."""
-        p = plan.choice.parameters
-        friction = plan.task.believed.contact_friction
-        surface = DraggedSurface(
-            p["push_force"], p["rho"], 0.0, (p["cop_x"], p["cop_y"])
-        )
-        allocate = self.allocator(
-            plan.choice.contacts, friction, p["rho"], surface.center
-        )
-
-        def holds(wrench: Wrench) -> bool:
-            allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
-            return allocation.status == "ok" and allocation.margin > 0.0
-
-        return EasedTracker(HolonomicTracker(plan.X_BV, surface, decay=DECAY), holds)
+    def tracker(self, task: Task, segment: Segment) -> EasedTracker:
+        """Return the holonomic law for a segment, within what the contacts hold."""
+        drive = segment.drive
+        assert isinstance(drive, PinnedDrive)
+        law = HolonomicTracker(drive.X_BV, drive.surface, decay=DECAY)
+        mu = task.believed.contact_friction
+        allocate = self.allocator(segment.contacts, mu, drive.rho, drive.center)
+        return EasedTracker(law, allocate)
 
     def allocator(
         self,
         contacts: Sequence[Contact],
         friction: float,
         rho: float | None = None,
-        cop: Point = (0.0, 0.0),
-    ) -> Callable[[float, float, float], Allocation]:
+        cop: Point = ORIGIN,
+    ) -> Allocator:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], press first; ``rho`` is
         of no use.
         """
@@ -307,123 +279,111 @@ class PressAndPush:
             press.point, press.load, push.point, push.normal, friction, cop
         )
 
-    def identifier(self, plan: Plan) -> None:
-        """Return nothing: the pivot is where the tip presses."""
-
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return the plan by one more twist to the goal; None where the push would have
-        to pull.
-        """
-        return self.replan(plan, X_WB, touched, inf)
-
-    def replan(
+    def course(
         self,
-        plan: Plan,
+        task: Task,
+        segment: Segment,
         X_WB: Pose2,
-        touched: tuple[Point, ...],
+        contacts: tuple[Contact, ...],
         longest: float,
-        identified: Identified | None = None,
-    ) -> Plan | None:
-        """Return the plan by one twist from the object's true pose and contacts; None
-        if its path is longer than ``longest`` [m], or the contacts cannot drive it.
+        identified: Identified | None,
+    ) -> Course | None:
+        """Return the course by one twist about the pin as it is; None where the push
+        would have to pull.
         """
-        task = plan.task
-        figures = plan.choice.parameters
-        contacts = tuple(
-            replace(c, point=p)
-            for c, p in zip(plan.choice.contacts, touched, strict=True)
-        )
-        X_BV = Pose2(*touched[0])
-        goal = plan.goal.compose(task.object.X_GB)
-        path = TwistPath.between(
-            (X_WB.compose(X_BV), goal.compose(X_BV)), figures["radius"]
-        )
-        if not 0.0 < path.length <= longest:
+        planned = segment.drive
+        assert isinstance(planned, PinnedDrive)
+        pin = contacts[0].point
+        X_BV = Pose2(*pin)
+        path = path_onward(task, X_WB, X_BV, segment.goal, planned.radius, longest)
+        if path is None:
             return None
         try:
-            drag = self._drag(task, contacts, _twist(path, touched[0]))
+            drag = self._drag(task, contacts, twist_at(path, pin))
         except ValueError:
             return None
         if drag.forces.status != "ok":
             return None
-        choice = replace(
-            plan.choice,
-            contacts=contacts,
-            path=path,
-            path_length=path.length,
-            parameters={**figures, **_figures(drag, touched[1], contacts[1].normal)},
-        )
-        profile = SpeedProfile(
-            path.length, plan.profile.speed, plan.profile.acceleration
-        )
-        return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
+        return Course(contacts, _drive(drag, planned.radius, contacts), path)
 
 
-def _twist(path: TwistPath, point: Point) -> Twist:
-    """The twist per metre with which a path of ``point`` begins."""
-    return Twist(*path.rate(0.0), point)
+def _drive(drag: _Drag, radius: float, contacts: Sequence[Contact]) -> PinnedDrive:
+    press, push = contacts
+    return PinnedDrive(
+        drag.surface,
+        radius,
+        press.point,
+        drag.cop,
+        drag.friction_utilisation,
+        push.point,
+        push.normal,
+    )
+
+
+def _in_arms(choice: Choice, arms: Sequence[int]) -> Choice:
+    """Return a choice with its contacts, press first, given to ``arms``."""
+    contacts = tuple(
+        replace(contact, arm=arm)
+        for contact, arm in zip(choice.contacts, arms, strict=True)
+    )
+    segments = tuple(replace(piece, contacts=contacts) for piece in choice.segments)
+    return replace(choice, contacts=contacts, segments=segments)
+
+
+def _drag_refusal(task: Task, load: float, drag: _Drag) -> Refusal | None:
+    """Return what stands against a press of ``load`` [N]; None if nothing."""
+    cap = task.limits.normal_force
+    used = drag.friction_utilisation
+    push = drag.forces.normals[1]
+    if load > cap:
+        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, load, cap, "N")
+    if drag.forces.status != "ok" or used > UTILISATION[-1]:
+        text = (
+            f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
+            "{figure:.2f} of its friction, allowed {allowed:g}; limits.normal_force is "
+            f"{cap:g} N"
+        )
+        return Refusal("friction", text, used, UTILISATION[-1])
+    if push > cap:
+        text = "needs a push of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, push, cap, "N")
+    return tipping_refusal("drag tips the object", drag.tipping_margin)
 
 
 def _pin(task: Task) -> Point:
-    """The point to press [m] in B; raises ValueError where the goal is not turned about
-    one that can be.
+    """The point to press [m] in B; raises RefusedError where the goal is not turned
+    about one that can be.
     """
     body = task.object
-    given = task.motion.contacts
-    allowed = task.tolerance.position
     start = task.start.compose(body.X_GB)
     goal = task.goal.compose(body.X_GB)
     vx, vy, w = screw(start, goal)
     if abs(w) < LEAST_TURN:
-        turn = math.degrees(w)
-        least = math.degrees(LEAST_TURN)
-        raise ValueError(
-            f"the goal is turned by {turn:.1f} deg, allowed from {least:g} deg"
-        )
+        text = "the goal is turned by {figure:deg.1f}, allowed from {allowed:degg}"
+        raise RefusedError(Refusal("turn", text, w, LEAST_TURN, "rad"))
     pin = (-vy / w, vx / w)
+    given = task.motion.contacts
     if given is not None:
-        pin = (
-            given[0][0] - body.center_of_mass[0],
-            given[0][1] - body.center_of_mass[1],
-        )
+        com = body.center_of_mass
+        pin = (given[0][0] - com[0], given[0][1] - com[1])
         apart = math.dist(start.apply(pin), goal.apply(pin))
+        allowed = task.tolerance.position
         if apart > allowed:
-            raise ValueError(
+            text = (
                 "the pressed point has to stay in its place, start and goal have it "
-                f"{apart * 1e3:.1f} mm "
-                f"apart, allowed {allowed * 1e3:g} mm"
+                "{figure:mm.1f} apart, allowed {allowed:mmg}"
             )
+            raise RefusedError(Refusal("pin_moves", text, apart, allowed, "m"))
     if not inside_top(body, pin, EDGE):
-        raise ValueError(
+        text = (
             f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "
-            "to be pressed: it is "
-            f"{depth_inside(body, pin) * 1e3:.0f} mm inside the top, allowed from "
-            f"{EDGE * 1e3:.0f} mm"
+            "to be pressed: it is {figure:mm.0f} inside the top, allowed from "
+            "{allowed:mm.0f}"
         )
+        depth = depth_inside(body, pin)
+        raise RefusedError(Refusal("off_top", text, depth, EDGE, "m"))
     return pin
-
-
-def _figures(drag: _Drag, push: Point, normal: Point) -> dict[str, float]:
-    """What a choice remembers of the drag; the wrench is about the ellipsoid's centre.
-    The virtual axle is where the push alone would turn the object, under a press that
-    weighs on it but does not hold it.
-    """
-    surface = drag.surface
-    x, y = drag.surface.center
-    nx, ny = normal
-    reach = surface.rho**2 / ((push[0] - x) * ny - (push[1] - y) * nx)
-    return {
-        "cop_x": x,
-        "cop_y": y,
-        "rho": surface.rho,
-        "push_force": surface.max_force,
-        "side_force": drag.forces.normals[1],
-        "friction_use": drag.use,
-        "pressure_x": drag.cop[0],
-        "pressure_y": drag.cop[1],
-        "axle_x": x - ny * reach,
-        "axle_y": y + nx * reach,
-    }
 
 
 MODE = PressAndPush()

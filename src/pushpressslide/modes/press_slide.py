@@ -4,31 +4,48 @@ about its virtual axle (docs/mechanics.md, sections 2 and 4).
 The line of centre of pressure and contact is the heading axis. Pulled, the contact
 leads; pushed, it follows; turned on the spot, the force is across. The friction disc
 under the tip has no direction of its own, so that any of these goes with any contact
-that the press holds.
+that the press holds. Where no path of one vehicle leads to the goal, a manoeuvre of
+turns by forces at several angles does.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
-from math import atan
 
 from pushpressslide.allocation.one_press import one_press_allocator
-from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.task import GRAVITY, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.mechanics.pressing import friction_use, press_loads, pressed_cop
+from pushpressslide.mechanics.pressing import press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.modes.base import ENOUGH, GRAVITY, UNJUDGED, path_problem, tool_load
+from pushpressslide.modes.base import (
+    ENOUGH,
+    NOT_EVALUATED,
+    Allocator,
+    Course,
+    Draft,
+    Mode,
+    arms_refusal,
+    promptness,
+    search,
+)
+from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.pressed.driven import (
+    Press,
+    driven_choice,
+    ends_onward,
+    steered_path,
+)
 from pushpressslide.planning.pressed.manoeuvre import (
-    CORRECTED,
     CORRECTING,
     pressed_manoeuvres,
 )
@@ -37,38 +54,26 @@ from pushpressslide.planning.pressed.ranking import by_time, soonest
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import (
     BACK_UPS,
-    LOOP,
     PLANNED,
-    RUN_INS,
-    SHORT_RUN_INS,
-    SWING,
-    after_backing_up,
     axle_ahead,
-    car_of,
-    figures,
-    frame_of,
-    plan_of,
     press_of,
-    pressed_vehicle,
-    turns,
-    way_back,
-    way_to,
 )
-from pushpressslide.planning.run_in import gentlest
+from pushpressslide.planning.tool_drag import tool_load
+from pushpressslide.rom.drives import (
+    ORIGIN,
+    SpinDrive,
+    SteeredDrive,
+    TurnDrive,
+    UnicycleDrive,
+)
+from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
-from pushpressslide.tracking.unicycle import PivotTracker, Steering, UnicycleTracker
+from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 
-EDGE = 0.012  # [m] that a contact stays away from the top's edges
-# half widths inside the base's edge from which on the object is driven at full speed
-SAFE_ROOM = 0.5
-# of the motion from the normal of the face that pushes another body
-TOOL_SKEW = math.radians(2.0)
-SAME = 1e-3  # [m] between places that are one
-# [rad] that another attempt may turn the object: the arm holds on, and has only so much
-# room
-AGAIN = 1.0
-# share of the speed when pushed: what is ahead of the contact swings more
-PUSHED_SPEED = 0.8
+# [rad] that a retry may turn the object: the arm keeps its contact, so its joint range
+# limits it
+MAX_RETRY_YAW = 1.0
+# whether a vehicle is driven backward, with the contact behind its axle
 DIRECTIONS = {
     "unicycle": (False, True),
     "car": (False,),
@@ -77,7 +82,15 @@ DIRECTIONS = {
 }
 
 
-class PressSlide:
+@dataclass(frozen=True, slots=True)
+class _Placements:
+    """The places and loads that a task allows for the press."""
+
+    contacts: tuple[Contact, ...]  # without loads, one for each arm and place
+    loads: tuple[float, ...]  # [N], the safest first
+
+
+class PressSlide(Mode):
     """One arm presses on top and slides the object."""
 
     name = "press_slide"
@@ -86,433 +99,327 @@ class PressSlide:
     tracking_point = "virtual axle"
     cop_steering = True
     walls = False
+    drives = (UnicycleDrive, TurnDrive, SpinDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return choices, feasible and quick ones first: manoeuvres where the contact
-        is free, else one per direction.
+        """Return choices, feasible and quick ones first.
 
-        Where a believed rho leads every path out of bounds, that of the object's shape
-        is planned with.
+        Alternatives are evaluated in order until one has a feasible choice. Where a
+        believed rho leads every path out of bounds, that of the object's shape is
+        planned with.
         """
         judged = self._judged(task, enough)
-        told = task.believed.rho
-        if told is None or any(choice.feasible for choice in judged):
+        rho = task.believed.rho
+        if rho is None or any(choice.feasible for choice in judged):
             return judged
-        own = self._judged(
-            replace(task, belief=replace(task.believed, rho=None)), enough
-        )
+        belief = replace(task.believed, rho=None)
         note = (
-            f"; planned with the shape's rho, belief.rho {told:g} m leads out of bounds"
+            f"; planned with the shape's rho, belief.rho {rho:g} m leads out of bounds"
         )
-        return [replace(c, reason=c.reason + note) for c in own if c.feasible] or judged
+        of_shape = self._judged(replace(task, belief=belief), enough)
+        return [
+            replace(choice, merits=choice.merits + note)
+            for choice in of_shape
+            if choice.feasible
+        ] or judged
 
     def _judged(self, task: Task, enough: int) -> list[Choice]:
-        belief = task.believed
-        most = task.limits.normal_force
-        problem, loads = press_loads(
-            belief.mass * GRAVITY,
-            belief.support_friction,
-            belief.contact_friction,
-            most,
-            task.motion.press_force,
-            tool_load(task, 0.0)[0],
-        )
-        if problem is not None:
-            return [Choice(self.name, False, problem)]
-        com = task.object.center_of_mass
-        given = task.motion.contacts
-        places = (
-            [(x - com[0], y - com[1]) for x, y in given[:1]]
-            if given
-            else top_places(task.object, EDGE)
-        )
-        kind = task.motion.vehicle or "unicycle"
-        free = not (task.motion.vehicle or task.tool)
-        manoeuvres = (
-            self._manoeuvres(task, places, loads, enough) if free and not given else []
-        )
-        if manoeuvres and manoeuvres[0].feasible:
+        """Return the choices of all alternatives up to the first feasible one."""
+        try:
+            placements = _placements(task)
+        except RefusedError as error:
+            return [Choice(self.name, refusal=error.refusal)]
+        found: dict[str, list[Choice]] = {}
+        for kind, choices in self._alternatives(task, placements, enough):
+            found[kind] = choices
+            if any(choice.feasible for choice in choices):
+                break
+        manoeuvres = found.get("manoeuvre", [])
+        if "vehicle" not in found:
             return manoeuvres
-        drafts = []
-        for arm, place, backward in product(
-            range(len(task.robots)), places, DIRECTIONS[kind]
-        ):
-            for load in loads:  # a lighter press tips less
-                contact = Contact(
-                    arm, "top", place, (0.0, 0.0), task.object.shape.height, load
-                )
-                draft = self._draft(task, contact, backward)
-                if draft.feasible:
-                    break
-            drafts.append(draft)
-        drafts.sort(key=_quickest)
-        out = self._within_reach(task, drafts, CORRECTING, enough)
-        if free and given and not any(choice.feasible for choice in out):
-            manoeuvres = self._manoeuvres(task, places, loads, enough)
-        # the last resort
-        if not any(choice.feasible for choice in (*out, *manoeuvres)):
-            out = self._within_reach(task, drafts, 0.0, enough)
-        return sorted((*out, *manoeuvres), key=_quickest)
+        return sorted([*found["vehicle"], *manoeuvres], key=promptness)
 
-    def _within_reach(
-        self, task: Task, drafts: Sequence[Choice], least: float, enough: int
-    ) -> list[Choice]:
-        """Return drafts planned with their turns' axle; feasible the quickest that the
-        arm can follow.
+    def _alternatives(
+        self, task: Task, placements: _Placements, enough: int
+    ) -> Iterator[tuple[str, list[Choice]]]:
+        """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
+        that is well steered; last a path of a vehicle however steered.
+        """
+        free = task.motion.vehicle is None and task.tool is None
+        given = bool(task.motion.contacts)
+        if free and not given:
+            yield "manoeuvre", self._manoeuvres(task, placements, enough)
+        drafts = self._vehicles(task, placements)
+        yield "vehicle", self._steered(task, drafts, CORRECTING, enough)
+        if free and given:
+            yield "manoeuvre", self._manoeuvres(task, placements, enough)
+        yield "vehicle", self._steered(task, drafts, 0.0, enough)
+
+    def _vehicles(self, task: Task, placements: _Placements) -> list[Choice]:
+        """Return for each contact and direction the choice with the safest load that
+        does not tip the object, steered straight; the quickest first.
         """
         out = []
-        found = 0
-        for choice in drafts:
-            if choice.feasible and found == enough:
-                choice = _refused(choice, UNJUDGED)
-            elif choice.feasible:
-                choice = self._steered(task, choice, least)
-                choice = (
-                    self._judged_for_reach(task, choice) if choice.feasible else choice
-                )
-                found += choice.feasible
+        directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
+        for contact, backward in product(placements.contacts, directions):
+            for load in placements.loads:  # a lighter press tips less
+                press = Press(replace(contact, load=load), backward)
+                choice = driven_choice(task, self.name, press)
+                if choice.feasible:
+                    break
             out.append(choice)
-        return out
+        return sorted(out, key=promptness)
 
-    def _steered(self, task: Task, draft: Choice, least: float) -> Choice:
-        """Return a draft planned with its turns' axle; infeasible if steered by less
-        than ``least`` [rad].
+    def _steered(
+        self, task: Task, drafts: Sequence[Choice], least: float, enough: int
+    ) -> list[Choice]:
+        """Return drafts planned with the axle of their turns, judged in order.
+
+        Refused are those that are steered like a unicycle by less than ``least`` [rad].
         """
-        if task.believed.rho is not None or task.motion.vehicle == "pivot":
-            return draft
-        (contact,) = draft.contacts
-        before = draft.stretches[-1].parameters
-        backward = before["backward"] > 0.0
-        free = math.inf
-        if least > 0.0 and task.tool is None:
-            free = steering_of(press_of(task, contact), backward)
-        if free < least:
-            degrees = math.degrees(free)
-            needed = math.degrees(least)
-            why = f"it is steered like a unicycle only up to {degrees:.1f} deg, needed {needed:g} deg"
-            return _refused(draft, why)
-        return self._draft(
-            task, contact, backward, PLANNED * min(before["steepest"], free), most=free
+        return search(
+            task,
+            [
+                Draft(float(i), partial(self._with_turns, task, draft, least), True)
+                if draft.feasible
+                else draft
+                for i, draft in enumerate(drafts)
+            ],
+            enough,
         )
 
-    def _judged_for_reach(self, task: Task, choice: Choice) -> Choice:
-        problems = (
-            path_problem(task, stretch, self.vehicle_frame(stretch))
-            for stretch in choice.stretches
-        )
-        return next(
-            (_refused(choice, problem) for problem in problems if problem is not None),
-            choice,
-        )
+    def _with_turns(
+        self, task: Task, draft: Choice, least: float, evaluated: bool
+    ) -> list[Choice]:
+        """Return a draft planned with the axle of its turns."""
+        drive = draft.segments[-1].drive
+        given = task.believed.rho is not None
+        if given or not evaluated or not isinstance(drive, UnicycleDrive):
+            return [draft]
+        (contact,) = draft.contacts
+        backward = drive.car.backward
+        steering = math.inf
+        if least > 0.0 and task.tool is None:
+            steering = steering_of(press_of(task, contact), backward)
+        if steering < least:
+            text = (
+                "it is steered like a unicycle only up to {figure:deg.1f}, needed "
+                "{allowed:degg}"
+            )
+            return [draft.refused(Refusal("steering", text, steering, least, "rad"))]
+        angle = PLANNED * min(drive.steepest, steering)
+        return [
+            driven_choice(task, self.name, Press(contact, backward, angle, steering))
+        ]
 
     def _manoeuvres(
-        self, task: Task, places: list[Point], loads: list[float], enough: int
+        self, task: Task, placements: _Placements, enough: int
     ) -> list[Choice]:
         """Return manoeuvres until ``enough`` are feasible, those of the safest press
-        first: one per contact, then others; with how long about contacts take that were
-        not judged in full.
+        first: one per contact, then others; then the contacts that were skipped.
         """
         X_WB = task.start.compose(task.object.X_GB)
-        height = task.object.shape.height
-        out = list[Choice]()
-        others = list[Choice]()
-        left = enough
+        out: list[Choice] = []
+        skipped: list[Choice] = []
+        missing = enough
         inside = [
-            p for p in places if inside_top(task.object, p, EDGE) and p != (0.0, 0.0)
+            contact
+            for contact in placements.contacts
+            if contact.point != ORIGIN and inside_top(task.object, contact.point, EDGE)
         ]
-        for arm, load in product(range(len(task.robots)), loads):
-            contacts = [
-                Contact(arm, "top", place, (0.0, 0.0), height, load) for place in inside
-            ]
+        for load in placements.loads:
+            contacts = [replace(contact, load=load) for contact in inside]
             ranked = by_time(task, X_WB, contacts)
-            most = min(left, ENOUGH)
+            wanted = min(missing, ENOUGH)
             for manoeuvre in soonest(task, X_WB, list(ranked)):
-                out.append(
-                    self._judged_for_reach(task, manoeuvre.choice(task, self.name))
-                )
-                most -= out[-1].feasible
-                if most == 0:
+                choice = manoeuvre.choice(task, self.name)
+                choice = choice.refused(arms_refusal(task, choice))
+                out.append(choice)
+                wanted -= choice.feasible
+                if wanted == 0:
                     break
-            left = enough - sum(choice.feasible for choice in out)
-            if left < enough and not others:
-                told = "manoeuvre at ({:.3f}, {:.3f}): " + UNJUDGED
-                after = overhead(task, pressed=True)
-                seen = {choice.contacts[0] for choice in out}
-                rest = [
-                    (told.format(*c.point), (c,), t + after)
-                    for c, t in ranked.items()
-                    if c not in seen
-                ]
-                others = [
-                    Choice(self.name, False, why, at, time=t, judged=False)
-                    for why, at, t in rest
+            missing = enough - sum(choice.feasible for choice in out)
+            if missing < enough and not skipped:
+                tried = {choice.contacts[0] for choice in out}
+                skipped = [
+                    self._skipped(task, contact, time)
+                    for contact, time in ranked.items()
+                    if contact not in tried
                 ]
             # lighter presses only where more are asked for
-            if left == 0 or left < enough <= ENOUGH:
+            if missing == 0 or missing < enough <= ENOUGH:
                 break
-        return sorted(out, key=lambda choice: not choice.feasible) + others
+        return sorted(out, key=lambda choice: not choice.feasible) + skipped
 
-    def _draft(
-        self,
-        task: Task,
-        contact: Contact,
-        backward: bool,
-        angle: float = 0.0,
-        back_ups: Sequence[float] = BACK_UPS,
-        most: float = math.inf,
-    ) -> Choice:
-        """Judge one contact and direction, steered by at most ``most`` [rad], but for
-        the arm's reach.
+    def _skipped(self, task: Task, contact: Contact, time: float) -> Choice:
+        """Return the choice of a contact for which no manoeuvre was planned; it takes
+        about ``time`` [s].
         """
-        belief = task.believed
-        motion = task.motion
-        pivots = task.motion.vehicle == "pivot"
-        drive = "turned on the spot" if pivots else "pushed" if backward else "pulled"
-        what = f"{drive} at ({contact.point[0]:.3f}, {contact.point[1]:.3f})"
-
-        def refused(why: str) -> Choice:
-            return Choice(self.name, False, f"{what}: {why}", (contact,))
-
-        if not inside_top(task.object, contact.point, EDGE):
-            return refused(
-                f"the contact must be {EDGE * 1e3:.0f} mm inside the object's top"
-            )
-        try:
-            vehicle = pressed_vehicle(task, contact, backward, angle, most)
-            # where it cannot go back there is no second attempt: only with a long
-            # run-in
-            returns = (
-                not pivots and way_back(task, vehicle.press, not backward) is not None
-            )
-        except ValueError as error:
-            return refused(str(error))
-        car = vehicle.car
-        X_BV = vehicle.X_BV
-        press = vehicle.press
-        mu = belief.contact_friction
-        load, off = tool_load(task, X_BV.yaw)
-        if off > TOOL_SKEW:
-            degrees = math.degrees(off)
-            skew = math.degrees(TOOL_SKEW)
-            return refused(
-                f"it drives {degrees:.1f} deg off the normal of tool.face, allowed "
-                f"{skew:g} deg"
-            )
-        use = friction_use(
-            contact.load, press.weight, belief.support_friction, mu, load
-        )
-        start, goal = (
-            X.compose(task.object.X_GB).compose(X_BV) for X in (task.start, task.goal)
-        )
-        look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
-        speed = (
-            motion.speed
-            * min(1.0, vehicle.room / SAFE_ROOM)
-            * (PUSHED_SPEED if backward else 1.0)
-        )
-        level = belief.support_friction * (press.weight + contact.load)
-        parameters = vehicle.figures(level)
-        parameters |= {
-            "look_ahead": look_ahead,
-            "press_force": contact.load,
-            "friction_use": use,
-        }
-        path: MotionPath
-        if pivots:
-            path = TwistPath.between(
-                (start, goal), math.dist(contact.point, X_BV.position)
-            )
-            way = None
-            moves = math.dist(start.position, goal.position) * 1e3
-            near = task.tolerance.position * 1e3
-            if moves > near:
-                return refused(
-                    "the point about which it turns has to stay in its place, from "
-                    "start to goal it moves "
-                    f"by {moves:.1f} mm, allowed {near:g} mm"
-                )
-        else:
-            straight = 0.0 if task.tool is None else task.tool.straight
-            run_ins = [
-                straight + k * look_ahead for k in (RUN_INS if returns else RUN_INS[:2])
-            ]
-            way = way_to(start, goal, vehicle, run_ins, back_ups if returns else (0.0,))
-            path = way.path
-            # else a manoeuvre is the better way
-            loop = LOOP if motion.vehicle or task.tool else 0.0
-            if way.too_long > loop:
-                return refused(
-                    f"only by a loop of {path.length:.2f} m, {way.too_long:.2f} m too "
-                    "long, allowed "
-                    f"{loop:g} m"
-                )
-            speed *= min(1.0, SWING / (car.length * way.curvature))
-            parameters |= {"curvature": way.curvature, "run_in": way.run_in}
-        parameters["speed"] = speed
-        time = SpeedProfile(
-            path.length, speed, motion.acceleration
-        ).duration + overhead(task, pressed=True)
-        reason = (
-            f"{what} with {contact.load:.1f} N: path {path.length:.3f} m, virtual axle "
-            f"{1e3 * math.dist(X_BV.position, car.cop):.0f} mm from the centre of "
-            "pressure, "
-            f"{use:.2f} of the tip's friction used"
-        )
-        margin = atan(mu) - atan(use * mu)
-        made = Choice(
+        x, y = contact.point
+        return Choice(
             self.name,
-            True,
-            reason,
+            f"manoeuvre at ({x:.3f}, {y:.3f})",
             (contact,),
-            path.length,
-            time,
-            margin,
-            parameters,
-            path,
-        )
-        return (
-            after_backing_up(task, vehicle, made, way.back_up)
-            if way and way.back_up
-            else made
+            time=time + overhead(task, pressed=True),
+            refusal=NOT_EVALUATED,
         )
 
-    def vehicle_frame(self, choice: Choice) -> Pose2:
-        """Return X_BV: origin at the virtual axle, x along the motion."""
-        return frame_of(choice)
-
-    def tracker(self, plan: Plan) -> UnicycleTracker | PivotTracker:
-        """Return the look-ahead law for a plan, or that of a turn on the spot."""
-        planned = plan.choice.parameters
-        car = car_of(plan.choice)
-        if isinstance(plan.path, TwistPath):
-            return PivotTracker(car, plan.X_BV, planned["push_force"])
-        fixed = plan.path.end if plan.task.motion.fixed_target else None
-        law = LookAheadAlignment(planned["look_ahead"], math.inf, fixed)
-        return UnicycleTracker(law, Steering.of(planned, car))
+    def tracker(self, task: Task, segment: Segment) -> UnicycleTracker | PivotTracker:
+        """Return the look-ahead law for a segment, or that of a turn on the spot."""
+        drive = segment.drive
+        if isinstance(drive, SpinDrive):
+            return PivotTracker(drive)
+        assert isinstance(drive, SteeredDrive)
+        path = segment.path
+        assert isinstance(path, ArcPath)
+        fixed = path.end if task.motion.fixed_target else None
+        law = LookAheadAlignment(drive.look_ahead, math.inf, fixed)
+        return UnicycleTracker(law, drive)
 
     def allocator(
         self,
         contacts: Sequence[Contact],
         friction: float,
         rho: float | None = None,
-        cop: Point = (0.0, 0.0),
-    ) -> Callable[[float, float, float], Allocation]:
+        cop: Point = ORIGIN,
+    ) -> Allocator:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m]; ``rho`` [m] weighs torque
         errors (default: half the lever).
         """
         (contact,) = contacts
-        rho = rho if rho is not None else 0.5 * max(math.hypot(*contact.point), EDGE)
+        if rho is None:
+            rho = 0.5 * max(math.hypot(*contact.point), EDGE)
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
-    def identifier(self, plan: Plan) -> AxleIdentifier:
+    def identifier(self, segment: Segment) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
-        car = car_of(plan.choice)
-        predicted = Identified(
-            axle_ahead(car), abs(car.reach), plan.choice.parameters["push_force"]
-        )
-        return AxleIdentifier(
-            car.X_BV.yaw, predicted, car.lever, plan.choice.parameters.get("stiffness")
-        )
+        drive = segment.drive
+        assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
+        car = drive.car
+        predicted = Identified(axle_ahead(car), abs(car.reach), drive.max_friction)
+        stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
+        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness)
 
-    def again(self, plan: Plan, X_WB: Pose2, touched: tuple[Point, ...]) -> Plan | None:
-        """Return a plan that goes back and then to the goal; None for a turn on the
+    def again(
+        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+    ) -> tuple[Segment, ...]:
+        """Return segments that go back and then to the goal; none for a turn on the
         spot, or where the object would tip.
         """
-        planned = plan.choice.parameters
-        (contact,) = plan.choice.contacts
-        if isinstance(plan.path, TwistPath):
-            return None
-        task = replace(plan.task, start=X_WB.compose(plan.task.object.X_GB.inverse()))
-        contact = replace(contact, point=touched[0])
-        most = planned["steepest"]
-        backward = planned["backward"]
-        choice = self._draft(
-            task, contact, backward > 0.0, PLANNED * most, BACK_UPS[1:], most
-        )
-        if not choice.feasible or "manoeuvre" in planned:
-            found = [
-                m for m in pressed_manoeuvres(task, X_WB, [contact]) if m.swing < AGAIN
-            ]
-            if not found:
-                return None
-            choice = found[0].choice(task, self.name)
-        return plan_of(plan.task, choice, plan.profile.acceleration)
+        drive = segment.drive
+        if isinstance(drive, SpinDrive):
+            return ()
+        assert isinstance(drive, SteeredDrive)
+        here = replace(task, start=X_WB.compose(task.object.X_GB.inverse()))
+        contact = replace(segment.contacts[0], point=touched[0])
+        if isinstance(drive, UnicycleDrive):
+            steepest = drive.steepest
+            press = Press(
+                contact,
+                drive.car.backward,
+                PLANNED * steepest,
+                steepest,
+                BACK_UPS[1:],
+            )
+            choice = driven_choice(here, self.name, press)
+            if choice.feasible:
+                return choice.segments
+        for manoeuvre in pressed_manoeuvres(here, X_WB, [contact]):
+            if manoeuvre.swing < MAX_RETRY_YAW:
+                return manoeuvre.choice(here, self.name).segments
+        return ()
 
     def replan(
         self,
-        plan: Plan,
+        task: Task,
+        segments: Sequence[Segment],
         X_WB: Pose2,
-        touched: tuple[Point, ...],
+        touched: Sequence[Point],
         longest: float,
         identified: Identified | None = None,
-    ) -> Plan | None:
-        """Return the plan from the object's true pose and the true contact; None if its
-        path is longer than ``longest`` [m]. ``identified``: the axle as it was seen to
-        be.
+    ) -> tuple[Segment, ...]:
+        """Return ``segments`` replanned: the first one, or all turns of a manoeuvre."""
+        first = segments[0]
+        contact = replace(first.contacts[0], point=touched[0])
+        if contact.point == ORIGIN:
+            return ()
+        drive = first.drive
+        if isinstance(drive, TurnDrive) and not drive.last:
+            led = onward(task, segments, X_WB, contact)
+            return led if led[0].path.length <= longest else ()
+        return super().replan(task, segments, X_WB, touched, longest, identified)
+
+    def course(
+        self,
+        task: Task,
+        segment: Segment,
+        X_WB: Pose2,
+        contacts: tuple[Contact, ...],
+        longest: float,
+        identified: Identified | None,
+    ) -> Course | None:
+        """Return the course by the true contact; ``identified``: the axle as it was
+        seen to be.
         """
-        task = plan.task
-        planned = plan.choice.parameters
-        pivots = isinstance(plan.path, TwistPath)
-        contact = replace(plan.choice.contacts[0], point=touched[0])
-        level = planned["push_force"]
-        if contact.point == (0.0, 0.0):
-            return None
-        if planned.get("manoeuvre"):
-            fresh = onward(plan, X_WB, contact)
-            return fresh if fresh.path.length <= longest else None
-        if "manoeuvre" in planned:
-            planned = (plan := pressed_at(plan, contact)).choice.parameters
-        cop = pressed_cop(contact.point, contact.load, task.believed.mass * GRAVITY)
-        car = replace(car_of(plan.choice), contact=contact.point, cop=cop)
-        X_BV = plan.X_BV
-        if not pivots:
-            if identified is not None:
-                car = replace(
-                    car, rho=math.sqrt(identified.reach * abs(car.lever)), shift=0.0
-                )
-                car = replace(car, shift=identified.axle - axle_ahead(car))
-                level = identified.drag
-            X_BV = car.X_BV
-        start = X_WB.compose(X_BV)
-        goal = plan.goal.compose(task.object.X_GB).compose(X_BV)
-        path: MotionPath
-        ahead, left = goal.unapply(start.position)
-        straight = "manoeuvre" in planned and ahead < 0.0 and abs(left) < CORRECTED
-        if pivots:
-            path = TwistPath.between(
-                (start, goal), math.dist(contact.point, X_BV.position)
-            )
-        elif straight:  # steering along the run-in is enough
-            path = ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
+        (contact,) = contacts
+        drive = segment.drive
+        if isinstance(drive, TurnDrive):
+            (segment,) = pressed_at(task, (segment,), contact)
+            drive = segment.drive
+        weight = task.believed.mass * GRAVITY
+        cop = pressed_cop(contact.point, contact.load, weight)
+        assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
+        car = replace(drive.car, contact=contact.point, cop=cop)
+        if isinstance(drive, SpinDrive):
+            start, goal = ends_onward(task, segment, X_WB, drive.X_BV)
+            radius = math.dist(contact.point, drive.X_BV.position)
+            spin = TwistPath.between((start, goal), radius)
+            course = Course(contacts, replace(drive, car=car), spin)
         else:
-            curvatures = turns(
-                car, math.tan(PLANNED * planned["steepest"]) / abs(car.reach)
-            )
-            run_ins = [k * planned["look_ahead"] for k in SHORT_RUN_INS]
-            path = gentlest(start, goal, curvatures, run_ins, longest)[2]
-        if path.length > longest:
-            return None
-        parameters = {**planned, **figures(car, X_BV, level)}
-        choice = replace(
-            plan.choice,
-            contacts=(contact,),
-            path=path,
-            path_length=path.length,
-            parameters=parameters,
-        )
-        profile = SpeedProfile(
-            path.length, plan.profile.speed, plan.profile.acceleration
-        )
-        return replace(plan, choice=choice, path=path, profile=profile, X_BV=X_BV)
+            steered = _steered_by(drive, car, identified)
+            path = steered_path(task, segment, X_WB, steered, longest)
+            course = Course(contacts, steered, path)
+        return course if course.path.length <= longest else None
 
 
-def _quickest(choice: Choice) -> tuple[bool, float]:
-    return not choice.feasible, choice.time if choice.time is not None else math.inf
+def _placements(task: Task) -> _Placements:
+    """Return where and how hard to press. Raises RefusedError where no press holds."""
+    belief = task.believed
+    motion = task.motion
+    loads = press_loads(
+        belief.mass * GRAVITY,
+        belief.support_friction,
+        belief.contact_friction,
+        task.limits.normal_force,
+        motion.press_force,
+        tool_load(task, 0.0)[0],
+    )
+    com = task.object.center_of_mass
+    places: Sequence[Point] = top_places(task.object, EDGE)
+    if motion.contacts:
+        x, y = motion.contacts[0]
+        places = [(x - com[0], y - com[1])]
+    height = task.object.shape.height
+    contacts = tuple(
+        Contact(arm, "top", place, ORIGIN, height)
+        for arm, place in product(range(len(task.robots)), places)
+    )
+    return _Placements(contacts, tuple(loads))
 
 
-def _refused(choice: Choice, why: str) -> Choice:
-    reason = f"{choice.reason.split(' with ')[0]}: {why}"
-    return replace(choice, feasible=False, judged=why is not UNJUDGED, reason=reason)
+def _steered_by(
+    drive: SteeredDrive, car: Unicycle, identified: Identified | None
+) -> SteeredDrive:
+    """Return a drive with ``car``, or with the axle that was identified."""
+    max_friction = drive.max_friction
+    if identified is not None:
+        rho = math.sqrt(identified.reach * abs(car.lever))
+        car = replace(car, rho=rho, shift=0.0)
+        car = replace(car, shift=identified.axle - axle_ahead(car))
+        max_friction = identified.drag
+    if isinstance(drive, TurnDrive):
+        drive = replace(drive, X_BV=car.X_BV)
+    return replace(drive, car=car, max_friction=max_friction)
 
 
 MODE = PressSlide()

@@ -28,13 +28,13 @@ class PlanarPlant:
 
     def __init__(self, plan: Plan) -> None:
         """Put the object at its true start and the tips before their contacts."""
-        task = plan.task
+        task = plan.part(plan.segments[0])
         self.time = 0.0  # [s]
-        self.overhead = TOUCH_AND_RELEASE * len(plan.grasps)
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements)
         self._period = task.motion.control_period
         self._task = task
         self._X_BG = task.object.X_GB.inverse()
-        self._world = World(task, plan.choice.contacts, self._period)
+        self._world = World(task, plan.contacts, self._period)
         gap = task.motion.approach_distance
         self._now = self._world.start(task.true_start, task.start, gap)
         self._before = self._now  # one tick ago
@@ -81,8 +81,8 @@ class PlanarPlant:
             return "the object falls: nothing presses it on the wall"
         return "the object tips over: the centre of pressure has left its base"
 
-    def hand_over(self, placement: Plan, kept: frozenset[int]) -> None:
-        """Put the tips of all arms but ``kept`` before their new contacts."""
-        self._world = World(placement.task, placement.choice.contacts, self._period)
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Put the tips of all arms but ``lasting`` before their new contacts."""
+        self._world = World(placement.task, placement.contacts, self._period)
         gap = placement.task.motion.approach_distance
-        self._now = self._world.regrasp(self._now, gap, kept)
+        self._now = self._world.regrasp(self._now, gap, lasting)

@@ -58,7 +58,7 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     ]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
-    contacts = [contact for grasp in plan.grasps for contact in grasp.choice.contacts]
+    contacts = [contact for grasp in plan.by_placement for contact in grasp.contacts]
     obstacles = []
     for obstacle in task.obstacles:
         a = 0.5 * obstacle.size[0]

@@ -78,21 +78,20 @@ def path_in_cone(
     )
 
 
-def least_spare(path: TwistPath, cone: Cone) -> float:
+def least_cone_margin(path: TwistPath, cone: Cone) -> float:
     """Return how far inside the cone the worst piece of a path lies."""
     return min((cone.spare(*rate) for rate, _ in path.pieces), default=math.inf)
 
 
-def told(spare: float, least: float) -> str:
-    """Return in words how far inside a cone something is [rad], and what is needed."""
-    if spare >= least:
-        return f"{math.degrees(spare):.0f} deg inside the cone"
-    where = (
-        f"{math.degrees(spare):.1f} deg inside"
-        if spare >= 0.0
-        else f"{-math.degrees(spare):.0f} deg outside"
+def describe_cone_margin(margin: float, required: float) -> str:
+    """Return in words how far inside a cone something is, and what is needed [rad]."""
+    degrees = math.degrees(margin)
+    if margin >= required:
+        return f"{degrees:.0f} deg inside the cone"
+    side = (
+        f"{degrees:.1f} deg inside" if margin >= 0.0 else f"{-degrees:.0f} deg outside"
     )
-    return f"{where} the cone, needed {math.degrees(least):.0f} deg inside"
+    return f"{side} the cone, needed {math.degrees(required):.0f} deg inside"
 
 
 def _size(twist: TwistRate, radius: float) -> float:

@@ -5,8 +5,7 @@ surface, and its paths.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
@@ -15,57 +14,13 @@ from pushpressslide.mechanics.face_push import Push, on_face, turnings
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.run_in import with_run_in
 from pushpressslide.rom.differential_car import DifferentialCar
+from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 ORIGIN = (0.0, 0.0)
 RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
 # curvatures that are tried, in shares of the tightest that a plan may use
 TIGHTER = (0.3, 0.6, 1.0)
-
-
-@dataclass(frozen=True, slots=True)
-class PushedCar:
-    """A car whose axle, the point without side slip, is ahead of the CoM along the
-    pushes.
-    """
-
-    heading: float  # [rad] of the pushes in B
-    axle: float  # [m] ahead of the CoM
-    # [m] of the axle from the CoP under way: rho^2 / d with equal forces, 0 without
-    # friction
-    lead: float
-    rho: float  # [m]
-    left: float  # [1/m] > 0 tightest curve to the left
-    right: float  # [1/m] > 0 to the right
-
-    @property
-    def X_BV(self) -> Pose2:
-        """Pose of the vehicle frame, at the axle, in the body frame."""
-        return Pose2(
-            self.axle * math.cos(self.heading),
-            self.axle * math.sin(self.heading),
-            self.heading,
-        )
-
-    @property
-    def tightest(self) -> float:
-        """Curvature [1/m] that it can turn with to either side."""
-        return min(self.left, self.right)
-
-    @property
-    def figures(self) -> dict[str, float]:
-        """What a choice remembers of the car."""
-        return {**asdict(self), "height_shift": self.axle - self.lead}
-
-    @classmethod
-    def remembered(cls, figures: Mapping[str, float]) -> PushedCar:
-        """Return the car of a choice's ``figures``."""
-        return cls(
-            *(
-                figures[name]
-                for name in ("heading", "axle", "lead", "rho", "left", "right")
-            )
-        )
 
 
 def pushed_cars(

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Cylinder, ObjectModel, Task
 from pushpressslide.mechanics.face_push import on_face as on_face
 from pushpressslide.mechanics.faces import Face, room_ahead
@@ -64,24 +65,28 @@ def farthest_corner(body: ObjectModel) -> float:
     )
 
 
-def drag_problem(task: Task, pushed: Sequence[Face], height: float) -> str | None:
+def drag_refusal(task: Task, pushed: Sequence[Face], height: float) -> Refusal | None:
     """Return what stands against pushing faces at ``height`` [m]: the object's height,
     tipping, the force; None if nothing.
     """
     belief = task.believed
-    if height >= task.object.shape.height:
-        top = task.object.shape.height * 1e3
-        return f"touched at {height * 1e3:.0f} mm, the object is {top:.0f} mm high"
+    top = task.object.shape.height
+    if height >= top:
+        text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
+        return Refusal("above_object", text, height, top, "m")
     ahead = min(room_ahead(task.object, face) for face in pushed)
     highest = TIPPING_SHARE * ahead / belief.support_friction
     if height > highest:
-        return (
-            f"touched at {height * 1e3:.1f} mm, allowed up to {highest * 1e3:.1f} mm, "
+        text = (
+            "touched at {figure:mm.1f}, allowed up to {allowed:mm.1f}, "
             f"{TIPPING_SHARE:g} of the height at which the object tips"
         )
-    level = belief.support_friction * belief.mass * GRAVITY
-    if level > task.limits.normal_force:
-        return f"needs {level:.1f} N, limits.normal_force is {task.limits.normal_force:g} N"
+        return Refusal("tipping", text, height, highest, "m")
+    max_friction = belief.support_friction * belief.mass * GRAVITY
+    limit = task.limits.normal_force
+    if max_friction > limit:
+        text = "needs {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, max_friction, limit, "N")
     return None
 
 

@@ -125,7 +125,7 @@ def axle_over_time(task: Task, plan: Plan, record: Record) -> Figure | None:
     measured force and load, with the true friction; measured where the object turns
     fast enough, at a steady rate.
     """
-    contacts = plan.choice.contacts
+    contacts = plan.contacts
     move = series.in_phase(record, "move")
     if len(contacts) != 1 or contacts[0].kind != "top" or not move.any():
         return None
@@ -188,7 +188,7 @@ def axles_over_time(task: Task, plan: Plan, record: Record) -> dict[str, Array]:
     Of a run with one top press. Twist and forces are averaged over ``WINDOW``; nothing
     is measured while the object hardly turns, or a turn begins or ends.
     """
-    (contact,) = plan.choice.contacts
+    (contact,) = plan.contacts
     size = math.hypot(*contact.point)
     ex = contact.point[0] / size
     ey = contact.point[1] / size

@@ -15,6 +15,7 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
+from pushpressslide.rom.drives import PinnedDrive
 
 Array = NDArray[np.float64]
 
@@ -31,9 +32,7 @@ def contact_figures(
     ticks in contact.
     """
     parts = [
-        _grasp_figures(task, grasp, part)
-        for grasp, part in grasps
-        if grasp.choice.contacts
+        _grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.contacts
     ]
     if not parts:
         return {}
@@ -78,7 +77,7 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "touching": count,
         "contacts": [
             {
-                "leg": plan.choice.leg,
+                "leg": plan.segments[0].leg,
                 "arm": c.arm,
                 "kind": c.kind,
                 "load": c.load if c.kind == "top" else None,
@@ -89,7 +88,7 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
                 "cone_violation_fraction": _mean(outside[touching[:, i], i]),
                 "slip_distance": slips[i],
             }
-            for i, c in enumerate(plan.choice.contacts)
+            for i, c in enumerate(plan.contacts)
         ],
     }
 
@@ -107,9 +106,9 @@ def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, 
     """
     out = []
     for grasp, record in grasps:
-        figures = grasp.choice.parameters
+        drive = grasp.segments[0].drive
         at = np.flatnonzero(series.contact_phase(record))
-        if "pressure_x" not in figures or len(at) == 0:
+        if not isinstance(drive, PinnedDrive) or len(at) == 0:
             continue
         first, last = (
             Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1])
@@ -118,14 +117,14 @@ def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, 
             first.compose(task.object.X_GB), last.compose(task.object.X_GB)
         )
         turned = (-vy / w, vx / w)
-        pinned = grasp.choice.contacts[0].point
+        pinned = grasp.contacts[0].point
         others = {
-            "center_of_pressure": (figures["pressure_x"], figures["pressure_y"]),
-            "virtual_axle": (figures["axle_x"], figures["axle_y"]),
+            "center_of_pressure": drive.pressure,
+            "virtual_axle": drive.axle,
         }
         out.append(
             {
-                "leg": grasp.choice.leg,
+                "leg": grasp.segments[0].leg,
                 "turn": w,
                 "turned_about": turned,
                 "pressed": pinned,

@@ -201,9 +201,7 @@ def _motion_figures(
     position_error = np.hypot(offset[:, 0], offset[:, 1])[move]
     yaw_error = series.wrap_angles(offset[:, 2])[move]
     tips = [
-        _tip_errors(task, c, part)
-        for grasp, part in grasps
-        for c in grasp.choice.contacts
+        _tip_errors(task, c, part) for grasp, part in grasps for c in grasp.contacts
     ]
     cross_track = series.path_errors(task, record)[move]
     tracked = series.tracked_poses(task, record)[move, :2]
@@ -332,13 +330,15 @@ def _bodies(task: Task, record: Record) -> dict[str, Any]:
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
     """What was foreseen, of all stretches together, to set beside what happened."""
     margins = [
-        s.choice.friction_margin
-        for s in plan.way
-        if s.choice.friction_margin is not None
+        segment.cone_margin
+        for segment in plan.segments
+        if segment.cone_margin is not None
     ]
     return {
-        "path_length": sum(series.path_length(stretch.path) for stretch in plan.way),
-        "motion_duration": sum(stretch.profile.duration for stretch in plan.way),
+        "path_length": sum(
+            series.path_length(stretch.path) for stretch in plan.segments
+        ),
+        "motion_duration": sum(stretch.profile.duration for stretch in plan.segments),
         "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),
         "condition": record.meta.get("condition_planned"),

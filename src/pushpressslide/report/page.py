@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.plan import Choice
 from pushpressslide.core.task import Box, Cylinder, Robot, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
@@ -251,10 +250,10 @@ def _task_table(task: Task, result: Mapping[str, Any]) -> str:
 
 
 def _choice_part(run: Run) -> str:
-    choices: Sequence[Choice] = run.choices or (run.plan.choice,)
+    taken = run.plan.chosen(run.choices)
     rows = []
-    for choice in gathered(choices):
-        chosen = choice in [grasp.choice for grasp in run.plan.grasps]
+    for choice, reason in gathered(run.choices):
+        chosen = choice in taken
         margin = (
             ""
             if choice.friction_margin is None
@@ -266,7 +265,7 @@ def _choice_part(run: Run) -> str:
             ("" if choice.path_length is None else f"{choice.path_length:.3f} m", "n"),
             ("" if choice.time is None else f"{choice.time:.1f} s", "n"),
             (margin, "n"),
-            (choice.reason, "why"),
+            (reason, "why"),
         )
         mark = (
             ' class="chosen"'

@@ -253,15 +253,15 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     """Return where each arm touches the object, and what its contact went through: one
     column each.
     """
-    grasps = plan.grasps if result["contacts"] else (plan,)
-    contacts = [c for grasp in grasps for c in grasp.choice.contacts]
+    grasps = plan.by_placement if result["contacts"] else (plan,)
+    contacts = [c for grasp in grasps for c in grasp.contacts]
     measured = [*(result["contacts"] or ())]
     measured += [{}] * (len(contacts) - len(measured))
     robots = plan.task.robots
     names = [
         f"{_which(grasp, plan)}arm {c.arm}: {Path(robots[c.arm].model).name}".capitalize()
         for grasp in grasps
-        for c in grasp.choice.contacts
+        for c in grasp.contacts
     ]
     lines = [
         ("Contact", [KINDS[c.kind] for c in contacts]),
@@ -287,16 +287,18 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
 
 def _which(grasp: Plan, plan: Plan) -> str:
     return (
-        f"grasp {plan.grasps.index(grasp) + 1}, " if plan.next_grasp is not None else ""
+        f"grasp {plan.by_placement.index(grasp) + 1}, "
+        if len(plan.by_placement) > 1
+        else ""
     )
 
 
 def stretches_table(plan: Plan) -> str:
     """Return the stretches of a plan one by one; empty for a plan of one."""
-    if len(plan.way) < 2:
+    if len(plan.segments) < 2:
         return ""
     rows = []
-    for i, stretch in enumerate(plan.way):
+    for i, stretch in enumerate(plan.segments):
         goal = stretch.goal
         axle = stretch.X_BV
         cells = (

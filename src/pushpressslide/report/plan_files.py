@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin, get_type_hints
 
+from pushpressslide.core.drive import Drive
 from pushpressslide.core.path import ArcPath, SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.modes import MODES
 
-SCHEMA = 3
+SCHEMA = 4
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
@@ -23,13 +26,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     out: dict[str, Any] = {
         "schema": SCHEMA,
         "task": plan.task.name,
-        "grasps": [
-            {
-                "choice": _choice_to_dict(grasp.choice),
-                "stretches": [_stretch_to_dict(stretch) for stretch in grasp.stretches],
-            }
-            for grasp in plan.grasps
-        ],
+        "segments": [_segment_to_dict(segment) for segment in plan.segments],
     }
     if choices:
         out["choices"] = [_choice_to_dict(choice) for choice in choices]
@@ -41,45 +38,25 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     other data.
     """
     if data["schema"] != SCHEMA:
-        raise ValueError(f"schema {data['schema']}, this version reads {SCHEMA}")
-    grasp = None
-    for one in reversed(data["grasps"]):
-        grasp = _grasp_from_dict(one, task, grasp)
-    if grasp is None:
-        raise ValueError("a plan without grasps")
-    return grasp
-
-
-def _grasp_from_dict(data: Mapping[str, Any], task: Task, after: Plan | None) -> Plan:
-    plan = None
-    choices = _choice_from_dict(data["choice"]).stretches
-    for choice, stretch in reversed(list(zip(choices, data["stretches"], strict=True))):
-        path = _path_from_dict(stretch["path"])
-        profile = SpeedProfile(**stretch["profile"])
-        plan = Plan(
-            task.parts[choice.leg], choice, path, profile, Pose2(*stretch["X_BV"]), plan
+        raise ValueError(
+            f"plan.json has schema {data['schema']}, this version reads {SCHEMA}; run "
+            "the task again"
         )
-    if plan is None:
-        raise ValueError("a plan without stretches")
-    return replace(plan, next_grasp=after)
-
-
-def _stretch_to_dict(stretch: Plan) -> dict[str, Any]:
-    profile = stretch.profile
-    return {
-        "path": _path_to_dict(stretch.path),
-        "profile": {
-            "length": profile.length,
-            "speed": profile.speed,
-            "acceleration": profile.acceleration,
-        },
-        "X_BV": _pose_to_list(stretch.X_BV),
-    }
+    if not data["segments"]:
+        raise ValueError("a plan without segments")
+    return Plan(task, tuple(_segment_from_dict(entry) for entry in data["segments"]))
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
     """Return the choices that were stored beside a plan; empty if none were."""
     return tuple(_choice_from_dict(entry) for entry in data.get("choices", ()))
+
+
+def drive_to_dict(drive: Drive) -> dict[str, Any]:
+    """Return a drive as plain data, with the name of its class under "drive"."""
+    assert is_dataclass(drive)
+    assert not isinstance(drive, type)
+    return {"drive": type(drive).__name__, **asdict(drive)}
 
 
 def write_plan(
@@ -95,6 +72,94 @@ def write_plan(
         write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
         write_whole(out / "plan.png", png(plan_figure(plan))),
     )
+
+
+def _segment_to_dict(segment: Segment) -> dict[str, Any]:
+    return {
+        "mode": segment.mode,
+        "contacts": [asdict(contact) for contact in segment.contacts],
+        "drive": drive_to_dict(segment.drive),
+        "path": _path_to_dict(segment.path),
+        "profile": asdict(segment.profile),
+        "goal": _pose_to_list(segment.goal),
+        "cone_margin": segment.cone_margin,
+        "leg": segment.leg,
+    }
+
+
+def _segment_from_dict(data: Mapping[str, Any]) -> Segment:
+    mode = data["mode"]
+    return Segment(
+        mode,
+        _contacts_from(data["contacts"]),
+        _drive_from_dict(mode, data["drive"]),
+        _path_from_dict(data["path"]),
+        SpeedProfile(**data["profile"]),
+        Pose2(*data["goal"]),
+        data["cone_margin"],
+        data["leg"],
+    )
+
+
+def _choice_to_dict(choice: Choice) -> dict[str, Any]:
+    return {
+        "mode": choice.mode,
+        "label": choice.label,
+        "feasible": choice.feasible,
+        "reason": choice.reason,
+        "contacts": [asdict(contact) for contact in choice.contacts],
+        "segments": [_segment_to_dict(segment) for segment in choice.segments],
+        "time": choice.time,
+        "merits": choice.merits,
+        "refusal": None if choice.refusal is None else asdict(choice.refusal),
+        "leg": choice.leg,
+    }
+
+
+def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
+    refusal = data["refusal"]
+    return Choice(
+        data["mode"],
+        data["label"],
+        _contacts_from(data["contacts"]),
+        tuple(_segment_from_dict(entry) for entry in data["segments"]),
+        data["time"],
+        data["merits"],
+        None if refusal is None else Refusal(**refusal),
+        data["leg"],
+    )
+
+
+def _contacts_from(data: Sequence[Mapping[str, Any]]) -> tuple[Contact, ...]:
+    return tuple(
+        Contact(**{**c, "point": tuple(c["point"]), "normal": tuple(c["normal"])})
+        for c in data
+    )
+
+
+def _drive_from_dict(mode: str, data: Mapping[str, Any]) -> Drive:
+    """Return a drive of a mode, of the class that the data name."""
+    kinds = {kind.__name__: kind for kind in MODES[mode].drives}
+    drive: Drive = _of_type(kinds[data["drive"]], data)
+    return drive
+
+
+def _of_type(kind: Any, data: Any) -> Any:
+    """Return plain ``data`` as ``kind``: a dataclass, a tuple, or a plain value."""
+    if is_dataclass(kind):
+        if not isinstance(data, Mapping):
+            raise TypeError(f"{data!r} is no mapping")
+        hints = get_type_hints(kind)
+        values = {
+            field.name: _of_type(hints[field.name], data[field.name])
+            for field in fields(kind)
+        }
+        assert callable(kind)
+        return kind(**values)
+    if get_origin(kind) is tuple:
+        pairs = zip(get_args(kind), data, strict=True)
+        return tuple(_of_type(part, value) for part, value in pairs)
+    return data
 
 
 def _pose_to_list(pose: Pose2) -> list[float]:
@@ -125,56 +190,3 @@ def _path_from_dict(data: Mapping[str, Any]) -> MotionPath:
         for x, y, w, length in data["pieces"]
     )
     return TwistPath(start, pieces, float(data["radius"]))
-
-
-def _choice_to_dict(choice: Choice) -> dict[str, Any]:
-    return {
-        "mode": choice.mode,
-        "feasible": choice.feasible,
-        "reason": choice.reason,
-        "contacts": [
-            {
-                "arm": c.arm,
-                "kind": c.kind,
-                "point": list(c.point),
-                "normal": list(c.normal),
-                "height": c.height,
-                "load": c.load,
-            }
-            for c in choice.contacts
-        ],
-        "path_length": choice.path_length,
-        "time": choice.time,
-        "friction_margin": choice.friction_margin,
-        "parameters": dict(choice.parameters),
-        "path": None if choice.path is None else _path_to_dict(choice.path),
-        "goal": None if choice.goal is None else _pose_to_list(choice.goal),
-        "leg": choice.leg,
-        "judged": choice.judged,
-        "following": None
-        if choice.following is None
-        else _choice_to_dict(choice.following),
-    }
-
-
-def _choice_from_dict(data: Mapping[str, Any]) -> Choice:
-    contacts = tuple(
-        Contact(**{**c, "point": tuple(c["point"]), "normal": tuple(c["normal"])})
-        for c in data["contacts"]
-    )
-    path = None if data["path"] is None else _path_from_dict(data["path"])
-    return Choice(
-        data["mode"],
-        data["feasible"],
-        data["reason"],
-        contacts,
-        data["path_length"],
-        data["time"],
-        data["friction_margin"],
-        data["parameters"],
-        path,
-        None if data["goal"] is None else Pose2(*data["goal"]),
-        None if data["following"] is None else _choice_from_dict(data["following"]),
-        data["leg"],
-        data["judged"],
-    )

@@ -46,12 +46,12 @@ def plan_figure(plan: Plan) -> Figure:
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
-    stretches = plan.way
-    goal = stretches[-1].task.goal
+    stretches = plan.segments
+    goal = plan.goal
     each = max(2, STATIONS // len(stretches))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [
-        stretch.object_pose(u * stretch.path.length)
+        plan.object_pose(stretch, u * stretch.path.length)
         for stretch in stretches
         for u in shares
     ]
@@ -78,12 +78,15 @@ def plan_figure(plan: Plan) -> Figure:
     )
     _contacts(
         ax,
-        [(grasp, grasp.task.start.compose(task.object.X_GB)) for grasp in plan.grasps],
+        [
+            (grasp, grasp.task.start.compose(task.object.X_GB))
+            for grasp in plan.by_placement
+        ],
     )
     corners = [c for pose in [*poses, task.start, goal] for c in outline(task, pose)]
     way = sum(series.path_length(stretch.path) for stretch in stretches)
     seconds = sum(stretch.profile.duration for stretch in stretches)
-    modes = ", ".join(grasp.choice.mode for grasp in plan.grasps)
+    modes = ", ".join(grasp.segments[0].mode for grasp in plan.by_placement)
     parts = f", {len(stretches)} stretches" if len(stretches) > 1 else ""
     _frame(ax, task, corners, f"Plan: {modes}, {way:.3f} m in {seconds:.1f} s{parts}")
     return made
@@ -146,7 +149,7 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
         flat = (
             "in the plane, "
             if any(
-                c.kind == "top" for grasp in plan.grasps for c in grasp.choice.contacts
+                c.kind == "top" for grasp in plan.by_placement for c in grasp.contacts
             )
             else ""
         )
@@ -205,9 +208,7 @@ def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
     """Draw where the tips of each grasp touch the object at its X_WB: a dot on top, a
     short arrow into a side.
     """
-    touched = [
-        (contact, X_WB) for grasp, X_WB in grasps for contact in grasp.choice.contacts
-    ]
+    touched = [(contact, X_WB) for grasp, X_WB in grasps for contact in grasp.contacts]
     kinds = {contact.kind for contact, _ in touched}
     for contact, X_WB in touched:
         x, y = X_WB.apply(contact.point)

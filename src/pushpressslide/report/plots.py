@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
@@ -132,7 +132,7 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     Two panels for each contact. A press is set beside its planned load, its shear
     beside the friction disc.
     """
-    contacts = plan.choice.contacts
+    contacts = plan.contacts
     if not contacts:
         return None
     made, axes = style.figure(2 * len(contacts), 1.0 + 2.2 * 2 * len(contacts))
@@ -204,8 +204,8 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     return made
 
 
-def _load(i: int, stretch: Plan) -> float:
-    return stretch.choice.contacts[i].load
+def _load(i: int, stretch: Segment) -> float:
+    return stretch.contacts[i].load
 
 
 def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
@@ -347,7 +347,7 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
     )
 
 
-def _by_stretch(plan: Plan, record: Record, value: Callable[[Plan], float]) -> Array:
+def _by_stretch(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
     """Return at every tick (N,) of the move its stretch's value; NaN in a second
     attempt, not in the plan.
     """
@@ -355,7 +355,7 @@ def _by_stretch(plan: Plan, record: Record, value: Callable[[Plan], float]) -> A
     out = np.full(series.ticks(record), np.nan)
     for grasp, part in series.by_grasp(plan, record):
         for i, stretch in enumerate(
-            grasp.stretches, start=int(part.arrays["stretch"][0])
+            grasp.segments, start=int(part.arrays["stretch"][0])
         ):
             out[(number == i) & series.in_phase(record, "move")] = value(stretch)
     return out

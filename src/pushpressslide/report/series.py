@@ -85,8 +85,8 @@ def by_grasp(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
     """Return the plan of each grasp that was begun, and what was recorded of it."""
     of = []
     leg = record.arrays["leg"]
-    for grasp in plan.grasps:
-        at = np.isin(leg, [stretch.choice.leg for stretch in grasp.stretches])
+    for grasp in plan.by_placement:
+        at = np.isin(leg, [stretch.leg for stretch in grasp.segments])
         if at.any():
             rows = {
                 k: v[at] for k, v in record.arrays.items() if not k.startswith("plan_")
@@ -151,7 +151,7 @@ def contact_forces(
     """
     forces = record.arrays[name]
     yaw = record.arrays["object_pose"][:, 2]
-    contacts = plan.choice.contacts
+    contacts = plan.contacts
     normals = np.empty((len(yaw), len(contacts)))
     tangents = np.empty((len(yaw), len(contacts), 2))
     c = np.cos(yaw)
@@ -230,7 +230,7 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
-    points = surface_coordinates(plan.task, record, plan.choice.contacts[index])
+    points = surface_coordinates(plan.task, record, plan.contacts[index])
     out = np.zeros(ticks(record))
     before = 0.0
     edges = np.flatnonzero(

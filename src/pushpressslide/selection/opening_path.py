@@ -8,20 +8,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pushpressslide.core.footprint import depth_beside
-from pushpressslide.core.plan import Choice
+from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
+from pushpressslide.rom.drives import HeldDrive
 
 LEVEL = 0.01  # [m] beyond the opening's edges up to which an outline counts as going in
 
 
-def opening_problem(task: Task, choice: Choice, poses: Sequence[Pose2]) -> str | None:
-    """Return in one line where the object would tip into the opening on its way, or
-    None.
+def opening_refusal(
+    task: Task, segment: Segment, poses: Sequence[Pose2]
+) -> Refusal | None:
+    """Return where the object would tip into the opening on its way, or None.
 
     What of the base the opening leaves carries the load as long as the centre of
     pressure of the drag, the weight included, lies within its convex hull
-    (docs/walls.md). ``poses``: X_WG along the choice's path.
+    (docs/walls.md). ``poses``: X_WG along the path that begins with ``segment``.
     """
     opening = task.support.opening
     shape = task.object.shape
@@ -30,8 +33,9 @@ def opening_problem(task: Task, choice: Choice, poses: Sequence[Pose2]) -> str |
     wide = replace(
         opening, size=(opening.size[0] + 2.0 * LEVEL, opening.size[1] + 2.0 * LEVEL)
     )
-    cop = (choice.parameters["cop_x"], choice.parameters["cop_y"])
-    lever = choice.parameters["lever"]
+    drive = segment.drive
+    cop = drive.center
+    lever = drive.lever if isinstance(drive, HeldDrive) else 0.0
     for X_WG in poses:
         if task.enters and wide.holds(X_WG, shape):
             return None
@@ -41,11 +45,11 @@ def opening_problem(task: Task, choice: Choice, poses: Sequence[Pose2]) -> str |
             shape, X_WG, opening, X_WB.apply((cop[0] - lever * wx, cop[1] - lever * wy))
         )
         if depth < 0.0:
-            return (
-                f"but the object tips into support.opening at ({X_WG.x:.3f}, "
-                f"{X_WG.y:.3f}): the centre of "
-                f"pressure is {-depth * 1e3:.0f} mm beyond what of the base is on the "
-                "wall; an object that "
-                "is longer than the opening is high can be turned into it"
+            text = (
+                f"the object tips into support.opening at ({X_WG.x:.3f}, "
+                f"{X_WG.y:.3f}): the centre of pressure is {{figure:mm.0f}} beyond what "
+                "of the base is on the wall; an object that is longer than the opening "
+                "is high can be turned into it"
             )
+            return Refusal("opening", text, -depth, 0.0, "m")
     return None

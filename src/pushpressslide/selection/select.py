@@ -8,47 +8,44 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
-from pushpressslide.core.footprint import carried, gap, overlap_area
-from pushpressslide.core.plan import Choice
-from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Obstacle, Shape, Task
+from pushpressslide.core.footprint import carried
+from pushpressslide.core.plan import Choice, same_places
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH, Mode
-from pushpressslide.selection.opening_path import opening_problem
-from pushpressslide.selection.tool_use import tool_problem
+from pushpressslide.modes.base import ENOUGH, Mode, promptness
+from pushpressslide.selection.clearance import path_refusal
 
-OBJECT_CLEARANCE = 0.01
-"""Gap [m] that the object keeps from obstacles, unless its start or its goal is nearer
-already.
-"""
-
-# [m^2] shared with an obstacle from which on the object is in it, not beside it
-ENTERED = 1e-5
-SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
+FALLS = Refusal(
+    "falls",
+    "the object falls when the arms let go for it: nothing carries it where the leg "
+    "before ends",
+)
+ENDS = Refusal("no_continuation", "no way on with its contacts")
 
 
 def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, feasible ones first and the quickest first;
     never empty.
 
-    A choice that cannot do the task says in ``reason`` why not, with the number that
-    decides; or that it was not judged in full, as ``enough`` of its mode can that are
-    no slower. Of a task with legs, the choices of one grasp after the other; ``leg``
-    says which leg they begin with.
+    A choice that cannot do the task has a refusal with the number that decides; or it
+    was skipped because ``enough`` choices of its mode are feasible and at least as
+    fast. With legs, choices are grouped by placement, in order; ``leg`` says which leg
+    they begin with.
     """
-    return [choice for grasp in grasps(task, enough) for choice in grasp]
+    return [choice for group in placements(task, enough) for choice in group]
 
 
-def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
-    """Return the choices for each grasp of ``task``, best first: a leg for which the
-    arms can keep the contacts that they have is one more stretch of the leg before it.
+def placements(task: Task, enough: int = 1) -> list[list[Choice]]:
+    """Return the choices for each placement of the arms, best first: a leg for which
+    the arms can keep their contacts is one more segment of the leg before it.
     """
     parts = task.parts
     out = list[list[Choice]]()
-    goes_on = any(
+    shared = any(
         set(a.modes or MODES) & set(b.modes or MODES) for a, b in pairwise(parts)
     )
-    if goes_on:  # with contacts that need not be those of the first placement
+    if shared:  # the next leg may need contacts other than the quickest ones
         enough = max(enough, ENOUGH)
     for leg, part in enumerate(parts):
         found = [_of_leg(choice, leg) for choice in _select(part, enough)]
@@ -56,231 +53,86 @@ def grasps(task: Task, enough: int = 1) -> list[list[Choice]]:
         if any(choice.feasible for choice in lengthened):
             out[-1] = _ranked(lengthened)
         elif out and not carried(task, part.start):
-            out.append([_falling(choice) for choice in found])
+            out.append([choice.refused(choice.refusal or FALLS) for choice in found])
         else:
             out.append(found)
     return out
 
 
-def _falling(choice: Choice) -> Choice:
-    why = "but the object falls when the arms let go for it: nothing carries it where the leg before ends"
-    return (
-        replace(choice, feasible=False, reason=f"{choice.reason}; {why}")
-        if choice.feasible
-        else choice
-    )
-
-
 def _of_leg(choice: Choice, leg: int) -> Choice:
-    following = None if choice.following is None else _of_leg(choice.following, leg)
-    return replace(choice, leg=leg, following=following)
+    segments = tuple(replace(segment, leg=leg) for segment in choice.segments)
+    return replace(choice, leg=leg, segments=segments)
 
 
 def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
     """Return ``choice`` with the best of ``ahead`` that goes on with its contacts as
-    its last stretches; infeasible where none does.
+    its last segments; infeasible where none does.
     """
-    after = next(
-        (
-            c
-            for c in ahead
-            if c.mode == choice.mode and c.feasible and c.goes_on(choice)
-        ),
-        None,
-    )
-    if after is None or not choice.feasible:
-        return replace(
-            choice,
-            feasible=False,
-            reason=f"{choice.reason}; but no way on with its contacts",
+    if not choice.feasible:
+        return choice
+    for after in ahead:
+        same = after.mode == choice.mode and same_places(
+            after.contacts, choice.contacts
         )
-    path_length = _sum(choice.path_length, after.path_length)
-    time = _sum(choice.time, after.time)
-    return replace(_joined(choice, after), path_length=path_length, time=time)
-
-
-def _joined(choice: Choice, after: Choice) -> Choice:
-    return replace(
-        choice,
-        following=after
-        if choice.following is None
-        else _joined(choice.following, after),
-    )
-
-
-def _sum(a: float | None, b: float | None) -> float | None:
-    return None if a is None or b is None else a + b
+        if not (same and after.feasible):
+            continue
+        time = None
+        if choice.time is not None and after.time is not None:
+            time = choice.time + after.time
+        segments = (*choice.segments, *after.segments)
+        return replace(choice, segments=segments, time=time)
+    return choice.refused(ENDS)
 
 
 def _ranked(choices: list[Choice]) -> list[Choice]:
     """Return ``choices``, those of each mode in its own order, ranked: of equally quick
     modes that one first whose contacts push least against each other.
     """
-    against: dict[str, float] = {}
+    squeeze: dict[str, float] = {}
     for choice in choices:
-        against.setdefault(choice.mode, _against(choice))
-
-    def rank(choice: Choice) -> tuple[bool, float, float]:
-        time = math.inf if choice.time is None else round(choice.time, 3)
-        return (not choice.feasible, time, against[choice.mode])
-
-    return sorted(choices, key=rank)
+        squeeze.setdefault(choice.mode, _squeeze(choice))
+    return sorted(choices, key=lambda c: (*promptness(c), squeeze[c.mode]))
 
 
-def _against(choice: Choice) -> float:
+def _squeeze(choice: Choice) -> float:
     """Return which share of equal pushes of its contacts would be spent against each
     other.
     """
     normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
-    return (
-        round(1.0 - math.hypot(*map(sum, zip(*normals, strict=True))) / len(normals), 6)
-        if normals
-        else 0.0
-    )
+    if not normals:
+        return 0.0
+    x, y = map(sum, zip(*normals, strict=True))
+    return round(1.0 - math.hypot(x, y) / len(normals), 6)
 
 
 def _select(task: Task, enough: int) -> list[Choice]:
     """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
-    names = task.modes if task.modes is not None else tuple(MODES)
-    for name in names:
+    for name in MODES if task.modes is None else task.modes:
         mode = MODES[name]
-        if mode.arms != len(task.robots):
-            out.append(
-                Choice(
-                    name,
-                    False,
-                    f"needs {mode.arms} arm(s), the task has {len(task.robots)}",
-                )
-            )
+        arms = len(task.robots)
+        if mode.arms != arms:
+            text = f"needs {mode.arms} arm(s), the task has {arms}"
+            out.append(Choice(name, refusal=Refusal("arms", text, arms, mode.arms)))
         elif task.support.kind == "wall" and not mode.walls:
-            out.append(
-                Choice(
-                    name,
-                    False,
-                    "cannot hold an object on a wall; support.kind must be table",
-                )
-            )
+            text = "cannot hold an object on a wall; support.kind must be table"
+            out.append(Choice(name, refusal=Refusal("support", text)))
         else:
             out.extend(_clear(task, mode, enough))
     return _ranked(out)
 
 
 def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
-    """Return the choices of a mode; more of them judged where obstacles are in the way
-    of the first.
+    """Return the choices of a mode; more of them evaluated where obstacles are in the
+    way of the first.
     """
     judged = mode.choices(task, enough)
-    choices = [_kept_clear(task, choice) for choice in judged]
+    choices = [_judged_for_obstacles(task, choice) for choice in judged]
     blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
     return _clear(task, mode, ENOUGH) if blocked and enough < ENOUGH else choices
 
 
-def _kept_clear(task: Task, choice: Choice) -> Choice:
-    """Return the choice, infeasible where the object's path comes too near to an
-    obstacle, where it tips into an opening, or where as a tool it does not push
-    straight.
-    """
-    anything = task.obstacles or task.support.opening or task.tool
-    if not choice.feasible or choice.path is None or not anything:
+def _judged_for_obstacles(task: Task, choice: Choice) -> Choice:
+    if not choice.feasible:
         return choice
-    poses = _swept(task, choice)
-    problem = (
-        obstacle_problem(task, poses)
-        or opening_problem(task, choice, poses)
-        or tool_problem(task, poses)
-    )
-    return (
-        choice
-        if problem is None
-        else replace(choice, feasible=False, reason=f"{choice.reason}; {problem}")
-    )
-
-
-def obstacle_problem(task: Task, poses: list[Pose2]) -> str | None:
-    """Return in one line where the object would come too near to an obstacle, or None;
-    ``poses``: X_WG along a choice's path.
-
-    A movable one counts where it stands at first, so that it is not pushed along. What
-    the object is to push as a tool may be touched by it, and is itself kept clear of
-    the others.
-    """
-    pushed = next(
-        (
-            o
-            for o in task.obstacles
-            if task.tool is not None and o.name == task.tool.body
-        ),
-        None,
-    )
-    others = [obstacle for obstacle in task.obstacles if obstacle is not pushed]
-    ends = (task.start, task.goal)
-    problem = _too_near("the object", task.object.shape, poses, ends, others)
-    if problem is None and pushed is not None and task.tool is not None:
-        ends = (pushed.pose, task.tool.goal)
-        count = max(1, math.ceil(math.dist(*(X.position for X in ends)) / SWEEP_STEP))
-        way = [_between(*ends, i / count) for i in range(count + 1)]
-        problem = _too_near(f"{pushed.name!r}", Box(pushed.size), way, ends, others)
-    return problem
-
-
-def _swept(task: Task, choice: Choice) -> list[Pose2]:
-    """Poses X_WG along the planned paths, SWEEP_STEP apart."""
-    poses = []
-    for stretch in choice.stretches:
-        X_VG = (
-            MODES[choice.mode]
-            .vehicle_frame(stretch)
-            .inverse()
-            .compose(task.object.X_GB.inverse())
-        )
-        path = stretch.path
-        assert path is not None
-        count = max(1, math.ceil(path.length / SWEEP_STEP))
-        poses += [
-            path.pose(path.length * i / count).compose(X_VG) for i in range(count + 1)
-        ]
-    return poses
-
-
-def _between(a: Pose2, b: Pose2, u: float) -> Pose2:
-    turn = math.remainder(b.yaw - a.yaw, 0.5 * math.pi)  # whichever side is pushed
-    return Pose2(a.x + u * (b.x - a.x), a.y + u * (b.y - a.y), a.yaw + u * turn)
-
-
-def _too_near(
-    what: str,
-    shape: Shape,
-    poses: list[Pose2],
-    ends: tuple[Pose2, Pose2],
-    obstacles: list[Obstacle],
-) -> str | None:
-    """Say where ``what`` comes nearer to an obstacle than it may; at its ``ends`` it
-    may be where it is.
-    """
-    for obstacle in obstacles:
-        box = Box(obstacle.size)
-
-        def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
-            return gap(shape, X_WG, box, X_WO)
-
-        def inside(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
-            return overlap_area(shape, X_WG, box, X_WO)
-
-        allowed = min(OBJECT_CLEARANCE, *(apart(X) for X in ends)) - 1e-6
-        least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
-        if least == 0.0 and allowed <= 0.0:  # it touches at an end, and may on the way
-            nearest = max(poses, key=inside)
-            if inside(nearest) > ENTERED:
-                return (
-                    f"but {what} runs into obstacle {obstacle.name!r} at "
-                    f"({nearest.x:.3f}, {nearest.y:.3f})"
-                )
-        if least < allowed:
-            return (
-                f"but {what} comes within {least * 1e3:.0f} mm of obstacle "
-                f"{obstacle.name!r} "
-                f"at ({nearest.x:.3f}, {nearest.y:.3f}), allowed from "
-                f"{allowed * 1e3:.0f} mm"
-            )
-    return None
+    return choice.refused(path_refusal(task, choice.segments))

@@ -10,6 +10,7 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, Task, ToolUse
 
 ASIDE = 0.002
@@ -103,9 +104,9 @@ def tool_use(
     return ToolUse(name, target, face, way), Pose2(x, y, yaw)
 
 
-def tool_problem(task: Task, poses: Sequence[Pose2]) -> str | None:
-    """Return in one line where the tool would not push its body straight to the body's
-    goal, or None.
+def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+    """Return where the tool would not push its body straight to the body's goal, or
+    None.
 
     ``poses``: X_WG along a choice's path.
     """
@@ -128,10 +129,10 @@ def tool_problem(task: Task, poses: Sequence[Pose2]) -> str | None:
             return None
         off = math.hypot(aside, min(left, 0.0))
         if off > ASIDE or turned > ASKEW:
-            return (
-                f"but at ({X_WG.x:.3f}, {X_WG.y:.3f}) it is {off * 1e3:.1f} mm and "
+            text = (
+                f"at ({X_WG.x:.3f}, {X_WG.y:.3f}) it is {{figure:mm.1f}} and "
                 f"{math.degrees(turned):.1f} deg off the straight push by tool.face, "
-                f"allowed {ASIDE * 1e3:g} mm and "
-                f"{math.degrees(ASKEW):g} deg"
+                f"allowed {{allowed:mmg}} and {math.degrees(ASKEW):g} deg"
             )
+            return Refusal("tool_skew", text, off, ASIDE, "m")
     return None

@@ -38,9 +38,10 @@ def run(
         from pushpressslide.sim.view.live import LiveView
 
         view = LiveView(plan, live)
-    motion = plan.task.motion
+    task = plan.part(plan.segments[0])
+    motion = task.motion
     step = time_step or motion.time_step
     station = Station(plan, models=models, time_step=step, view=view)
     plant = DrakePlant(plan, station, paths, models)
-    watch = ForceWatch(plan.task.limits.normal_force, motion.control_period)
+    watch = ForceWatch(task.limits.normal_force, motion.control_period)
     return run_loop(plant, plan, options, [watch])

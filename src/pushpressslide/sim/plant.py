@@ -24,6 +24,7 @@ from pushpressslide.core.control import (
     Vector3,
 )
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.task import Task
 from pushpressslide.execution.arm import ArmExecutor, ArmState
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
@@ -62,9 +63,9 @@ class DrivenArm:
         self._share = 0.0  # of the effort limit, as asked for
         self._reference = np.zeros(0)  # (n,) [rad]
 
-    def follow(self, placement: Plan, path: JointPath, attitude: ToolAttitude) -> None:
+    def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
-        motion = placement.task.motion
+        motion = task.motion
         facts = self.model.instance.facts
         self.path = path
         self._executor = ArmExecutor(
@@ -74,7 +75,7 @@ class DrivenArm:
             path.tool_yaw_offset,
             motion.joint_stiffness if motion.joint_tracking else 0.0,
             motion.control_period,
-            placement.task.support.frame,
+            task.support.frame,
         )
 
     def sense(self, x: Array) -> None:
@@ -140,7 +141,7 @@ class DrakePlant:
         """Put the arms of ``station`` where the first of ``paths`` begins; there is one
         set of joint paths for each placement.
         """
-        task = plan.task
+        task = plan.part(plan.segments[0])
         self._start = task.start
         self._frame = task.support.frame
         self._period = task.motion.control_period
@@ -151,7 +152,7 @@ class DrakePlant:
             DrivenArm(plan, i, station, models) for i in range(len(task.robots))
         ]
         for arm, (path, attitude) in zip(self._arms, paths[0], strict=True):
-            arm.follow(plan, path, attitude)
+            arm.follow(task, path, attitude)
             station.plant.SetPositions(
                 station.plant_context, arm.instance, path.approach[0]
             )
@@ -165,7 +166,7 @@ class DrakePlant:
             for name, body in station.scene.bodies.items()
         }
         self._facts = self._run_facts(models)
-        self.overhead = TOUCH_AND_RELEASE * len(plan.grasps) + sum(
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + sum(
             map(_longest_approach, paths)
         )
         self._ticks = 0
@@ -272,7 +273,7 @@ class DrakePlant:
             return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
         return self._failure
 
-    def hand_over(self, placement: Plan, kept: frozenset[int]) -> None:
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
         """Take the next joint paths, with a motion before them that leads each arm from
         where it was at the last measurement to where its path begins.
         """
@@ -283,7 +284,7 @@ class DrakePlant:
             [arm.state.q for arm in self._arms],
         )
         for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
-            arm.follow(placement, path, attitude)
+            arm.follow(placement.task, path, attitude)
 
 
 def _longest_approach(paths: tuple[ArmPath, ...]) -> float:

@@ -120,9 +120,10 @@ def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
     else:
         reach = max(math.hypot(x, y) for x, y in shape.footprint)
     poses = [plan.task.true_start]
-    for stretch in plan.way:
+    for stretch in plan.segments:
         poses += [
-            stretch.object_pose(s) for s in np.linspace(0.0, stretch.path.length, 60)
+            plan.object_pose(stretch, s)
+            for s in np.linspace(0.0, stretch.path.length, 60)
         ]
     margin = reach + 0.25
     for obstacle in plan.task.obstacles:
@@ -214,7 +215,7 @@ def build_scene(
     plant.RegisterVisualGeometry(
         thing, RigidTransform(), shape, "object_visual", OBJECT_COLOR
     )
-    pressed = [contact.kind for contact in plan.choice.contacts] == ["top"]
+    pressed = [contact.kind for contact in plan.contacts] == ["top"]
     tile = tile_size(body.shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
     grid = support_grid(grid_bounds(plan), tile, task.support)
     plant.RegisterCollisionGeometry(

@@ -12,6 +12,7 @@ from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 
@@ -19,30 +20,22 @@ class AxleTracker:
     """The law of one car; its wrench is about the CoM."""
 
     def __init__(
-        self,
-        law: LookAheadAlignment,
-        heading: float,
-        axle: float,
-        lead: float,
-        rho: float,
-        level: float,
+        self, law: LookAheadAlignment, car: PushedCar, max_friction: float
     ) -> None:
-        """Bind the law to a car heading along ``heading`` [rad] in B, its axle ``axle``
-        [m] ahead of the CoM.
+        """Bind the law to a car that slides straight under ``max_friction`` [N].
 
-        ``lead`` [m] is the axle's distance from the CoP under way: across the heading
-        acts lead times the curvature of the force along it, 0 for a car that is turned
-        without friction. ``level``: mu_s N [N].
+        Across the heading acts the car's lead times the curvature of the force along
+        it: nothing for a car that is turned without friction.
         """
         self._curvature = law.curvature
         self._figures = (
-            axle,
-            lead,
-            rho * rho,
-            heading,
-            cos(heading),
-            sin(heading),
-            level,
+            car.axle,
+            car.lead,
+            car.rho * car.rho,
+            car.heading,
+            cos(car.heading),
+            sin(car.heading),
+            max_friction,
         )
 
     def step(
@@ -53,7 +46,7 @@ class AxleTracker:
         ``grip`` narrows the steering of a car that steers by friction.
         """
         assert isinstance(path, ArcPath)
-        axle, lead, rho_squared, heading, ex, ey, level = self._figures
+        axle, lead, rho_squared, heading, ex, ey, max_friction = self._figures
         yaw = X_WB.yaw + heading
         x = X_WB.x + axle * cos(yaw)
         y = X_WB.y + axle * sin(yaw)
@@ -62,7 +55,7 @@ class AxleTracker:
         share = grip if lead > 0.0 else 1.0
         turn, saturated = self._curvature((x, y, yaw), left, turned, curvature, share)
         across = -lead * turn  # force to the left per force along
-        along = level / sqrt(1.0 + across * across + rho_squared * turn * turn)
+        along = max_friction / sqrt(1.0 + across * across + rho_squared * turn * turn)
         w = speed * turn
         return Guidance(
             progress,

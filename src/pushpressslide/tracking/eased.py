@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.wrench import Wrench
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
@@ -22,13 +22,13 @@ class EasedTracker:
     """
 
     def __init__(
-        self, law: HolonomicTracker | CarriedTracker, holds: Callable[[Wrench], bool]
+        self,
+        law: HolonomicTracker | CarriedTracker,
+        allocate: Callable[[float, float, float], Allocation],
     ) -> None:
-        """Bind to a law; ``holds`` says of a wrench about its own point whether the
-        contacts can give it.
-        """
+        """Bind to a law, and to the allocator of the contacts that hold the object."""
         self._law = law
-        self._holds = holds
+        self._allocate = allocate
 
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
@@ -38,6 +38,8 @@ class EasedTracker:
         """
         for share in SHARES:
             guidance = self._law.step(path, X_WB, progress, speed, share * grip)
-            if self._holds(guidance.wrench):
+            fx, fy, tau, _ = guidance.wrench
+            given = self._allocate(fx, fy, tau)
+            if given.status == "ok" and given.margin > 0.0:
                 break
         return guidance

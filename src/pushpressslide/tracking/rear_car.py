@@ -9,6 +9,7 @@ from math import cos, remainder, sin, sqrt, tan
 
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
+from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.rom.rear_steer_car import RearSteerCar
@@ -42,11 +43,12 @@ class RearPushTracker:
         )
 
     def step(
-        self, path: ArcPath, X_WB: Pose2, progress: float, speed: float, grip: float
+        self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
     ) -> Guidance:
         """Return wrench and twist that follow ``path`` at ``speed`` [m/s] from pose
         ``X_WB``.
         """
+        assert isinstance(path, ArcPath)
         reach, axis, ex, ey, level, stretch, arm, turning = self._figures
         yaw = X_WB.yaw + axis
         progress, left, heading, curvature = path.nearest(

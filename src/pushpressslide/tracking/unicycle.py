@@ -5,17 +5,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
 from math import atan, cos, remainder, sin, sqrt, tan
 
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import MotionPath
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.rom.unicycle import Unicycle
+from pushpressslide.rom.drives import SpinDrive, SteeredDrive
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 TURN = 2.0 * math.pi
@@ -23,59 +21,20 @@ PIVOT_GAIN = 2.0  # [1/s] pull on the axle along the axis while turning on the s
 PIVOT_SHARE = 0.3  # of the turn's force that this pull may take
 
 
-@dataclass(frozen=True, slots=True)
-class Steering:
-    """Which force turns a pressed object how: tan(force angle - angle) = gain
-    (curvature - planned one).
-    """
-
-    X_BV: Pose2  # at the axle, x along its motion
-    angle: float  # [rad] in B, of the force on the planned curvature
-    curvature: float  # [1/m] that one
-    gain: float  # [m]
-    right: float  # [rad] < 0, that the force may be turned from ``angle``
-    left: float  # [rad] > 0
-    contact: Point  # [m] in B
-    cop: Point  # [m] in B, without drag
-    level: float  # [N] mu_s N
-    stiffness: (
-        # (d / rho)^2: the force is mu_s N / sqrt(1 + stiffness sin^2) of its angle from
-        # the axis
-        float
-    )
-
-    @classmethod
-    def of(cls, planned: Mapping[str, float], car: Unicycle) -> Steering:
-        """Return how the vehicle of a choice's parameters is steered."""
-        p = planned
-        steepest = planned["steepest"]
-        return cls(
-            Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"]),
-            p.get("angle", car.X_BV.yaw),
-            p.get("turn", 0.0),
-            p.get("gain", car.reach),
-            p.get("right", -steepest),
-            p.get("left", steepest),
-            car.contact,
-            car.cop,
-            p["push_force"],
-            p.get("stiffness", car.lever / car.reach),
-        )
-
-
 class UnicycleTracker:
     """Look-ahead alignment, and the wrench on the limit surface that turns so."""
 
-    def __init__(self, law: LookAheadAlignment, steering: Steering) -> None:
+    def __init__(self, law: LookAheadAlignment, drive: SteeredDrive) -> None:
         """Bind the law to a vehicle."""
-        s = steering
+        car = drive.car
         self._curvature = law.curvature
-        X_BV = s.X_BV
-        rx = s.contact[0] - s.cop[0]
-        ry = s.contact[1] - s.cop[1]
+        X_BV = drive.X_BV
+        rx = car.contact[0] - car.cop[0]
+        ry = car.contact[1] - car.cop[1]
         self._axle = (X_BV.x, X_BV.y, X_BV.yaw, math.cos(X_BV.yaw), math.sin(X_BV.yaw))
-        self._force = (s.angle, s.curvature, s.gain, s.right, s.left)
-        self._press = (rx, ry, 1.0 / math.hypot(rx, ry), s.cop, s.level, s.stiffness)
+        self._force = (drive.angle, drive.turn, drive.gain, drive.right, drive.left)
+        inverse = 1.0 / math.hypot(rx, ry)
+        self._press = (rx, ry, inverse, car.cop, drive.max_friction, drive.stiffness)
 
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
@@ -89,7 +48,7 @@ class UnicycleTracker:
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
         planned, turning, gain, right, left_most = self._force
-        rx, ry, inverse, cop, level, stiffness = self._press
+        rx, ry, inverse, cop, max_friction, stiffness = self._press
         yaw = X_WB.yaw
         c = cos(yaw)
         s = sin(yaw)
@@ -108,7 +67,7 @@ class UnicycleTracker:
         fy = sin(planned + steering)
         lever = rx * fy - ry * fx
         # |f| = mu_s N / sqrt(1 + (d sin(phi) / rho)^2)
-        size = level / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
+        size = max_friction / sqrt(1.0 + stiffness * (lever * inverse) ** 2)
         w = speed * turn
         return Guidance(
             progress,
@@ -125,13 +84,11 @@ class PivotTracker:
     in its place.
     """
 
-    def __init__(self, car: Unicycle, X_BV: Pose2, level: float) -> None:
-        """Bind to a vehicle and the frame at its pivot, x along the axis; ``level``
-        mu_s N [N].
-        """
-        self._car = car
-        self._level = level
-        self._X_BV = X_BV
+    def __init__(self, drive: SpinDrive) -> None:
+        """Bind to a vehicle and its pivot."""
+        self._car = drive.car
+        self._max_friction = drive.max_friction
+        self._X_BV = drive.X_BV
 
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
@@ -149,7 +106,7 @@ class PivotTracker:
         w = speed * path.rate(progress)[2]
         most = PIVOT_SHARE * abs(car.reach * w)
         v = min(max(PIVOT_GAIN * along, -most), most)
-        fx, fy = car.force(v, w, self._level)
+        fx, fy = car.force(v, w, self._max_friction)
         ex, ey = car.axis
         d = car.lever
         return Guidance(

@@ -15,7 +15,7 @@ from itertools import accumulate
 import numpy as np
 
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import GRAVITY
@@ -23,7 +23,8 @@ from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.three_turns import words
 from pushpressslide.planning.pressed.turns import PressedTurn, pressed_turns
-from pushpressslide.planning.pressed.vehicle import SWING, figures, press_of
+from pushpressslide.planning.pressed.vehicle import SWING, press_of
+from pushpressslide.rom.drives import TurnDrive
 from pushpressslide.rom.unicycle import Unicycle
 
 RUN_INS = (3.0, 2.0)  # look-aheads
@@ -61,39 +62,37 @@ class Stretch:
             LOOK_AHEAD[1],
         )
 
-    def parameters(self, level: float) -> dict[str, float]:
-        """Return what a choice remembers of it; ``level`` mu_s N [N]."""
+    def drive(self, max_friction: float, last: bool) -> TurnDrive:
+        """Return the turn as a drive; ``last``: it is the run-in."""
         turn = self.turn
+        press = turn.press
         X_BV = turn.X_BV
-        gain = abs(turn.gain)
-        ex, ey = turn.press.axis
-        cop = turn.press.cop
+        wheelbase = abs(turn.gain)
+        ex, ey = press.axis
+        cop = press.cop
         backward = abs(turn.angle) > 0.5 * math.pi
         ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
-        shift = -ahead - gain if backward else ahead + gain
-        car = Unicycle(
-            turn.press.contact, cop, math.sqrt(gain * turn.press.lever), backward, shift
-        )
+        shift = -ahead - wheelbase if backward else ahead + wheelbase
+        rho = math.sqrt(wheelbase * press.lever)
         across = math.sin(turn.angle) ** 2
-        stiffness = (
-            turn.press.lever / gain
-            if across < 1e-3
-            else (1.0 / turn.share**2 - 1.0) / across
+        if across < 1e-3:
+            stiffness = press.lever / wheelbase
+        else:
+            stiffness = (1.0 / turn.share**2 - 1.0) / across
+        return TurnDrive(
+            car=Unicycle(press.contact, cop, rho, backward, shift),
+            max_friction=max_friction,
+            X_BV=X_BV,
+            look_ahead=self.look_ahead,
+            axis_angle=turn.angle,
+            angle=math.atan2(ey, ex) + turn.angle,
+            turn=self.path.curvature(0.0),
+            gain=turn.gain,
+            right=turn.right,
+            left=turn.left,
+            stiffness=stiffness,
+            last=last,
         )
-        return figures(car, X_BV, level) | {
-            "look_ahead": self.look_ahead,
-            "press_force": turn.press.load,
-            "speed": self.speed,
-            "steepest": min(-turn.right, turn.left),
-            "right": turn.right,
-            "left": turn.left,
-            "angle": math.atan2(ey, ex) + turn.angle,
-            "turn": self.path.curvature(0.0),
-            "gain": turn.gain,
-            "stiffness": stiffness,
-            "curvature": abs(turn.curvature),
-            "turned_from_axis": turn.angle,
-        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,60 +135,44 @@ class Manoeuvre:
         )
 
     def choice(self, task: Task, mode: str) -> Choice:
-        """Return it as a choice of ``mode``, a stretch for each turn."""
+        """Return it as a choice of ``mode``, a segment for each turn."""
         belief = task.believed
         contact = self.contact
-        X_BG = task.object.X_GB.inverse()
-        stretches = self.stretches
+        mu = belief.contact_friction
         weight = belief.mass * GRAVITY
-        use = friction_use(
-            contact.load, weight, belief.support_friction, belief.contact_friction
-        )
-        margin = math.atan(belief.contact_friction) - math.atan(
-            use * belief.contact_friction
-        )
+        used = friction_use(contact.load, weight, belief.support_friction, mu)
+        margin = math.atan(mu) - math.atan(used * mu)
+        max_friction = belief.support_friction * (weight + contact.load)
+        X_BG = task.object.X_GB.inverse()
+        *_, run_in = stretches = self.stretches
+        segments = []
+        for stretch in stretches:
+            last = stretch is run_in
+            path = stretch.path
+            segments.append(
+                Segment(
+                    mode,
+                    (contact,),
+                    stretch.drive(max_friction, last),
+                    path,
+                    SpeedProfile(path.length, stretch.speed, task.motion.acceleration),
+                    task.goal if last else stretch.end.compose(X_BG),
+                    margin,
+                )
+            )
         turns = ", ".join(
             f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg"
             for s in stretches
         )
-        reason = (
-            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f}) with "
-            f"{contact.load:.1f} N: "
-            f"{turns}; {use:.2f} of the tip's friction used"
+        moving = sum(segment.profile.duration for segment in reversed(segments))
+        return Choice(
+            mode,
+            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f})",
+            (contact,),
+            tuple(segments),
+            moving + overhead(task, pressed=True),
+            f"{contact.load:.1f} N, {turns}; {used:.2f} of the tip's friction used",
         )
-        length = 0.0
-        time = 0.0
-        following = None
-        for stretch in reversed(stretches):
-            length += stretch.path.length
-            time += SpeedProfile(
-                stretch.path.length, stretch.speed, task.motion.acceleration
-            ).duration
-            parameters = stretch.parameters(
-                belief.support_friction * (weight + contact.load)
-            )
-            parameters |= {
-                "friction_use": use,
-                "manoeuvre": float(following is not None),
-            }
-            goal = None if following is None else stretch.end.compose(X_BG)
-            path = stretch.path
-            seconds = time + overhead(task, pressed=True)
-            following = Choice(
-                mode,
-                True,
-                reason,
-                (contact,),
-                length,
-                seconds,
-                margin,
-                parameters,
-                path,
-                goal,
-                following,
-            )
-        assert following is not None
-        return following
 
 
 def pressed_manoeuvres(

@@ -16,12 +16,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
 from pushpressslide.planning.pressed.manoeuvre import Stretch, as_driven
 from pushpressslide.planning.pressed.turns import pressed_turns
 from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
+from pushpressslide.rom.drives import TurnDrive
 
 STEPS = 5  # of Gauss and Newton's method
 YAW_ARM = 0.1  # [m] that an error of one radian counts for
@@ -34,90 +36,81 @@ Array = NDArray[np.float64]
 Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
-def pressed_at(plan: Plan, contact: Contact) -> Plan:
-    """Return ``plan``, of a manoeuvre, and what follows it, with the same turns pressed
-    at ``contact``: their paths as they were, but for the curvatures. A turn that is no
-    longer one there stays as planned.
+def pressed_at(
+    task: Task, segments: Sequence[Segment], contact: Contact
+) -> list[Segment]:
+    """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
+    their paths as they were, but for the curvatures. A turn that is no longer one there
+    stays as planned.
     """
-    press = press_of(plan.task, contact)
-    turns = {turn.angle: turn for turn in pressed_turns([press])[0]}
-    following = None
-    for stretch in reversed(plan.stretches):
-        planned = stretch.choice.parameters
-        path = stretch.path
-        turn = turns.get(planned["turned_from_axis"])
+    (found,) = pressed_turns([press_of(task, contact)])
+    turns = {turn.angle: turn for turn in found}
+    out = []
+    for segment in segments:
+        planned = segment.drive
+        path = segment.path
+        assert isinstance(planned, TurnDrive)
+        turn = turns.get(planned.axis_angle)
         if turn is not None and isinstance(path, ArcPath):
             curvature, length = path.pieces[-1]
             curvature = as_driven(turn.curvature, curvature) if curvature else 0.0
             path = ArcPath(path.start, ((curvature, length),))
-            now = Stretch(turn, path, Pose2(0.0, 0.0, 0.0), planned["speed"])
-            parameters = {**planned, **now.parameters(planned["push_force"])}
-            choice = replace(
-                stretch.choice, contacts=(contact,), parameters=parameters, path=path
-            )
-            stretch = replace(stretch, choice=choice, path=path, X_BV=turn.X_BV)
-        following = replace(stretch, following=following)
-    assert following is not None
-    return following
+            now = Stretch(turn, path, segment.goal, segment.profile.speed)
+            drive = now.drive(planned.max_friction, planned.last)
+            segment = replace(segment, contacts=(contact,), drive=drive, path=path)
+        out.append(segment)
+    return out
 
 
-def onward(plan: Plan, X_WB: Pose2, contact: Contact) -> Plan:
-    """Return ``plan``, what is left of a manoeuvre's turn, and what follows it, pressed
-    at ``contact`` and with the lengths that lead from ``X_WB`` to the goal, or as near
-    to it as they can; those next to the planned ones, where several do. The last turn
-    is steered besides: it has too few lengths.
+def onward(
+    task: Task, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
+) -> tuple[Segment, ...]:
+    """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
+    lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
+    next to the planned ones, where several do. The last turn is steered besides: it has
+    too few lengths.
     """
-    stretches = pressed_at(plan, contact).stretches
-    X_GB = plan.task.object.X_GB
-    goal = stretches[-1].goal.compose(X_GB)
-    arcs, lengths = _arcs(stretches, X_WB, goal)
+    now = pressed_at(task, segments, contact)
+    X_GB = task.object.X_GB
+    goal = now[-1].goal.compose(X_GB)
+    arcs, lengths = _arcs(now, X_WB, goal)
     poses = _poses(arcs, lengths, X_WB)
-    following = None
-    parts = zip(stretches, arcs, lengths, pairwise(poses), strict=True)
-    for stretch, (X_BV, curvature), length, (begin, end) in reversed(list(parts)):
+    out = []
+    parts = zip(now, arcs, lengths, pairwise(poses), strict=True)
+    for segment, (X_BV, curvature), length, (begin, end) in parts:
         start = begin.compose(X_BV)
-        target = stretch.choice.goal
-        # the run-in leads to the goal, from wherever the turns end
-        if following is None:
+        if segment is now[-1]:
+            # the run-in leads to the goal, from wherever the turns end
             start = advance(goal.compose(X_BV), 0.0, -length)
-        elif target is not None:
-            target = end.compose(X_GB.inverse())
-        path = ArcPath(start, ((curvature, length),))
-        following = replace(
-            stretch,
-            choice=replace(stretch.choice, path=path, path_length=length, goal=target),
-            path=path,
-            profile=SpeedProfile(
-                length, stretch.profile.speed, stretch.profile.acceleration
-            ),
-            following=following,
-        )
-    assert following is not None
-    return following
+        else:
+            segment = replace(segment, goal=end.compose(X_GB.inverse()))
+        out.append(segment.follows(ArcPath(start, ((curvature, length),))))
+    return tuple(out)
 
 
 def _arcs(
-    stretches: Sequence[Plan], X_WB: Pose2, goal: Pose2
+    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2
 ) -> tuple[list[Arc], list[float]]:
-    """Return the arcs of ``stretches`` that lead from ``X_WB`` to ``goal``, and their
+    """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
     lengths [m]: Gauss and Newton's method within bounds.
     """
     arcs: list[Arc] = [
-        (s.X_BV, s.path.pieces[-1][0]) for s in stretches if isinstance(s.path, ArcPath)
+        (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
     ]
-    turn, run_in = (
-        stretch.choice.parameters for stretch in (stretches[0], stretches[-1])
-    )
-    gain = turn["gain"]
+    turn = segments[0].drive
+    run_in = segments[-1].drive
+    assert isinstance(turn, TurnDrive)
+    assert isinstance(run_in, TurnDrive)
+    gain = turn.gain
     curvatures = np.array([curvature for _, curvature in arcs])
     # the lengths, and the first turn's steering; of all changes those of the least way
     # and the least turn
-    x = np.array([*(stretch.path.length for stretch in stretches), 0.0])
+    x = np.array([*(segment.path.length for segment in segments), 0.0])
     low = np.array(
         [0.0] * (len(arcs) - 1)
-        + [LEAST_RUN_IN * run_in["look_ahead"], PLANNED * turn["right"]]
+        + [LEAST_RUN_IN * run_in.look_ahead, PLANNED * turn.right]
     )
-    high = np.array([math.inf] * len(arcs) + [PLANNED * turn["left"]])
+    high = np.array([math.inf] * len(arcs) + [PLANNED * turn.left])
     ways = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
     low = np.maximum(low, x - MOST / ways)
     high = np.minimum(high, x + MOST / ways)

@@ -10,13 +10,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from pushpressslide.core.path import ArcPath, SpeedProfile, advance
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.turns import TIPPING_ROOM
 from pushpressslide.planning.run_in import gentlest, room
+from pushpressslide.rom.drives import UnicycleDrive
 from pushpressslide.rom.unicycle import Unicycle
 
 # force angles from the motion that steering may be bounded by: the steepest that does
@@ -46,10 +48,6 @@ class PressedVehicle:
     # [half widths] that the centre of pressure stays inside the base under the least
     # steering
     room: float
-
-    def figures(self, level: float) -> dict[str, float]:
-        """Return what a choice remembers of it; ``level`` mu_s N [N]."""
-        return {**figures(self.car, self.X_BV, level), "steepest": self.steepest}
 
 
 def press_of(task: Task, contact: Contact) -> Press:
@@ -89,12 +87,12 @@ def pressed_vehicle(
     rooms = [(a, _room(press, a, backward)) for a in bounds]
     least = rooms[0][1]
     if least < TIPPING_ROOM:
-        raise ValueError(
+        text = (
             f"drag at {task.object.shape.height:.3f} m tips it: the centre of pressure "
-            "comes within "
-            f"{least:.2f} "
-            f"half widths of the base's edge, allowed {TIPPING_ROOM:g}"
+            "comes within {figure:.2f} half widths of the base's edge, allowed "
+            "{allowed:g}"
         )
+        raise RefusedError(Refusal("tipping", text, least, TIPPING_ROOM))
     steepest = min(most, max(a for a, space in rooms if space >= TIPPING_ROOM))
     if kind == "pivot":
         left = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi) > 0.0
@@ -173,23 +171,6 @@ def turns(car: Unicycle, tightest: float) -> list[float]:
     return sorted({min(k * SWING / car.length, tightest) for k in TIGHTER})
 
 
-def figures(car: Unicycle, X_BV: Pose2, level: float) -> dict[str, float]:
-    """Return what a choice remembers of a vehicle."""
-    return {
-        "backward": float(car.backward),
-        "cop_x": car.cop[0],
-        "cop_y": car.cop[1],
-        "rho": car.rho,
-        "height_shift": car.shift,
-        "lever": abs(car.lever),
-        "axle_from_com": math.hypot(*X_BV.position),
-        "axle_x": X_BV.x,
-        "axle_y": X_BV.y,
-        "axle_yaw": X_BV.yaw,
-        "push_force": level,
-    }
-
-
 def axle_ahead(car: Unicycle) -> float:
     """Return the coordinate of the virtual axle on the heading axis, from the CoM [m]."""
     X_BV = car.X_BV
@@ -197,73 +178,24 @@ def axle_ahead(car: Unicycle) -> float:
     return X_BV.x * ex + X_BV.y * ey
 
 
-def car_of(choice: Choice) -> Unicycle:
-    """Return the vehicle of a choice."""
-    p = choice.parameters
-    (contact,) = choice.contacts
-    return Unicycle(
-        contact.point,
-        (p["cop_x"], p["cop_y"]),
-        p["rho"],
-        p["backward"] > 0.0,
-        p["height_shift"],
-    )
-
-
-def frame_of(choice: Choice) -> Pose2:
-    """Return X_BV of a choice."""
-    p = choice.parameters
-    return Pose2(p["axle_x"], p["axle_y"], p["axle_yaw"])
-
-
-def plan_of(task: Task, choice: Choice, acceleration: float) -> Plan | None:
-    """Return the plan of a choice and what follows it, each stretch at its own speed;
-    None without a path.
-    """
-    following = None
-    for stretch in reversed(choice.stretches):
-        if stretch.path is None:
-            return None
-        profile = SpeedProfile(
-            stretch.path.length, stretch.parameters["speed"], acceleration
-        )
-        following = Plan(
-            task, stretch, stretch.path, profile, frame_of(stretch), following
-        )
-    return following
-
-
-def after_backing_up(
-    task: Task, vehicle: PressedVehicle, then: Choice, way: float
-) -> Choice:
-    """Return the choice to drive ``way`` [m] straight the other way first, and then as
-    ``then`` does.
+def backing_up(
+    task: Task, vehicle: PressedVehicle, then: Segment, distance: float
+) -> Segment:
+    """Return the segment to drive ``distance`` [m] straight the other way before
+    ``then``, which a vehicle drives.
     """
     car = way_back(task, vehicle.press, not vehicle.car.backward)
+    planned = then.drive
     assert car is not None
-    path = ArcPath(
-        task.start.compose(task.object.X_GB).compose(car.X_BV), ((0.0, way),)
+    assert isinstance(planned, UnicycleDrive)
+    start = task.start.compose(task.object.X_GB).compose(car.X_BV)
+    path = ArcPath(start, ((0.0, distance),))
+    end = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
+    drive = replace(
+        planned,
+        car=car,
+        steepest=STEEPEST[0],
+        curvature=1.0 / car.length,
+        run_in=distance,
     )
-    goal = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
-    time = SpeedProfile(
-        way, then.parameters["speed"], task.motion.acceleration
-    ).duration
-    parameters = {
-        **then.parameters,
-        **figures(car, car.X_BV, then.parameters["push_force"]),
-    }
-    parameters |= {
-        "curvature": 1.0 / car.length,
-        "run_in": way,
-        "steepest": STEEPEST[0],
-    }
-    return replace(
-        then,
-        reason=f"{then.reason}, {way:g} m back first",
-        path_length=way + (then.path_length or 0.0),
-        time=time + (then.time or 0.0),
-        parameters=parameters,
-        path=path,
-        goal=goal,
-        following=then,
-    )
+    return replace(then, drive=drive, goal=end).follows(path)

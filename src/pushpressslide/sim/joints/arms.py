@@ -75,9 +75,9 @@ def drawn_back(
     """Return each arm's posture (n,) [rad] after a plan, its tip drawn back from the
     contact; ``holding`` arms keep their contact.
     """
-    last = plan.stretches[-1]
+    last = plan.segments[-1]
     X_WB = last.path.end.compose(last.X_BV.inverse())
-    contacts = {c.arm: c for c in plan.choice.contacts if c.arm not in holding}
+    contacts = {c.arm: c for c in plan.contacts if c.arm not in holding}
     out = []
     for arm, (path, attitude) in enumerate(paths):
         q = path.move[-1]

@@ -56,14 +56,14 @@ def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
     """The normal force of a contact and the force along the support that comes with it
     [N], at most.
     """
-    contacts = plan.choice.contacts
+    contacts = plan.contacts
     drag = 0.0
-    for stretch in plan.stretches:
-        drag = max(drag, stretch.choice.parameters["push_force"])
+    for stretch in plan.segments:
+        drag = max(drag, stretch.drive.max_friction)
     if contact.kind == "side":
         return drag / sum(c.kind == "side" for c in contacts), 0.0
     index = contacts.index(contact)
-    load = max(stretch.choice.contacts[index].load for stretch in plan.stretches)
+    load = max(stretch.contacts[index].load for stretch in plan.segments)
     presses = math.fsum(c.load for c in contacts)
     return load, min(
         plan.task.believed.contact_friction * load, drag * contact.load / presses

@@ -100,7 +100,7 @@ class ArmSearch:
         self.plan, self.arm, self.others = plan, arm, dict(others or {})
         robot = plan.task.robots[arm]
         self.kin = arm_kinematics(robot)
-        self.contact = next((c for c in plan.choice.contacts if c.arm == arm), None)
+        self.contact = next((c for c in plan.contacts if c.arm == arm), None)
         self.stays = holds or self.contact is None
         self.arc_length, bodies = _body_path(plan)
         self.robot = robot
@@ -258,7 +258,7 @@ class ArmSearch:
         if (
             self.contact is None
             or self.contact.kind == "side"
-            or len(self.plan.choice.contacts) > 1
+            or len(self.plan.contacts) > 1
         ):
             return 0.0, math.inf
         turned = 0.0 if attitude.turns else min(float(np.ptp(self.tip.yaws)), math.pi)
@@ -381,7 +381,7 @@ def _body_path(plan: Plan) -> tuple[Array, list[Pose2]]:
     lengths: list[float] = []
     bodies: list[Pose2] = []
     done = 0.0
-    for stretch in plan.stretches:
+    for stretch in plan.segments:
         length = stretch.path.length
         X_VB = stretch.X_BV.inverse()
         turned = sum(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Plan, lasting_arms
 from pushpressslide.sim.joints.arms import drawn_back, joint_paths
 from pushpressslide.sim.joints.joint_path import ArmPath
 
@@ -22,7 +22,7 @@ class GraspPaths:
         """
         if self.plans:
             last = self.plans[-1]
-            kept = last.kept(grasp)
+            kept = lasting_arms(last.segments, grasp.segments)
             postures = drawn_back(last, self.paths[-1], kept)
             found = joint_paths(
                 grasp, force=self.force, postures=postures, holding=kept
@@ -38,6 +38,6 @@ def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
     ``joint_paths``.
     """
     out = GraspPaths()
-    for grasp in plan.grasps:
+    for grasp in plan.by_placement:
         out.add(grasp)
     return out.paths

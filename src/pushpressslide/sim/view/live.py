@@ -43,9 +43,9 @@ class LiveView:
         shares = np.linspace(0.0, 1.0, SAMPLES)
         places = []
         lines = []
-        for stretch in plan.way:
+        for stretch in plan.segments:
             grid = [float(u) for u in stretch.path.length * shares]
-            places += [stretch.object_pose(s) for s in grid]
+            places += [plan.object_pose(stretch, s) for s in grid]
             lines.append(np.array([stretch.path.pose(s).position for s in grid]))
         view = camera_view(
             plan.task, plan, np.array([(p.x, p.y, p.yaw) for p in places]), FIELD

@@ -187,7 +187,7 @@ def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
             x, y, z = robot.base
             points += [(x, y, z), (x, y, z + ARM_HEIGHT)]
     left = 0.0  # how far the pushes point to +y: the tips are on the other side
-    for contact in (c for grasp in plan.grasps for c in grasp.choice.contacts):
+    for contact in (c for grasp in plan.by_placement for c in grasp.contacts):
         n = contact.normal
         left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
     out = np.array(frame.direction((0.0, 0.0, 1.0)))

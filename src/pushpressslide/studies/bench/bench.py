@@ -155,15 +155,15 @@ def track_and_allocate(name: str) -> Callable[[], object]:
 
     task = load_task(name)
     plan = make_plan(task, choices_for(task)[0])
-    mode = MODES[plan.choice.mode]
-    choice = plan.choice
-    path = plan.path
-    tracker = mode.tracker(plan)
-    allocate = mode.allocator(
-        choice.contacts, task.believed.contact_friction, choice.parameters.get("rho")
-    )
+    (segment,) = plan.segments
+    mode = MODES[segment.mode]
+    path = segment.path
+    tracker = mode.tracker(task, segment)
+    friction = task.believed.contact_friction
+    allocate = mode.allocator(segment.contacts, friction, segment.drive.rho)
     s = 0.3 * path.length
-    X_WB = path.pose(s).compose(Pose2(0.0, 0.002, 0.02)).compose(plan.X_BV.inverse())
+    off_path = path.pose(s).compose(Pose2(0.0, 0.002, 0.02))
+    X_WB = off_path.compose(segment.X_BV.inverse())
 
     def one_tick() -> object:
         wrench = tracker.step(path, X_WB, s, 0.05, 1.0).wrench

@@ -24,7 +24,7 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
-from pushpressslide.selection.planner import grasp
+from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import select
 
 Row = dict[str, Any]
@@ -319,7 +319,7 @@ def _run(task: Task, choice: Choice) -> tuple[float, bool]:
     from pushpressslide.report.metrics import result
 
     task = replace(task, belief=task.believed)
-    plan = grasp(task, choice)
+    plan = plan_of(task, [choice])
     record = run(plan)
     return float(record.arrays["time"][-1]), bool(result(task, plan, record)["success"])
 

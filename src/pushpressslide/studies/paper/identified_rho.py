@@ -48,8 +48,9 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     stretch. The exact model is given the true mass and friction, the mean load and the
     mean force angle.
     """
-    mode = MODES[plan.choice.mode]
-    (contact,) = plan.choice.contacts
+    segment = plan.segments[0]
+    mode = MODES[segment.mode]
+    (contact,) = plan.contacts
     assert isinstance(mode, PressSlide)
     arrays = record.arrays
     time = arrays["time"]
@@ -69,7 +70,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     first, stop = _longest(exciting & (np.abs(turn) > LEAST_TURN_RATE))
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
-    identifier = mode.identifier(plan)
+    identifier = mode.identifier(segment)
     state = AxleState()
     for k in range(first, stop):
         X_WB = Pose2(*(float(v) for v in pose[k])).compose(plan.task.object.X_GB)
@@ -87,7 +88,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     return IdentifiedRho(
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,
-        predicted=plan.choice.parameters["rho"],
+        predicted=segment.drive.rho or math.nan,
         identified=math.sqrt(found.reach * press.lever),
         exact=math.sqrt(reach * press.lever),
         axle=found.axle,

@@ -1,0 +1,34 @@
+"""What every reduced model of a segment tells, whatever the mode."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from pushpressslide.core.pose import Point, Pose2
+
+
+class Drive(Protocol):
+    """The reduced model with which one segment is driven: frozen data.
+
+    Classes are in ``rom/drives.py``, or beside a mode that brings its own.
+    """
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the tracking point, x along the heading, in the body frame."""
+        ...
+
+    @property
+    def max_friction(self) -> float:
+        """Friction of the support against straight sliding, mu_s N [N]."""
+        ...
+
+    @property
+    def rho(self) -> float | None:
+        """Length [m] that weighs moments against forces; None: the mode's own."""
+        ...
+
+    @property
+    def center(self) -> Point:
+        """Point [m] in B that wrenches are about: the CoM, or the CoP of presses."""
+        ...

@@ -1,0 +1,72 @@
+"""Why something cannot be done, as data; the one place where it becomes English."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+Unit = Literal["", "m", "rad", "N", "s"]
+
+SKIPPED = "skipped"
+"""Code of a choice that was not evaluated: equally fast ones were already feasible."""
+
+# units that are shown, the longer names first
+SHOWN = ("deg", "mm", "m", "N", "s", "")
+
+
+class Quantity(float):
+    """A number whose format names its unit: ``{:mm.1f}`` of 0.0412 is "41.2 mm"."""
+
+    __slots__ = ()
+
+    def __format__(self, form: str) -> str:
+        """Return the number in the unit that ``form`` begins with, unit included."""
+        unit = next(name for name in SHOWN if form.startswith(name))
+        value = float(self)
+        if unit == "deg":
+            value = math.degrees(value)
+        elif unit == "mm":
+            value *= 1e3
+        return f"{format(value, form[len(unit) :])} {unit}".rstrip()
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One reason against a choice, a plan or a task.
+
+    ``text`` has places ``{figure}`` and ``{allowed}`` for the two numbers, formatted
+    as ``Quantity`` does it.
+    """
+
+    code: str  # what stands against it, one word for machines
+    text: str
+    figure: float | None = None  # SI, the number that decides
+    allowed: float | None = None  # SI, its bound
+    unit: Unit = ""  # of both
+
+    def __str__(self) -> str:
+        """Return one line of English."""
+        figure = Quantity(math.nan if self.figure is None else self.figure)
+        allowed = Quantity(math.nan if self.allowed is None else self.allowed)
+        return self.text.format(figure=figure, allowed=allowed)
+
+
+class RefusedError(ValueError):
+    """Raised where a model cannot be made; carries the refusal."""
+
+    def __init__(self, refusal: Refusal) -> None:
+        super().__init__(str(refusal))
+        self.refusal = refusal
+
+
+def literal(text: str) -> str:
+    """Return ``text`` as a part of a refusal's text that has no places."""
+    return text.replace("{", "{{").replace("}", "}}")
+
+
+def refusal_of(error: ValueError, code: str) -> Refusal:
+    """Return what ``error`` says: its own refusal, or its words under ``code``."""
+    if isinstance(error, RefusedError):
+        return error.refusal
+    return Refusal(code, literal(str(error)))

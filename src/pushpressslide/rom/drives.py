@@ -1,0 +1,249 @@
+"""The drives: what a segment remembers of its reduced model, one frozen class each.
+
+A drive is what tracker, allocator, replanning and report need (``core.drive.Drive``).
+Lengths in metres, angles in radians, forces in newtons; points in the body frame B.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.rom.pushed_car import PushedCar
+from pushpressslide.rom.rear_steer_car import RearSteerCar
+from pushpressslide.rom.unicycle import Unicycle
+
+ORIGIN = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class RearSteerDrive:
+    """One side push: a rear-steer car tracked at its virtual front axle."""
+
+    car: RearSteerCar
+    shift: float  # [m] ahead by which the push's height moves the CoP
+    max_friction: float  # [N]
+    curvature_share: float = 1.0  # of the friction-limited one, that the path uses
+    run_in: float = 0.0  # [m] straight end of the path
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the virtual front axle, the height's shift included."""
+        X = self.car.X_BV
+        dx = self.shift * math.cos(X.yaw)
+        dy = self.shift * math.sin(X.yaw)
+        return Pose2(X.x + dx, X.y + dy, X.yaw)
+
+    @property
+    def rho(self) -> float:
+        """Of the car [m]."""
+        return self.car.rho
+
+    @property
+    def center(self) -> Point:
+        """The CoM."""
+        return ORIGIN
+
+
+@dataclass(frozen=True, slots=True)
+class PressedDrive:
+    """What every drive of one press has."""
+
+    car: Unicycle
+    max_friction: float  # [N]
+
+    @property
+    def rho(self) -> float:
+        """Of the car [m]."""
+        return self.car.rho
+
+    @property
+    def center(self) -> Point:
+        """The CoP."""
+        return self.car.cop
+
+
+@dataclass(frozen=True, slots=True)
+class UnicycleDrive(PressedDrive):
+    """One press, steered along a path by the angle of its force.
+
+    As every steered drive it says: tan(force angle - angle) = gain (curvature - turn),
+    and the force at an angle phi from the axis is max_friction / sqrt(1 + stiffness
+    sin^2 phi).
+    """
+
+    steepest: float  # [rad] force angle from the motion that it may be steered with
+    look_ahead: float  # [m]
+    curvature: float  # [1/m] of the path's turns
+    run_in: float  # [m] straight end of the path
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the virtual axle."""
+        return self.car.X_BV
+
+    @property
+    def angle(self) -> float:
+        """Angle [rad] in B of the force that drives straight."""
+        return self.car.X_BV.yaw
+
+    @property
+    def turn(self) -> float:
+        """Straight [1/m]."""
+        return 0.0
+
+    @property
+    def gain(self) -> float:
+        """Effective wheelbase [m], signed."""
+        return self.car.reach
+
+    @property
+    def right(self) -> float:
+        """Angle [rad] < 0 that the force may be turned by."""
+        return -self.steepest
+
+    @property
+    def left(self) -> float:
+        """Angle [rad] > 0 that the force may be turned by."""
+        return self.steepest
+
+    @property
+    def stiffness(self) -> float:
+        """(d / rho)^2."""
+        return self.car.lever / self.car.reach
+
+
+@dataclass(frozen=True, slots=True)
+class TurnDrive(PressedDrive):
+    """One press, a turn by a force at one angle: a segment of a manoeuvre, or its
+    run-in.
+    """
+
+    X_BV: Pose2  # at the turn's axle, x along its motion
+    look_ahead: float  # [m]
+    axis_angle: float  # [rad] of the force from the heading axis
+    angle: float  # [rad] of the force in B
+    turn: float  # [1/m] curvature as driven
+    gain: float  # [m]
+    right: float  # [rad] < 0
+    left: float  # [rad] > 0
+    stiffness: float
+    last: bool = False  # the run-in: a path of its own is steered for
+
+    @property
+    def steepest(self) -> float:
+        """Angle [rad] that the force may be turned by to either side."""
+        return min(-self.right, self.left)
+
+
+@dataclass(frozen=True, slots=True)
+class SpinDrive(PressedDrive):
+    """One press, the force across the axis: a turn on the spot."""
+
+    X_BV: Pose2  # at the pivot, which stays in its place, x along the axis
+
+
+@dataclass(frozen=True, slots=True)
+class CarDrive:
+    """Two pushes on one face as a car."""
+
+    car: PushedCar
+    max_friction: float  # [N]
+    curvature: float  # [1/m] tightest that a path may use
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the axle, x along the pushes."""
+        return self.car.X_BV
+
+    @property
+    def rho(self) -> float:
+        """Of the car [m]."""
+        return self.car.rho
+
+    @property
+    def center(self) -> Point:
+        """The CoM."""
+        return ORIGIN
+
+
+SteeredDrive = UnicycleDrive | TurnDrive
+"""A pressed object whose force turns it like a unicycle."""
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceDrive:
+    """What every drive by twists has."""
+
+    surface: DraggedSurface  # the limit surface near the planned twist
+    radius: float  # [m] that weighs turns in the path's length
+
+    @property
+    def max_friction(self) -> float:
+        """Of the surface [N]."""
+        return self.surface.max_force
+
+    @property
+    def rho(self) -> float:
+        """Of the surface [m]."""
+        return self.surface.rho
+
+    @property
+    def center(self) -> Point:
+        """The point that wrenches are about: the CoP without drag."""
+        return self.surface.center
+
+
+@dataclass(frozen=True, slots=True)
+class TwistDrive(SurfaceDrive):
+    """Two pushes that drive any twist of a cone; V is B."""
+
+    normal_force: float = 0.0  # [N] largest of a contact, where the plan says so
+
+    @property
+    def X_BV(self) -> Pose2:
+        """The body frame: a constant twist is the same motion about any point."""
+        return Pose2()
+
+
+@dataclass(frozen=True, slots=True)
+class HeldDrive(SurfaceDrive):
+    """Two contacts that hold the object and lead it along one twist."""
+
+    point: Point  # [m] in B, that is tracked
+    lever: float  # [m/N] height of the tips above the CoM over the load
+    friction_utilisation: float  # of the presses' friction
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the tracked point, axes along B's."""
+        return Pose2(*self.point)
+
+
+@dataclass(frozen=True, slots=True)
+class PinnedDrive(SurfaceDrive):
+    """A press that pins a point, and a push that turns the object about it."""
+
+    pin: Point  # [m] in B
+    pressure: Point  # [m] in B, centre of pressure under way
+    friction_utilisation: float  # of the press's friction
+    push: Point  # [m] in B, where it is pushed
+    push_normal: Point  # unit, in B
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the pin, axes along B's."""
+        return Pose2(*self.pin)
+
+    @property
+    def axle(self) -> Point:
+        """Where [m] in B the push alone would turn the object, under a press that
+        weighs on it but does not hold it.
+        """
+        x, y = self.surface.center
+        nx, ny = self.push_normal
+        arm = (self.push[0] - x) * ny - (self.push[1] - y) * nx
+        distance = self.surface.rho**2 / arm
+        return (x - ny * distance, y + nx * distance)
