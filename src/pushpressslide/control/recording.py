@@ -66,15 +66,18 @@ class Recorder:
         begun = self._followed
         if followed is not None and (not begun or followed is not begun[-1]):
             begun.append(followed)
-        rows = {
-            **self._plan_rows(followed or self._placements[self._number][0]),
-            **_log_rows(tick),
-            **_arm_rows(tick),
-            **_wall_time_rows(tick),
-            **tick.row.extras,
-        }
+        segment = followed or self._placements[self._number][0]
+        self._append(self._plan_rows(segment))
+        self._append(_log_rows(tick))
+        self._append(_arm_rows(tick))
+        self._append(_wall_time_rows(tick))
+        self._append(tick.row.extras)
+
+    def _append(self, rows: Mapping[str, Any]) -> None:
         for name, value in rows.items():
-            self._rows.setdefault(name, []).append(value)
+            if name not in self._rows:
+                self._rows[name] = []
+            self._rows[name].append(value)
 
     def _plan_rows(self, followed: Segment) -> dict[str, Any]:
         X_BV = followed.X_BV

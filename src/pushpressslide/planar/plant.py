@@ -38,7 +38,7 @@ class PlanarPlant:
         gap = task.motion.approach_distance
         self._now = self._world.start(task.true_start, task.start, gap)
         self._before = self._now  # one tick ago
-        self._commands: tuple[TipCommand | None, ...] = ()
+        self._commands: list[TipCommand | None] = []
         self._tipping = 0.0  # [s] since when the load is off the base
 
     @property
@@ -54,9 +54,7 @@ class PlanarPlant:
 
     def apply(self, commands: Commands) -> None:
         """Command every tip until the next call; only tip commands move them."""
-        self._commands = tuple(
-            c if isinstance(c, TipCommand) else None for c in commands
-        )
+        self._commands = [c if isinstance(c, TipCommand) else None for c in commands]
 
     def advance(self) -> None:
         """Let one control period pass."""
