@@ -55,9 +55,14 @@ def test_the_paper_map_has_rows() -> None:
 @pytest.mark.parametrize(("function", "test"), rows_of_the_paper_map())
 def test_the_paper_map_names_real_functions_and_tests(function: str, test: str) -> None:
     parts = function.split(".")
-    at = next(i for i, part in enumerate(parts) if not part.islower() or i == 2)
-    thing = importlib.import_module(".".join(["pushpressslide", *parts[:at]]))
-    for part in parts[at:]:
+    package = ROOT / "src" / "pushpressslide"
+    depth = next(
+        n
+        for n in range(len(parts), 0, -1)
+        if package.joinpath(*parts[:n]).with_suffix(".py").is_file()
+    )
+    thing = importlib.import_module(".".join(["pushpressslide", *parts[:depth]]))
+    for part in parts[depth:]:
         thing = getattr(thing, part)
     assert (ROOT / "tests" / test).exists()
 

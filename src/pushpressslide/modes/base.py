@@ -92,6 +92,8 @@ class Mode(ABC):
     tracking_point: ClassVar[str]
     cop_steering: ClassVar[bool]
     walls: ClassVar[bool]  # whether it can hold an object on a wall
+    # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
+    pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
 
     @abstractmethod

@@ -94,6 +94,7 @@ class BimanualPressSlide(Mode):
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
     walls = True
+    pushed_faces = 0
     drives = (HeldDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

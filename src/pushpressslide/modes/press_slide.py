@@ -17,11 +17,12 @@ from functools import partial
 from itertools import product
 
 from pushpressslide.allocation.one_press import one_press_allocator
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import GRAVITY, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import press_loads, pressed_cop
@@ -99,6 +100,7 @@ class PressSlide(Mode):
     tracking_point = "virtual axle"
     cop_steering = True
     walls = False
+    pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
@@ -296,7 +298,9 @@ class PressSlide(Mode):
         drive = segment.drive
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = drive.car
-        predicted = Identified(axle_ahead(car), abs(car.reach), drive.max_friction)
+        predicted = Identified(
+            axle_ahead(car), abs(car.effective_wheelbase), drive.max_friction
+        )
         stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness)
 
@@ -413,7 +417,7 @@ def _steered_by(
     """Return a drive with ``car``, or with the axle that was identified."""
     max_friction = drive.max_friction
     if identified is not None:
-        rho = math.sqrt(identified.reach * abs(car.lever))
+        rho = math.sqrt(identified.effective_wheelbase * abs(car.lever))
         car = replace(car, rho=rho, shift=0.0)
         car = replace(car, shift=identified.axle - axle_ahead(car))
         max_friction = identified.drag

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
-from pushpressslide.core.task import GRAVITY, Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face, faces
@@ -60,6 +61,7 @@ class RearPush(Mode):
     tracking_point = "virtual front axle"
     cop_steering = False
     walls = False
+    pushed_faces = 1
     drives = (RearSteerDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
@@ -148,7 +150,7 @@ class RearPush(Mode):
         low, high = car.steering_limits
         reserve = STEERING_RESERVE * 0.5 * (high - low)
         bounds = (low + reserve, high - reserve)
-        law = rear_stanley(car.wheelbase, bounds, task.motion.tracking_gain)
+        law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
         axle = math.hypot(*drive.X_BV.position)
         return RearPushTracker(law, car, axle, drive.max_friction)
 
@@ -189,10 +191,11 @@ class RearPush(Mode):
         planned = segment.drive
         assert isinstance(planned, RearSteerDrive)
         (contact,) = contacts
-        if isinstance(
-            task.object.shape, Cylinder
-        ):  # a tip that rolls takes its face along
-            contact = _facing(contact, task.object.X_GB.inverse().position)
+        # a tip that rolls round a round side takes the normal along
+        planned_at = segment.contacts[0].point
+        com = task.object.center_of_mass
+        side = task.object.shape.side(planned_at, contact.normal, com)
+        contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:
             car = RearSteerCar(contact.point, contact.normal, ORIGIN, old.rho, old.mu)
@@ -227,14 +230,6 @@ def _contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
         )
         return Refusal("offset_contact", text, offset, allowed, "m")
     return drag_refusal(task, (face,), height)
-
-
-def _facing(contact: Contact, center: Point) -> Contact:
-    """Return a contact on a round side, its normal towards ``center`` [m] in B."""
-    x = center[0] - contact.point[0]
-    y = center[1] - contact.point[1]
-    size = math.hypot(x, y)
-    return replace(contact, normal=(x / size, y / size))
 
 
 MODE = RearPush()

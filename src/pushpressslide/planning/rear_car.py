@@ -8,8 +8,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.task import Task
@@ -17,8 +17,6 @@ from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.run_in import with_run_in
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
-
-Array = NDArray[np.float64]
 
 # a path longer than this times the straight distance has turned a loop
 LOOP_RATIO = 1.5

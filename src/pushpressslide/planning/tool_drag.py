@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from pushpressslide.core.task import GRAVITY, Cylinder, Task
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.task import Task
 
 TURN = 2.0 * math.pi
 
@@ -15,9 +16,9 @@ def tool_load(task: Task, heading: float) -> tuple[float, float]:
     """
     shape = task.object.shape
     tool = task.tool
-    if tool is None or isinstance(shape, Cylinder):
+    if tool is None or not shape.corners:
         return 0.0, 0.0
-    corners = shape.footprint
+    corners = shape.corners
     ax, ay = corners[tool.face % len(corners)]
     bx, by = corners[(tool.face + 1) % len(corners)]
     body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)

@@ -11,11 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import atan
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import GRAVITY, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.mechanics.top import inside_top
@@ -210,6 +211,6 @@ def steered_path(
     if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < CORRECTED:
         return ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
     car = drive.car
-    tightest = math.tan(PLANNED * drive.steepest) / abs(car.reach)
+    tightest = math.tan(PLANNED * drive.steepest) / abs(car.effective_wheelbase)
     run_ins = [k * drive.look_ahead for k in SHORT_RUN_INS]
     return gentlest(start, goal, turns(car, tightest), run_ins, longest)[2]
