@@ -10,6 +10,7 @@ from typer.testing import CliRunner, Result
 from pushpressslide.cli import app
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.jobs.interrupt import Interrupted
+from pushpressslide.jobs.run import Monitor, Output
 
 
 def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
@@ -38,15 +39,16 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 
     def call(answer: Any, *args: str) -> Result:
         def run_task(
-            task: Any, *, out: Path, progress: Any, **options: Any
+            task: Any, *, out: Output, monitor: Monitor, **options: Any
         ) -> dict[str, Any]:
             # type: ignore[attr-defined]
-            call.seen = {"task": task, "out": out, **options}
-            progress(1.0, 2.0)
+            call.seen = {"task": task, "out": out.folder, **options}
+            assert monitor.progress is not None
+            monitor.progress(1.0, 2.0)
             if isinstance(answer, BaseException):
                 raise answer
-            out.mkdir(parents=True)
-            (out / "report.html").write_text("")
+            out.folder.mkdir(parents=True)
+            (out.folder / "report.html").write_text("")
             return dict(answer)
 
         monkeypatch.chdir(tmp_path)
@@ -141,7 +143,7 @@ def test_the_options_reach_the_run(run_with: Any) -> None:
     assert seen["task"].motion.speed == 0.03
     assert seen["task"].modes == ("rear_push",)
     assert seen["task"].robots[0].base_yaw > 0.17
-    assert (seen["engine"], seen["mode"], seen["seed"]) == ("planar", "rear_push", 7)
+    assert (seen["engine"], seen["seed"]) == ("planar", 7)
     assert seen["out"] == Path("here")
     assert seen["force"] is True
 

@@ -26,6 +26,7 @@ def pressed_after(function, calls=1):
         return answer
     return wrapped
 """
+RECORDER = "from pushpressslide.control.recording import Recorder"
 MAIN = "\nif __name__ == '__main__':\n    from pushpressslide.cli import main\n    main()\n"
 
 
@@ -65,12 +66,7 @@ def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
 def test_while_simulating_the_record_so_far_is_kept_whole(
     engine: str, tmp_path: Path
 ) -> None:
-    module = (
-        "pushpressslide.planar.engine"
-        if engine == "planar"
-        else "pushpressslide.sim.engine"
-    )
-    patch = f"import {module} as e\ne.Recorder.add = pressed_after(e.Recorder.add, 100)"
+    patch = f"{RECORDER}\nRecorder.add = pressed_after(Recorder.add, 100)"
     out = tmp_path / "out"
     line = check(
         pps(
@@ -117,7 +113,7 @@ def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> Non
     run = ("run", "rear-push-rear", "--engine", "planar", "--force")
     assert pps(tmp_path, "", *run, "--out", str(out), "--quiet").returncode == 0
     assert "report.html" in names(out)
-    patch = "import pushpressslide.planar.engine as e\ne.Recorder.add = pressed_after(e.Recorder.add, 10)"
+    patch = f"{RECORDER}\nRecorder.add = pressed_after(Recorder.add, 10)"
     check(pps(tmp_path, patch, *run, "--out", str(out)))
     assert names(out) == {"task.yaml", "plan.json", "record.npz", "result.json"}
 

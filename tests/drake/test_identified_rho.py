@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pushpressslide.jobs.run import run_task
+from pushpressslide.jobs.run import Output, run_task
 from pushpressslide.report.files import load_run
 from pushpressslide.studies.paper.identified_rho import LEAST_TIME, identified_rho
 from pushpressslide.studies.paper.one_arm import IDENTIFIED_RHO
@@ -16,7 +16,7 @@ def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(
     tmp_path: Path,
 ) -> None:
     (variant,) = IDENTIFIED_RHO.variants
-    run_task(load_task(variant.task, variant.overrides), out=tmp_path)
+    run_task(load_task(variant.task, variant.overrides), out=Output(tmp_path))
     run = load_run(tmp_path)
     found = identified_rho(run.plan, run.record)
     assert found is not None

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.jobs.run import simulate
@@ -117,7 +118,7 @@ def test_a_lost_press_is_noticed_and_taken_again() -> None:
             return commands
         return tuple(c and replace(c, force=(*c.force[:2], 0.0)) for c in commands)
 
-    record = run(plan, disturb=cut)
+    record = run(plan, RunOptions(disturb=cut))
     time = record.arrays["time"]
     phase = record.arrays["phase"]
     touching = phase == PHASES.index("touch")

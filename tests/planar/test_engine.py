@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.plan import Contact
 from pushpressslide.planar.engine import run
 from pushpressslide.planar.replay import replay_data, write_replay
@@ -37,7 +38,7 @@ def idle():
     second = replace(task.robots[0], base=(0.9, 0.0, 0.1))
     task = replace(task, robots=(*task.robots, second))
     plan = replace(plan, task=replace(task, limits=replace(task.limits, time=6.0)))
-    return task, plan, run(plan, seed=3)
+    return task, plan, run(plan, RunOptions(seed=3))
 
 
 def test_an_arm_without_a_contact_stays_where_it_is(idle):
@@ -51,7 +52,7 @@ def test_an_arm_without_a_contact_stays_where_it_is(idle):
 
 def test_the_same_run_again_is_identical_to_the_last_bit(idle):
     _, plan, record = idle
-    again = run(plan, seed=3)
+    again = run(plan, RunOptions(seed=3))
     for name, values in record.arrays.items():
         if not name.startswith("tick_"):
             assert np.array_equal(values, again.arrays[name], equal_nan=True), name
@@ -68,7 +69,7 @@ def test_the_recorded_twist_is_the_motion_of_the_shapes_frame(idle):
 
 def test_a_run_can_be_stopped_and_says_so(idle):
     _, plan, _ = idle
-    record = run(plan, stop=lambda: True)
+    record = run(plan, RunOptions(stop=lambda: True))
     assert record.reason == "interrupted"
     assert len(record.arrays["time"]) == 1
 

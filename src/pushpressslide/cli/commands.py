@@ -12,7 +12,6 @@ import typer
 from pushpressslide.cli.app import app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
-    EngineName,
     Force,
     Json,
     Models,
@@ -33,6 +32,7 @@ from pushpressslide.cli.shell import (
     results_folder,
 )
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
+from pushpressslide.jobs.engines import DEFAULT, ENGINES
 
 if TYPE_CHECKING:
     from pushpressslide.core.task import Task
@@ -133,7 +133,7 @@ class RunOptions:
     """Argument and options of ``pps run``, in the order of its help."""
 
     task: TaskName
-    engine: EngineName = Engine.drake
+    engine: Engine = DEFAULT
     mode: ModeName = None
     seed: Seed = 0
     out: Out = None
@@ -166,10 +166,13 @@ def run(options: RunOptions) -> int:
     """
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, task.name, options.force)
-    if options.engine is Engine.planar and (options.live or options.video):
+    engine = options.engine
+    if (options.live or options.video) and not ENGINES[engine].has_arms:
         option = "--live" if options.live else "--video"
+        allowed = [name for name, other in ENGINES.items() if other.has_arms]
         raise PushPressSlideError(
-            f"{option} is not allowed with --engine planar; allowed: --engine drake"
+            f"{option} is not allowed with --engine {engine}; allowed: --engine "
+            f"{', '.join(allowed)}"
         )
     result = _run(task, options, folder)
     if options.as_json:
@@ -184,7 +187,7 @@ def run(options: RunOptions) -> int:
 def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
     """Run a task with a progress bar; return its result."""
     from pushpressslide.jobs.interrupt import Interrupted
-    from pushpressslide.jobs.run import run_task
+    from pushpressslide.jobs.run import Monitor, Output, run_task
 
     engine = options.engine
     live = _say_where_to_watch if options.live else None
@@ -196,13 +199,10 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
                 task,
                 engine=engine.value,
                 seed=options.seed,
-                out=folder,
-                mode=options.mode,
                 force=options.anyway,
-                live=live,
-                video=options.video,
-                progress=progress,
                 models=options.models.value,
+                out=Output(folder, options.video),
+                monitor=Monitor(progress, live),
             )
     except Interrupted as stopped:
         raise Interruption(str(stopped)) from None

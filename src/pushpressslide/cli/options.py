@@ -8,12 +8,7 @@ from typing import Annotated
 
 import typer
 
-
-class Engine(StrEnum):
-    """What the task is run on."""
-
-    drake = "drake"
-    planar = "planar"
+from pushpressslide.jobs.engines import EngineName
 
 
 class Variation(StrEnum):
@@ -46,7 +41,7 @@ ModeName = Annotated[
     str | None,
     typer.Option("--mode", metavar="NAME", help="Use this contact mode only."),
 ]
-EngineName = Annotated[Engine, typer.Option("--engine", help="Physics engine.")]
+Engine = Annotated[EngineName, typer.Option("--engine", help="Physics engine.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seeds everything random.")]
 Out = Annotated[
     Path | None,

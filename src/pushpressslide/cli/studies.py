@@ -11,7 +11,6 @@ import typer
 from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
     Engine,
-    EngineName,
     Force,
     Json,
     ModeName,
@@ -23,6 +22,7 @@ from pushpressslide.cli.options import (
     Variation,
 )
 from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.jobs.engines import DEFAULT
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class SweepOptions:
         int,
         typer.Option("--samples", min=1, max=1_000_000, help="Number of variations."),
     ]
-    engine: EngineName = Engine.drake
+    engine: Engine = DEFAULT
     vary: Annotated[
         Variation,
         typer.Option(
@@ -73,14 +73,14 @@ def sweep(options: SweepOptions) -> None:
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, f"sweep-{task.name}", options.force)
     engine = options.engine
-    label = f"{options.samples} samples on {engine.value}"
+    label = f"{options.samples} samples on {engine}"
     with progress_bar(label, not options.quiet) as progress:
         result = run_sweep(
             task,
             samples=options.samples,
             out=folder,
             progress=progress,
-            engine=engine.value,
+            engine=engine,
             jobs=options.jobs,
             seed=options.seed,
             force=options.force,

@@ -2,19 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.control import PHASES, ControlLog, TipCommand, Vector3
+from pushpressslide.control.plant import PlantRow
+from pushpressslide.core.control import (
+    PHASES,
+    Commands,
+    ControlLog,
+    Measurement,
+    TipCommand,
+)
 from pushpressslide.core.plan import Plan, Segment
-from pushpressslide.core.pose import Pose2
-from pushpressslide.core.record import ReasonCode, Record
+from pushpressslide.core.record import Ending, Record
 
 PATH_SAMPLES = 200
+NO_VECTOR = (np.nan, np.nan, np.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One pass of the run loop: what was true, thought, commanded, and came of it."""
+
+    truth: Measurement  # at the start of the tick
+    commands: Commands  # as given, before any disturbance
+    log: ControlLog
+    # the segment that was followed, as planned when it began; None before the first
+    followed: Segment | None
+    row: PlantRow
+    wall_times: tuple[float, float, float]  # [s] to track, to allocate, in total
 
 
 class Recorder:
@@ -26,6 +47,7 @@ class Recorder:
         """Start empty, with the plan's own arrays."""
         self._rows: dict[str, list[Any]] = {}
         self._plan = plan
+        self._placements = plan.placements
         self._number = 0  # of the placement that is done now
         self._before = 0  # segments that were begun before it
         self._followed: list[Segment] = []  # each segment that was begun
@@ -38,64 +60,37 @@ class Recorder:
         self._number = number
         self._before = len(self._followed)
 
-    def add(
-        self,
-        *,
-        time: float,
-        log: ControlLog,
-        true_pose: Pose2,
-        twist: Sequence[float],
-        commands: Sequence[TipCommand | None],
-        tips: Sequence[Vector3],
-        forces: Sequence[Vector3],
-        ticks: Sequence[float],
-        more: Mapping[str, Any] | None = None,
-        followed: Segment | None = None,
-    ) -> None:
-        """Append one tick; ``ticks`` are track, allocate, execute and total [s];
-        ``more`` holds engine-specific rows; ``followed`` is the stretch, as planned
-        when it began, None before the first.
-        """
-        nothing = (np.nan, np.nan, np.nan)
-        if followed is not None and (
-            not self._followed or followed is not self._followed[-1]
-        ):
-            self._followed.append(followed)
-        planned = self._plan.placements[self._number][0]
-        X_BV = (followed or planned).X_BV
-        row: dict[str, Any] = {
-            "time": time,
-            "phase": PHASES.index(log.phase),
-            "leg": (followed or planned).leg,
+    def add(self, tick: Tick) -> None:
+        """Append one tick."""
+        followed = tick.followed
+        begun = self._followed
+        if followed is not None and (not begun or followed is not begun[-1]):
+            begun.append(followed)
+        segment = followed or self._placements[self._number][0]
+        self._append(self._plan_rows(segment))
+        self._append(_log_rows(tick))
+        self._append(_arm_rows(tick))
+        self._append(_wall_time_rows(tick))
+        self._append(tick.row.extras)
+
+    def _append(self, rows: Mapping[str, Any]) -> None:
+        for name, value in rows.items():
+            if name not in self._rows:
+                self._rows[name] = []
+            self._rows[name].append(value)
+
+    def _plan_rows(self, followed: Segment) -> dict[str, Any]:
+        X_BV = followed.X_BV
+        return {
+            "leg": followed.leg,
             "stretch": max(self._before, len(self._followed) - 1),
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
-            "object_pose": (true_pose.x, true_pose.y, true_pose.yaw),
-            "object_twist": tuple(twist),
-            "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
-            "tracking_error": log.tracking_error,
-            "progress": log.progress,
-            "steering": log.steering,
-            "wanted_wrench": log.wanted_wrench,
-            "allocated_wrench": log.allocated_wrench,
-            "command_force": [c.force if c is not None else nothing for c in commands],
-            "tip_reference": [
-                c.position if c is not None else nothing for c in commands
-            ],
-            "tip_position": list(tips),
-            "measured_force": list(forces),
-            "tick_track": ticks[0],
-            "tick_allocate": ticks[1],
-            "tick_execute": ticks[2],
-            "tick_total": ticks[3],
-            **(more or {}),
         }
-        for name, value in row.items():
-            self._rows.setdefault(name, []).append(value)
 
     def record(
         self,
-        reason: tuple[ReasonCode, str],
-        engine: Literal["drake", "planar"],
+        ending: Ending,
+        engine: str,
         seed: int,
         wall_time: float,
         meta: Mapping[str, Any],
@@ -105,7 +100,7 @@ class Recorder:
             name: np.asarray(rows, dtype=np.float64)
             for name, rows in self._rows.items()
         }
-        placements = self._plan.placements
+        placements = self._placements
         paths = [segment.path for segment in self._followed]
         done = min(len(paths) - self._before, len(placements[self._number]))
         rest = [piece for group in placements[self._number :] for piece in group]
@@ -121,5 +116,42 @@ class Recorder:
             mode for mode, _ in groupby(piece.mode for piece in self._plan.segments)
         )
         return Record(
-            arrays, reason[0], reason[1], engine, seed, wall_time, modes, meta
+            arrays, ending.code, ending.text, engine, seed, wall_time, modes, meta
         )
+
+
+def _log_rows(tick: Tick) -> dict[str, Any]:
+    log = tick.log
+    pose = tick.truth.object_pose
+    return {
+        "time": tick.truth.time,
+        "phase": PHASES.index(log.phase),
+        "object_pose": (pose.x, pose.y, pose.yaw),
+        "object_twist": tick.row.object_twist,
+        "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
+        "tracking_error": log.tracking_error,
+        "progress": log.progress,
+        "steering": log.steering,
+        "wanted_wrench": log.wanted_wrench,
+        "allocated_wrench": log.allocated_wrench,
+    }
+
+
+def _arm_rows(tick: Tick) -> dict[str, Any]:
+    tip_commands = [c if isinstance(c, TipCommand) else None for c in tick.commands]
+    return {
+        "command_force": [NO_VECTOR if c is None else c.force for c in tip_commands],
+        "tip_reference": [NO_VECTOR if c is None else c.position for c in tip_commands],
+        "tip_position": [tip.position for tip in tick.truth.tips],
+        "measured_force": list(tick.row.tip_forces),
+    }
+
+
+def _wall_time_rows(tick: Tick) -> dict[str, float]:
+    track, allocate, total = tick.wall_times
+    return {
+        "tick_track": track,
+        "tick_allocate": allocate,
+        "tick_execute": tick.row.execution_time,
+        "tick_total": total,
+    }

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 from pushpressslide.core.pose import Pose2
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Vector3 = tuple[float, float, float]
 Phase = Literal["approach", "touch", "move", "release", "done"]
@@ -55,6 +59,22 @@ class TipCommand:
     servo_cap: float  # [N] bound on the in-plane impedance force
     progress: float  # [m] arc length on the planned path, for the joint reference
     acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] of the reference
+    # (n,) [rad] joint reference; None: that of the joint path at ``progress``
+    posture: NDArray[np.float64] | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointCommand:
+    """Wanted joint motion of one arm in free space."""
+
+    position: NDArray[np.float64]  # (n,) [rad]
+    velocity: NDArray[np.float64]  # (n,) [rad/s]
+
+
+# one per robot of the task; None: the arm rests where its joint path along the contact
+# begins
+TipCommands = tuple[TipCommand | None, ...]
+Commands = tuple[TipCommand | JointCommand | None, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,14 @@ ReasonCode = Literal[
 
 
 @dataclass(frozen=True, slots=True)
+class Ending:
+    """Why a run ended: a code, and one line of text with the number that decided."""
+
+    code: ReasonCode
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Record:
     """Time series of one run, N ticks.
 
@@ -47,7 +55,7 @@ class Record:
     arrays: Mapping[str, NDArray[np.float64]]
     reason: ReasonCode
     reason_text: str
-    engine: Literal["drake", "planar"]
+    engine: str  # the plant's name
     seed: int
     wall_time: float  # [s] of the whole loop
     modes: tuple[str, ...]

@@ -7,31 +7,27 @@ from __future__ import annotations
 import importlib.metadata
 import platform
 from collections.abc import Callable
-from contextlib import nullcontext
-from dataclasses import replace
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
 from itertools import chain, groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
+from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
+from pushpressslide.jobs.engines import DEFAULT, Preparation, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of, refusal, usable
 from pushpressslide.selection.select import placements, select
 
-if TYPE_CHECKING:
-    from pushpressslide.sim.joints.placements import GraspPaths
-
 # choices of a mode that are judged in full where the first have no joint path
 MORE = 3 * ENOUGH
 
-Engine = Literal["drake", "planar"]
-Progress = Callable[[float, float], None]
-Told = Callable[[str], None]
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
 
@@ -46,105 +42,122 @@ def versions() -> dict[str, str]:
     return out
 
 
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """How a run is watched and stopped from outside while it goes on."""
+
+    # called with time and expected duration [s]
+    progress: Callable[[float, float], None] | None = None
+    # called with the address of a page that shows the run; engines with arms only
+    live: Callable[[str], None] | None = None
+    # Ctrl-C ends the run at its next tick, with reason "interrupted"; None: it raises
+    interrupt: Interrupt | None = None
+
+    def held(self) -> AbstractContextManager[None]:
+        """Return the block inside of which Ctrl-C waits for the next tick."""
+        return nullcontext() if self.interrupt is None else self.interrupt.held()
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where the files of a run go."""
+
+    folder: Path
+    video: bool = False  # also write an animation; engines with arms only
+
+
 def simulate(
     task: Task,
     *,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     seed: int = 0,
     force: bool = False,
-    progress: Progress | None = None,
     models: str = "generated",
-    choices: list[Choice] | None = None,
-    interrupt: Interrupt | None = None,
-    live: Told | None = None,
+    monitor: Monitor | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run; the choices come back with the reasons why better-ranked
     ones were passed over.
 
-    On Drake a choice must also have a joint path: the first that has one is run.
-    ``force`` runs the best choice that has a path even where it was judged infeasible.
-    ``interrupt``: Ctrl-C while the engine runs ends the run at its next tick, with
-    reason "interrupted"; without it, Ctrl-C raises. ``live`` is told the address where
-    the run can be watched (Drake only). Raises InfeasibleTaskError where nothing can do
-    the task.
+    Where the engine has arms a choice must also have a joint path: the first that has
+    one is run. ``force`` runs the best choice that has a path even where it was judged
+    infeasible. Raises InfeasibleTaskError where nothing can do the task.
     """
-    held, stop = (
-        (interrupt.held, interrupt) if interrupt is not None else (nullcontext, bool)
-    )
-    # the others are for where there is no joint path
-    enough = 1 if engine == "planar" else ENOUGH
-    judged = list(select(task, enough) if choices is None else choices)
-    by_grasp = [list(of) for _, of in groupby(judged, key=lambda choice: choice.leg)]
-    candidates = [usable(task, of, force=force) for of in by_grasp]
-    if engine == "planar":
-        from pushpressslide.planar.engine import run as run_planar
-
-        made = plan_of(task, [of[0] for of in candidates])
-        with held():
-            return (
-                made,
-                run_planar(made, seed=seed, progress=progress, stop=stop),
-                judged,
-            )
-    from pushpressslide.sim.engine import run as run_drake
-    from pushpressslide.sim.joints.placements import GraspPaths
-
-    paths = GraspPaths(force)
-    for number, of in enumerate(by_grasp):
-        problems: Problems = {}
-        done = _add_first(paths, task, of, problems)
-        if not done and choices is None and not all(choice.evaluated for choice in of):
-            of[:] = placements(task, MORE)[number]
-            done = _add_first(paths, task, of, problems)
-        if not done:
-            if len(problems) == 1:
-                raise next(iter(problems.values()))
-            raise InfeasibleTaskError(
-                refusal(task, list(chain.from_iterable(by_grasp)))
-            )
-    judged = list(chain.from_iterable(by_grasp))
-    made = Plan(task, tuple(s for part in paths.plans for s in part.segments))
-    with held():
-        record = run_drake(
-            made,
-            seed=seed,
-            progress=progress,
+    monitor = monitor or Monitor()
+    chosen = engine_named(engine)
+    preparation = chosen.preparation(force)
+    # choices after the first are for where that has no joint path
+    enough = ENOUGH if chosen.has_arms else 1
+    judged = _prepared(preparation, task, select(task, enough), force)
+    segments = chain.from_iterable(part.segments for part in preparation.plans)
+    plan = Plan(task, tuple(segments))
+    with monitor.held():
+        record = chosen.run(
+            plan,
+            RunOptions(seed, monitor.progress, monitor.interrupt or bool),
+            paths=preparation.paths,
             models=models,
-            paths=paths.paths,
-            stop=stop,
-            live=live,
+            live=monitor.live,
         )
-    return made, record, judged
+    return plan, record, judged
+
+
+def _prepared(
+    preparation: Preparation, task: Task, choices: list[Choice], force: bool
+) -> list[Choice]:
+    """Add to ``preparation`` the best choice of every placement, and return the judged
+    choices, with what those lack that had to be passed over.
+    """
+    groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
+    for group in groups:
+        usable(task, group, force=force)
+    for number, group in enumerate(groups):
+        problems: Problems = {}
+        added = _add_first(preparation, task, group, force, problems)
+        if not added and not all(choice.evaluated for choice in group):
+            groups[number] = group = placements(task, MORE)[number]
+            added = _add_first(preparation, task, group, force, problems)
+        if added:
+            continue
+        if len(problems) == 1:
+            raise next(iter(problems.values()))
+        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(groups))))
+    return list(chain.from_iterable(groups))
 
 
 def _add_first(
-    paths: GraspPaths, task: Task, of: list[Choice], problems: Problems
+    preparation: Preparation,
+    task: Task,
+    choices: list[Choice],
+    force: bool,
+    problems: Problems,
 ) -> bool:
-    """Add the first of a grasp's choices that has a joint path, and return whether
-    there is one; write into ``of`` and ``problems`` what the others lack, which are not
-    tried again.
+    """Add the first choice of a placement that has a joint path, and return whether
+    there is one.
+
+    Writes into ``choices`` and ``problems`` what the others lack, which are not tried
+    again.
     """
-    for i, choice in enumerate(of):
-        if not choice.segments or not (choice.feasible or paths.force):
+    for i, choice in enumerate(choices):
+        if not choice.segments or not (choice.feasible or force):
             continue
         key = (choice.mode, choice.contacts, choice.label, choice.merits)
         try:
             if key not in problems:
-                paths.add(plan_of(task, [choice]).by_placement[0])
+                preparation.add(plan_of(task, [choice]).by_placement[0])
                 return True
         except InfeasibleTaskError as error:
             problems[key] = error
         why = str(problems[key]).split(": ", 1)[-1]
-        of[i] = choice.refused(Refusal("joint_path", literal(why)))
+        choices[i] = choice.refused(Refusal("joint_path", literal(why)))
     return False
 
 
 def run(
     what: Task | Plan,
     *,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Callable[[float, float], None] | None = None,
     models: str = "generated",
 ) -> Record:
     """Run a plan, or select, plan and run a task, and return the record of what
@@ -153,67 +166,55 @@ def run(
     Raises InfeasibleTaskError before anything moves where it cannot be done.
     """
     if isinstance(what, Task):
-        return simulate(
-            what, engine=engine, seed=seed, progress=progress, models=models
-        )[1]
-    if engine == "planar":
-        from pushpressslide.planar.engine import run as run_planar
-
-        return run_planar(what, seed=seed, progress=progress)
-    from pushpressslide.sim.engine import run as run_drake
-
-    return run_drake(what, seed=seed, progress=progress, models=models)
+        monitor = Monitor(progress)
+        _, record, _ = simulate(
+            what, engine=engine, seed=seed, models=models, monitor=monitor
+        )
+        return record
+    return engine_named(engine).run(what, RunOptions(seed, progress), models=models)
 
 
 def run_task(
     task: Task,
     *,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     seed: int = 0,
-    out: Path | None = None,
-    mode: str | None = None,
     force: bool = False,
-    live: Told | None = None,
-    video: bool = False,
-    progress: Progress | None = None,
     models: str = "generated",
+    out: Output | None = None,
+    monitor: Monitor | None = None,
 ) -> dict[str, Any]:
     """Run ``task`` and return its result; with ``out`` also leave all files of a run
     there.
 
-    ``mode`` restricts the choice to one mode; ``live`` is told the address where the
-    run can be watched. Raises InfeasibleTaskError before anything moves where nothing
-    can do the task, and Interrupted on Ctrl-C once the engine runs, after record and
-    result so far are written.
+    Raises InfeasibleTaskError before anything moves where nothing can do the task, and
+    Interrupted on Ctrl-C once the engine runs, after record and result so far are
+    written.
     """
     from pushpressslide.report.metrics import result as measure
 
-    if mode is not None:
-        task = replace(task, modes=(mode,))
     interrupt = Interrupt()
     plan, record, choices = simulate(
         task,
         engine=engine,
         seed=seed,
         force=force,
-        progress=progress,
         models=models,
-        interrupt=interrupt,
-        live=live,
+        monitor=replace(monitor or Monitor(), interrupt=interrupt),
     )
     with interrupt.held():
         result = measure(task, plan, record, versions())
         if out is not None:
-            write_data(out, task, plan, record, result, choices)
-    kept = "" if out is None else f"; record and result so far are in {out}"
+            write_data(out.folder, task, plan, record, result, choices)
+    kept = "" if out is None else f"; record and result so far are in {out.folder}"
     if interrupt():
         raise Interrupted(f"interrupted{kept}")
     if out is not None:
         try:
-            write_pages(out, task, plan, record, choices, models=models, video=video)
+            write_pages(out, task, plan, record, choices, models=models)
         except KeyboardInterrupt:
             raise Interrupted(
-                f"interrupted; record and result are in {out}, its pages not all"
+                f"interrupted; record and result are in {out.folder}, its pages not all"
             ) from None
     return result
 
@@ -243,14 +244,13 @@ def write_data(
 
 
 def write_pages(
-    out: Path,
+    out: Output,
     task: Task,
     plan: Plan,
     record: Record,
     choices: list[Choice],
     *,
     models: str = "generated",
-    video: bool = False,
 ) -> None:
     """Write the pictures, replay and report of a run whose data are in ``out``, each
     whole or not at all.
@@ -258,17 +258,9 @@ def write_pages(
     from pushpressslide.report.page import write_report
     from pushpressslide.report.plan_files import write_plan
 
-    write_plan(plan, out, choices)
-    if record.engine == "drake":
-        from pushpressslide.sim.view.replay import write_replay
-
-        write_replay(task, plan, record, out, models=models)
-        if video:
-            from pushpressslide.sim.view.frames import write_video
-
-            write_video(task, plan, record, out, models=models)
-    else:
-        from pushpressslide.planar.replay import write_replay as write_planar_replay
-
-        write_planar_replay(task, plan, record, out)
-    write_report([out])
+    folder = out.folder
+    write_plan(plan, folder, choices)
+    engine_named(record.engine).write_replay(
+        task, plan, record, folder, models=models, video=out.video
+    )
+    write_report([folder])

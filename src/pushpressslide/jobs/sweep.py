@@ -16,8 +16,9 @@ from typing import Any, Literal
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.engines import DEFAULT
 from pushpressslide.jobs.interrupt import blocked_for_children
-from pushpressslide.jobs.run import Engine, simulate, versions
+from pushpressslide.jobs.run import simulate, versions
 from pushpressslide.jobs.sampling import random_task, varied_task
 
 Vary = Literal["truth", "tasks"]
@@ -31,7 +32,7 @@ def sample_task(task: Task, vary: Vary, index: int, seed: int) -> Task:
 
 
 def run_sample(
-    task: Task, vary: Vary, index: int, seed: int, engine: Engine, anyway: bool
+    task: Task, vary: Vary, index: int, seed: int, engine: str, anyway: bool
 ) -> dict[str, Any]:
     """Run one sample and return its row; ``anyway`` runs it even where it was judged
     infeasible.
@@ -76,7 +77,7 @@ def sweep(
     samples: int,
     out: Path,
     progress: Progress | None = None,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     jobs: int = 0,
     seed: int = 0,
     force: bool = False,

@@ -11,8 +11,9 @@ from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.engines import DEFAULT, ENGINES
 from pushpressslide.jobs.parallel import Progress, in_parallel
-from pushpressslide.jobs.run import Engine, run_task, versions
+from pushpressslide.jobs.run import Output, run_task, versions
 from pushpressslide.report.files import load_run
 from pushpressslide.studies.paper.claims import claims
 from pushpressslide.studies.paper.corrections import corrections
@@ -50,7 +51,7 @@ def reproduce(
     *,
     seed: int = 0,
     out: Path,
-    engine: Engine = "drake",
+    engine: str = DEFAULT,
     jobs: int = JOBS,
     progress: Progress | None = None,
 ) -> Path:
@@ -63,7 +64,7 @@ def reproduce(
     PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
-    cases = LIGHT if with_axle and engine == "drake" else ()
+    cases = LIGHT if with_axle and ENGINES[engine].has_arms else ()
     runs: dict[Any, Callable[[], Any]] = {
         (e.name, v.name): partial(
             run_variant, e, v, out / e.name / v.name, seed, engine
@@ -84,7 +85,7 @@ def _write(
     experiments: Sequence[Experiment],
     evidence: Evidence,
     out: Path,
-    engine: Engine,
+    engine: str,
     seed: int,
 ) -> Path:
     """Judge the claims, write page, table.md and result.json; return the page's path."""
@@ -111,7 +112,7 @@ def _write(
 
 
 def run_variant(
-    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine
+    experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: str
 ) -> Outcome:
     """Run one variant and leave its files in ``folder``, with pictures if asked for.
 
@@ -119,10 +120,10 @@ def run_variant(
     """
     try:
         task = load_task(variant.task, variant.overrides)
-        result = run_task(task, engine=engine, seed=seed, out=folder)
+        result = run_task(task, engine=engine, seed=seed, out=Output(folder))
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
-    if engine == "drake" and variant.name in experiment.pictured:
+    if ENGINES[engine].has_arms and variant.name in experiment.pictured:
         write_pictures(folder)
     if experiment.name != IDENTIFIED_RHO.name:
         return Outcome(folder, result)

@@ -1,0 +1,47 @@
+"""Where a joint path wants the joints: by time on the approach, by arc length along the
+contact's path.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.plan import JointPath
+
+Array = NDArray[np.float64]
+
+
+def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
+    """Return joint positions (n,) [rad] and velocities (n,) [rad/s] of the approach,
+    ``elapsed`` [s] after it began; at rest after its end.
+    """
+    times = path.approach_time
+    q = path.approach
+    i, share = _interval(times, elapsed)
+    velocity = np.zeros(q.shape[1])
+    if elapsed < times[-1]:
+        velocity = (q[i + 1] - q[i]) / (times[i + 1] - times[i])
+    return q[i] + share * (q[i + 1] - q[i]), velocity
+
+
+def path_reference(path: JointPath, progress: float) -> Array:
+    """Return joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's
+    path, those of its nearer end beyond it.
+    """
+    q = path.move
+    if path.arc_length[-1] <= 0.0:  # the goal is the start
+        start: Array = q[0]
+        return start
+    i, share = _interval(path.arc_length, progress)
+    reference: Array = q[i] + share * (q[i + 1] - q[i])
+    return reference
+
+
+def _interval(grid: Array, value: float) -> tuple[int, float]:
+    """Return which interval of a rising ``grid`` holds ``value``, and the share of the
+    interval up to it.
+    """
+    i = int(np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2))
+    share = (value - grid[i]) / (grid[i + 1] - grid[i])
+    return i, min(max(share, 0.0), 1.0)

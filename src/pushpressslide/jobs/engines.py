@@ -1,0 +1,186 @@
+"""The engines that a task can be run on, by name. An engine's modules are imported when
+they are first used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from pushpressslide.core.errors import PushPressSlideError
+
+if TYPE_CHECKING:
+    from pushpressslide.control.run_loop import RunOptions
+    from pushpressslide.core.plan import Plan
+    from pushpressslide.core.record import Record
+    from pushpressslide.core.task import Task
+    from pushpressslide.sim.joints.joint_path import ArmPath
+
+    JointPaths = Sequence[tuple[ArmPath, ...]]  # of the arms, for each placement
+
+
+class EngineName(StrEnum):
+    """What a task can be run on."""
+
+    drake = "drake"
+    planar = "planar"
+
+
+DEFAULT = EngineName.drake
+
+
+class Preparation(Protocol):
+    """The plans of one placement after the other, with what their arms need."""
+
+    @property
+    def plans(self) -> Sequence[Plan]:
+        """The plans so far, one per placement."""
+
+    @property
+    def paths(self) -> JointPaths:
+        """Their joint paths; empty on an engine without arms."""
+
+    def add(self, placement: Plan) -> None:
+        """Add the plan of one more placement.
+
+        Raises InfeasibleTaskError where an arm has no joint path for it.
+        """
+
+
+class Engine(Protocol):
+    """What the jobs ask of an engine."""
+
+    # a plan needs joint paths; a run can be watched live and filmed
+    has_arms: bool
+
+    def preparation(self, force: bool) -> Preparation:
+        """Return an empty preparation; with ``force`` it takes the best there is."""
+
+    def run(
+        self,
+        plan: Plan,
+        options: RunOptions,
+        *,
+        paths: JointPaths | None = None,
+        models: str = "generated",
+        live: Callable[[str], None] | None = None,
+    ) -> Record:
+        """Run ``plan`` and return its record.
+
+        An engine without arms ignores the rest: ``paths`` of the preparation (None:
+        they are made), ``models`` of the robots, and ``live``, which is called with the
+        address of a page that shows the run.
+        """
+
+    def write_replay(
+        self,
+        task: Task,
+        plan: Plan,
+        record: Record,
+        out: Path,
+        *,
+        models: str,
+        video: bool,
+    ) -> None:
+        """Write the replay, with ``video`` also an animation, into the folder ``out``."""
+
+
+class _Drake:
+    has_arms = True
+
+    def preparation(self, force: bool) -> Preparation:
+        from pushpressslide.sim.joints.placements import GraspPaths
+
+        return GraspPaths(force)
+
+    def run(
+        self,
+        plan: Plan,
+        options: RunOptions,
+        *,
+        paths: JointPaths | None = None,
+        models: str = "generated",
+        live: Callable[[str], None] | None = None,
+    ) -> Record:
+        from pushpressslide.sim.engine import run
+
+        return run(plan, options, paths=paths, models=models, live=live)
+
+    def write_replay(
+        self,
+        task: Task,
+        plan: Plan,
+        record: Record,
+        out: Path,
+        *,
+        models: str,
+        video: bool,
+    ) -> None:
+        from pushpressslide.sim.view.replay import write_replay
+
+        write_replay(task, plan, record, out, models=models)
+        if video:
+            from pushpressslide.sim.view.frames import write_video
+
+            write_video(task, plan, record, out, models=models)
+
+
+@dataclass
+class _PlansAlone:
+    plans: list[Plan] = field(default_factory=list)
+    paths: JointPaths = ()
+
+    def add(self, placement: Plan) -> None:
+        self.plans.append(placement)
+
+
+class _Planar:
+    has_arms = False
+
+    def preparation(self, force: bool) -> Preparation:
+        return _PlansAlone()
+
+    def run(
+        self,
+        plan: Plan,
+        options: RunOptions,
+        *,
+        paths: JointPaths | None = None,
+        models: str = "generated",
+        live: Callable[[str], None] | None = None,
+    ) -> Record:
+        from pushpressslide.planar.engine import run
+
+        return run(plan, options)
+
+    def write_replay(
+        self,
+        task: Task,
+        plan: Plan,
+        record: Record,
+        out: Path,
+        *,
+        models: str,
+        video: bool,
+    ) -> None:
+        from pushpressslide.planar.replay import write_replay
+
+        write_replay(task, plan, record, out)
+
+
+ENGINES: Mapping[str, Engine] = {
+    EngineName.drake: _Drake(),
+    EngineName.planar: _Planar(),
+}
+
+
+def engine_named(name: str) -> Engine:
+    """Return the engine of that name; raises PushPressSlideError for an unknown one."""
+    if name not in ENGINES:
+        raise PushPressSlideError(
+            f"engine: {name!r} is not allowed; allowed: {', '.join(ENGINES)}"
+        )
+    return ENGINES[name]

@@ -1,0 +1,86 @@
+"""The planar world as a plant: quasi-static, on the exact limit surface.
+
+The truth is the task's own friction, mass and shape; the controller sees only what a
+robot would see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pushpressslide.control.plant import PlantRow
+from pushpressslide.core.control import Commands, Measurement, TipCommand
+from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.planar.world import World
+
+TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
+TOUCH_AND_RELEASE = 6.0  # [s] typical time of both, for the progress
+
+
+class PlanarPlant:
+    """An object and tips without arms; at a hand-over the tips are put before their new
+    contacts at once.
+    """
+
+    name = "planar"
+    joint_paths: tuple[JointPath, ...] = ()
+
+    def __init__(self, plan: Plan) -> None:
+        """Put the object at its true start and the tips before their contacts."""
+        task = plan.part(plan.segments[0])
+        self.time = 0.0  # [s]
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements)
+        self._period = task.motion.control_period
+        self._task = task
+        self._X_BG = task.object.X_GB.inverse()
+        self._world = World(task, plan.contacts, self._period)
+        gap = task.motion.approach_distance
+        self._now = self._world.start(task.true_start, task.start, gap)
+        self._before = self._now  # one tick ago
+        self._commands: list[TipCommand | None] = []
+        self._tipping = 0.0  # [s] since when the load is off the base
+
+    @property
+    def meta(self) -> Mapping[str, Any]:
+        """The time step [s]."""
+        return {"time_step": self._period}
+
+    def measure(self) -> Measurement:
+        """Return pose and tips; a tip's force is that of the tick before."""
+        return Measurement(
+            self.time, self._now.X_WB.compose(self._X_BG), self._now.tips
+        )
+
+    def apply(self, commands: Commands) -> None:
+        """Command every tip until the next call; only tip commands move them."""
+        self._commands = [c if isinstance(c, TipCommand) else None for c in commands]
+
+    def advance(self) -> None:
+        """Let one control period pass."""
+        self._before = self._now
+        self._now = self._world.step(self._now, self._commands)
+        self.time = self.time + self._period
+        self._tipping = self._tipping + self._period if self._now.tipping else 0.0
+
+    def row(self) -> PlantRow:
+        """Return twist and forces of the tick."""
+        twist = self._now.twist.moved_to(self._X_BG.position)
+        velocity = self._before.X_WB.rotate((twist.vx, twist.vy))
+        forces = tuple(tip.force for tip in self._now.tips)
+        return PlantRow((*velocity, twist.w), forces)
+
+    def diverged(self) -> str | None:
+        """Return that the object tips over or falls, or None."""
+        if self._tipping <= TIPPING_TIME:
+            return None
+        pressed = any(-tip.force[2] for tip in self._now.tips)
+        if any(self._task.weight_in_plane) and not pressed:
+            return "the object falls: nothing presses it on the wall"
+        return "the object tips over: the centre of pressure has left its base"
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Put the tips of all arms but ``lasting`` before their new contacts."""
+        self._world = World(placement.task, placement.contacts, self._period)
+        gap = placement.task.motion.approach_distance
+        self._now = self._world.regrasp(self._now, gap, lasting)

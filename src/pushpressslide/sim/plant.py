@@ -1,0 +1,291 @@
+"""Drake's hydroelastic simulation as a plant: reads the station's ports, turns commands
+into joint torques, and keeps what only this plant records.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.control.approach import SETTLE
+from pushpressslide.control.joint_reference import path_reference
+from pushpressslide.control.plant import PlantRow
+from pushpressslide.core.control import (
+    Commands,
+    JointCommand,
+    Measurement,
+    TipCommand,
+    TipState,
+    Vector3,
+)
+from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.core.task import Task
+from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
+from pushpressslide.sim.joints.approach import led_in
+from pushpressslide.sim.joints.joint_path import ArmPath
+from pushpressslide.sim.station import Station
+
+Array = NDArray[np.float64]
+
+TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
+FAR = 2.0  # [m] from the start: the simulation has diverged
+FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
+NO_POINT = [math.nan] * 3
+
+
+class DrivenArm:
+    """One arm of the station: its model, its executor, and its joint path."""
+
+    def __init__(self, plan: Plan, index: int, station: Station, models: str) -> None:
+        """Find the arm ``index`` in the station's state."""
+        robot = plan.task.robots[index]
+        self.model = ArmModel(robot, models=models)
+        self.instance = station.scene.robots[index].model_instance
+        plant = station.plant
+        joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
+        moving = [joint for joint in joints if joint.num_positions() == 1]
+        self._q_indices = np.array([joint.position_start() for joint in moving])
+        self._v_indices = plant.num_positions() + np.array(
+            [joint.velocity_start() for joint in moving]
+        )
+        self._radius = robot.tip_radius
+        self.state: ArmState
+        self.path: JointPath
+        self.torque: Array | None = None  # (n,) [N m]
+        self._share = 0.0  # of the effort limit, as asked for
+        self._reference = np.zeros(0)  # (n,) [rad]
+
+    def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
+        """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
+        motion = task.motion
+        facts = self.model.instance.facts
+        self.path = path
+        self._executor = ArmExecutor(
+            facts.effort_limit,
+            facts.torque_rate_limit,
+            attitude.rotation_at,
+            path.tool_yaw_offset,
+            motion.joint_stiffness if motion.joint_tracking else 0.0,
+            motion.control_period,
+            task.support.frame,
+        )
+
+    def sense(self, x: Array) -> None:
+        """Take joint positions and velocities from the plant's state ``x``."""
+        self.state = self.model.state(x[self._q_indices], x[self._v_indices])
+
+    def execute(self, command: TipCommand | JointCommand | None) -> None:
+        """Compute the torque for a command."""
+        if isinstance(command, TipCommand):
+            self._reference = self._posture(command)
+            self.torque, self._share = self._executor.contact(
+                self.state, command, self._reference, self.torque
+            )
+            return
+        if command is None:
+            start = path_reference(self.path, 0.0)
+            command = JointCommand(start, np.zeros_like(start))
+        self._reference = command.position
+        self.torque, self._share = self._executor.free(
+            self.state, command.position, command.velocity, self.torque
+        )
+
+    def _posture(self, command: TipCommand) -> Array:
+        if command.posture is not None:
+            return command.posture
+        return path_reference(self.path, command.progress)
+
+    def rows(self, index: int) -> dict[str, Any]:
+        """Return what is recorded of this arm in a tick."""
+        return {
+            f"joint_position_{index}": self.state.q,
+            f"joint_velocity_{index}": self.state.v,
+            f"joint_torque_{index}": self.torque,
+            f"joint_reference_{index}": self._reference,
+            f"torque_share_{index}": self._share,
+        }
+
+    def contact_point(self, tip: TipState) -> Sequence[float]:
+        """Return where the tip's sphere is touched [m], by the direction of the force;
+        NaN where it is too small.
+        """
+        size = math.hypot(*tip.force)
+        if size <= FELT_FORCE:
+            return NO_POINT
+        return [
+            p + self._radius * f / size
+            for p, f in zip(tip.position, tip.force, strict=True)
+        ]
+
+
+class DrakePlant:
+    """A station with its arms, driven by joint torques."""
+
+    name = "drake"
+
+    def __init__(
+        self,
+        plan: Plan,
+        station: Station,
+        paths: Sequence[tuple[ArmPath, ...]],
+        models: str,
+    ) -> None:
+        """Put the arms of ``station`` where the first of ``paths`` begins; there is one
+        set of joint paths for each placement.
+        """
+        task = plan.part(plan.segments[0])
+        self._start = task.start
+        self._frame = task.support.frame
+        self._period = task.motion.control_period
+        self._station = station
+        self._paths = paths
+        self._ahead = list(paths[1:])
+        self._arms = [
+            DrivenArm(plan, i, station, models) for i in range(len(task.robots))
+        ]
+        for arm, (path, attitude) in zip(self._arms, paths[0], strict=True):
+            arm.follow(task, path, attitude)
+            station.plant.SetPositions(
+                station.plant_context, arm.instance, path.approach[0]
+            )
+        self._body = station.scene.object.floating_positions_start()
+        self._body_velocity = (
+            station.plant.num_positions()
+            + station.scene.object.floating_velocities_start_in_v()
+        )
+        self._body_rows = {"object_pose_3d": self._body} | {
+            f"body_{name}": body.floating_positions_start()
+            for name, body in station.scene.bodies.items()
+        }
+        self._facts = self._run_facts(models)
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + sum(
+            map(_longest_approach, paths)
+        )
+        self._ticks = 0
+        self._executing = 0.0  # [s] of wall time in this tick
+        self._failure: str | None = None
+        station.simulator.Initialize()
+
+    def _run_facts(self, models: str) -> dict[str, Any]:
+        every = [path for placement in self._paths for path, _ in placement]
+        return {
+            "time_step": self._station.plant.time_step(),
+            "control_period": self._period,
+            "joint_margin_planned": min(path.joint_margin for path in every),
+            "condition_planned": max(path.condition for path in every),
+            "clearance_planned": min(path.clearance for path in every),
+            "approach_time": _longest_approach(self._paths[0]) + SETTLE,
+            "models": models,
+            "start_tips": [
+                arm.model.state(
+                    arm.path.approach[-1], np.zeros(arm.model.size)
+                ).position
+                for arm in self._arms
+            ],
+        }
+
+    @property
+    def meta(self) -> Mapping[str, Any]:
+        """Time step, and margins of the joint paths."""
+        return self._facts
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._ticks * self._period
+
+    @property
+    def joint_paths(self) -> tuple[JointPath, ...]:
+        """The joint path of each arm in this placement."""
+        return tuple(arm.path for arm in self._arms)
+
+    def measure(self) -> Measurement:
+        """Return the object's pose, and each tip's state and contact force."""
+        station = self._station
+        frame = self._frame
+        x = station.state_vector()
+        pose = planar_pose_from_positions(x[self._body : self._body + 7], frame)
+        forces = [
+            frame.components(station.contact_force(i)) for i in range(len(self._arms))
+        ]
+        began = perf_counter()
+        tips = []
+        for arm, force in zip(self._arms, forces, strict=True):
+            arm.sense(x)
+            tips.append(self._tip(arm.state, force))
+        self._executing = perf_counter() - began
+        self._x = x
+        self._truth = Measurement(self.time, pose, tuple(tips))
+        return self._truth
+
+    def _tip(self, arm: ArmState, force: Vector3) -> TipState:
+        position = self._frame.coordinates(arm.position)
+        return TipState(position, self._frame.components(arm.velocity), force)
+
+    def apply(self, commands: Commands) -> None:
+        """Write the joint torques that execute the commands."""
+        began = perf_counter()
+        for arm, command in zip(self._arms, commands, strict=True):
+            arm.execute(command)
+        for i, arm in enumerate(self._arms):
+            assert arm.torque is not None
+            self._station.set_torque(i, arm.torque)
+        self._executing += perf_counter() - began
+
+    def advance(self) -> None:
+        """Simulate one control period."""
+        self._ticks += 1
+        try:
+            self._station.simulator.AdvanceTo(self._ticks * self._period)
+        except RuntimeError as error:
+            self._failure = str(error).splitlines()[0]
+
+    def row(self) -> PlantRow:
+        """Return what is recorded of the tick that the last measurement began."""
+        tips = self._truth.tips
+        extras: dict[str, Any] = {}
+        for i, arm in enumerate(self._arms):
+            extras |= arm.rows(i)
+        extras["contact_point"] = [
+            arm.contact_point(tip) for arm, tip in zip(self._arms, tips, strict=True)
+        ]
+        for name, start in self._body_rows.items():
+            extras[name] = self._x[start : start + 7].copy()
+        start = self._body_velocity
+        twist = planar_twist(self._x[start : start + 6], self._frame)
+        return PlantRow(twist, tuple(t.force for t in tips), self._executing, extras)
+
+    def diverged(self) -> str | None:
+        """Return that the object was far away at the last measurement, or what the
+        simulator complained of; None while all is well.
+        """
+        pose = self._truth.object_pose
+        off = math.hypot(pose.x - self._start.x, pose.y - self._start.y)
+        if not np.isfinite(self._x).all() or off > FAR:
+            return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        return self._failure
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        """Take the next joint paths, with a motion before them that leads each arm from
+        where it was at the last measurement to where its path begins.
+        """
+        taken = self._ahead.pop(0)
+        paths = led_in(
+            [path for path, _ in taken],
+            [arm.model.instance.facts for arm in self._arms],
+            [arm.state.q for arm in self._arms],
+        )
+        for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
+            arm.follow(placement.task, path, attitude)
+
+
+def _longest_approach(paths: tuple[ArmPath, ...]) -> float:
+    return max(float(path.approach_time[-1]) for path, _ in paths)

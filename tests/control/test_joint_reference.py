@@ -1,0 +1,66 @@
+"""Joint references: continuous, inside their samples, and at rest at the end."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pushpressslide.control.joint_reference import approach_reference, path_reference
+from pushpressslide.core.plan import JointPath
+
+TIMES = np.array([0.0, 0.5, 0.7, 2.0])
+PATH = JointPath(
+    approach_time=TIMES,
+    approach=np.array([[0.0, 1.0], [1.0, 1.0], [0.5, -1.0], [0.4, 2.0]]),
+    arc_length=np.array([0.0, 0.1, 0.4]),
+    move=np.array([[0.4, 2.0], [0.6, 1.0], [0.0, 0.0]]),
+    tool_yaw_offset=0.0,
+    joint_margin=1.0,
+    condition=1.0,
+    clearance=1.0,
+    gap=0.01,
+)
+times = st.floats(-1.0, 3.0)
+
+
+def test_the_approach_passes_through_its_samples() -> None:
+    for time, q in zip(TIMES, PATH.approach, strict=True):
+        assert approach_reference(PATH, time)[0] == pytest.approx(q)
+
+
+@given(times)
+def test_the_approach_stays_between_its_samples(time: float) -> None:
+    position, _ = approach_reference(PATH, time)
+    assert (position >= PATH.approach.min(axis=0)).all()
+    assert (position <= PATH.approach.max(axis=0)).all()
+
+
+@given(st.floats(0.001, 1.998))
+def test_the_velocity_is_the_slope_of_the_position(time: float) -> None:
+    step = 1e-4
+    if np.abs(TIMES - time).min() < 2.0 * step:
+        return
+    before, velocity = approach_reference(PATH, time - step)
+    after, _ = approach_reference(PATH, time + step)
+    assert (after - before) / (2.0 * step) == pytest.approx(velocity, abs=1e-6)
+
+
+def test_after_the_approach_the_arm_rests() -> None:
+    for time in (2.0, 2.1, 100.0):
+        position, velocity = approach_reference(PATH, time)
+        assert position.tolist() == PATH.approach[-1].tolist()
+        assert velocity.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(("progress", "row"), [(-0.2, 0), (0.1, 1), (0.4, 2), (9.0, 2)])
+def test_beyond_its_ends_the_path_keeps_its_nearer_end(
+    progress: float, row: int
+) -> None:
+    assert path_reference(PATH, progress) == pytest.approx(PATH.move[row])
+
+
+def test_a_path_that_leads_nowhere_keeps_its_start() -> None:
+    still = JointPath(
+        TIMES, PATH.approach, np.zeros(2), PATH.move[:2], 0.0, 1.0, 1.0, 1.0, 0.0
+    )
+    assert path_reference(still, 0.3).tolist() == PATH.move[0].tolist()

@@ -1,0 +1,332 @@
+"""The run loop, with a scripted controller and a plant that does nothing but keep a
+diary.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.control import run_loop as module
+from pushpressslide.control.plant import PlantRow
+from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions, run_loop
+from pushpressslide.control.watches import FORCE_OVERRUN, FORCE_TIME, ForceWatch
+from pushpressslide.core.control import (
+    PHASES,
+    Commands,
+    ControlLog,
+    JointCommand,
+    Measurement,
+    TipCommand,
+    TipState,
+)
+from pushpressslide.core.plan import JointPath, Plan, Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Sensing
+
+PERIOD = 0.01
+TICKS = 10  # that a scripted placement takes
+ZERO = (0.0, 0.0, 0.0)
+PUSH = TipCommand((3.0, 0.0, 0.0), (1.0, 2.0, 3.0), ZERO, ZERO, ZERO, 0, 0, 0, 5.0, 0.0)
+APPROACH = JointPath(
+    approach_time=np.array([0.0, 0.03]),
+    approach=np.array([[0.0, 0.0], [0.3, -0.3]]),
+    arc_length=np.array([0.0, 1.0]),
+    move=np.array([[0.3, -0.3], [1.0, 1.0]]),
+    tool_yaw_offset=0.0,
+    joint_margin=1.0,
+    condition=1.0,
+    clearance=1.0,
+    gap=0.001,
+)
+
+
+@dataclass
+class Diary:
+    """A plant on which nothing moves; it writes down what is asked of it."""
+
+    arms: int
+    force: float = 0.0  # [N] that every tip measures
+    breaks_after: float = np.inf  # [s]
+    joint_paths: tuple[JointPath, ...] = ()
+    name: str = "diary"
+    overhead: float = 0.0
+    meta: dict[str, Any] = field(default_factory=lambda: {"kind": "diary"})
+    ticks: int = 0
+    asked: list[str] = field(default_factory=list)
+    applied: list[Commands] = field(default_factory=list)
+    handed_over: list[tuple[Plan, frozenset[int]]] = field(default_factory=list)
+
+    @property
+    def time(self) -> float:
+        return self.ticks * PERIOD
+
+    def measure(self) -> Measurement:
+        self.asked.append("measure")
+        tip = TipState(ZERO, ZERO, (0.0, 0.0, self.force))
+        return Measurement(self.time, Pose2(0.1, 0.2, 0.3), (tip,) * self.arms)
+
+    def apply(self, commands: Commands) -> None:
+        self.asked.append("apply")
+        self.applied.append(commands)
+
+    def advance(self) -> None:
+        self.asked.append("advance")
+        self.ticks += 1
+
+    def row(self) -> PlantRow:
+        self.asked.append("row")
+        return PlantRow(ZERO, (ZERO,) * self.arms, 1e-3, {"extra": self.ticks})
+
+    def diverged(self) -> str | None:
+        return "it broke" if self.time > self.breaks_after else None
+
+    def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
+        self.handed_over.append((placement, lasting))
+
+
+@dataclass(frozen=True)
+class Line:
+    """The scripted controller's state."""
+
+    step: int = 0
+    phase: str = "move"
+    failure: tuple[str, str] | None = None
+    reference: Segment | None = None
+    ticks: tuple[float, float] = (0.0, 0.0)
+
+
+class Script:
+    """A controller that pushes for TICKS ticks and is done; arm 0 keeps its contact."""
+
+    made: list[Script]
+    failure: tuple[str, str] | None = None
+
+    def __init__(self, plan: Plan, number: int = 0, gap: float | None = None) -> None:
+        self.segments = plan.placements[number]
+        self.arms = len(plan.task.robots)
+        self.gap = gap
+        self.lasting = frozenset({0})
+        self.seen: list[Measurement] = []
+        self.held: Commands = ()
+        self.made.append(self)
+
+    def init(self, measurement: Measurement, held: Commands) -> Line:
+        self.held = held
+        return Line(reference=self.segments[0])
+
+    def step(
+        self, state: Line, measurement: Measurement
+    ) -> tuple[Commands, ControlLog, Line]:
+        self.seen.append(measurement)
+        log = ControlLog("move", 0.0, Pose2(), ZERO, ZERO, ZERO, 0.0, "ok")
+        last = state.step + 1 == TICKS
+        state = replace(
+            state,
+            step=state.step + 1,
+            phase="done" if last else "move",
+            failure=self.failure if last else None,
+        )
+        return (PUSH,) * self.arms, log, state
+
+
+@pytest.fixture(scope="module")
+def one() -> Plan:
+    """A plan with one arm and one placement."""
+    return shortened(pps.plan(pps.load_task("rear-push-rear")), 1.0)
+
+
+@pytest.fixture(scope="module")
+def two() -> Plan:
+    """A plan with two arms and two placements."""
+    plan = shortened(pps.plan(pps.load_task("pivot-and-move")), 1.0)
+    assert len(plan.placements) == len(plan.task.robots) == 2
+    return plan
+
+
+@pytest.fixture
+def scripts(monkeypatch: pytest.MonkeyPatch) -> list[Script]:
+    """The controllers that a run makes, in order."""
+    made: list[Script] = []
+    monkeypatch.setattr(Script, "made", made, raising=False)
+    monkeypatch.setattr(Script, "failure", None)
+    monkeypatch.setattr(module, "Controller", Script)
+    return made
+
+
+def shortened(plan: Plan, limit: float, sensing: Sensing | None = None) -> Plan:
+    task = plan.task
+    motion = replace(task.motion, control_period=PERIOD)
+    limits = replace(task.limits, time=limit)
+    sensing = sensing or task.sensing
+    return replace(
+        plan, task=replace(task, motion=motion, limits=limits, sensing=sensing)
+    )
+
+
+def test_a_tick_measures_applies_advances_and_is_recorded(one, scripts) -> None:
+    plant = Diary(arms=1)
+    run_loop(plant, one)
+    assert plant.asked == ["measure", "apply", "advance", "row"] * TICKS
+
+
+def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
+    record = run_loop(Diary(arms=1), one)
+    assert record.arrays["time"].tolist() == [i * PERIOD for i in range(TICKS)]
+    assert {
+        len(rows) for name, rows in record.arrays.items() if "plan_" not in name
+    } == {TICKS}
+
+
+def test_the_record_holds_what_the_plant_adds(one, scripts) -> None:
+    record = run_loop(Diary(arms=1), one)
+    assert (record.engine, record.meta) == ("diary", {"kind": "diary"})
+    assert record.arrays["extra"].tolist() == [i + 1 for i in range(TICKS)]
+    assert set(record.arrays["tick_execute"]) == {1e-3}
+
+
+OVERLOAD = 2.0 * FORCE_OVERRUN * 40.0  # [N]
+
+
+@pytest.mark.parametrize(
+    ("plant", "options", "limit", "failure", "code"),
+    [
+        ({}, {}, 1.0, None, "goal_reached"),
+        ({}, {}, 1.0, ("contact_lost", "it is gone"), "contact_lost"),
+        ({}, {}, 0.5 * TICKS * PERIOD, None, "time_limit"),
+        ({}, {"stop": lambda: True}, 1.0, None, "interrupted"),
+        ({"breaks_after": 2.5 * PERIOD}, {}, 1.0, None, "diverged"),
+        ({"force": OVERLOAD}, {}, 1.0, None, "force_limit"),
+    ],
+)
+def test_a_run_ends_for_every_reason_and_says_so(
+    one: Plan,
+    scripts: list[Script],
+    monkeypatch: pytest.MonkeyPatch,
+    plant: dict[str, float],
+    options: dict[str, Any],
+    limit: float,
+    failure: tuple[str, str] | None,
+    code: str,
+) -> None:
+    monkeypatch.setattr(Script, "failure", failure)
+    plan = shortened(one, limit)
+    watch = ForceWatch(40.0, PERIOD)
+    record = run_loop(Diary(arms=1, **plant), plan, RunOptions(**options), [watch])
+    assert record.reason == code
+    assert bool(record.reason_text) == (code != "goal_reached")
+    ends = {
+        "goal_reached": TICKS,
+        "contact_lost": TICKS,
+        "time_limit": TICKS // 2,
+        "interrupted": 1,
+        "diverged": 3,
+        "force_limit": round(FORCE_TIME / PERIOD) + 1,
+    }
+    assert len(record.arrays["time"]) == ends[code]
+
+
+def test_a_goal_that_is_reached_counts_before_any_watch(one, scripts) -> None:
+    plant = Diary(arms=1, breaks_after=(TICKS - 0.5) * PERIOD)
+    record = run_loop(plant, one, RunOptions(stop=lambda: plant.ticks == TICKS))
+    assert record.reason == "goal_reached"
+
+
+def test_placements_are_handed_over_in_order(two, scripts) -> None:
+    plant = Diary(arms=2)
+    record = run_loop(plant, two)
+    assert [script.segments for script in scripts] == list(two.placements)
+    assert plant.handed_over == [(two.by_placement[1], frozenset({0}))]
+    assert record.reason == "goal_reached"
+    assert len(record.arrays["time"]) == 2 * TICKS
+    legs = record.arrays["leg"]
+    assert (legs[:TICKS] == 0.0).all()
+    assert (legs[TICKS:] == 1.0).all()
+
+
+def test_only_arms_that_keep_their_contact_are_held(two, scripts) -> None:
+    run_loop(Diary(arms=2), two)
+    assert [script.held for script in scripts] == [(None, None), (PUSH, None)]
+
+
+def test_after_a_failure_nothing_is_handed_over(two, scripts, monkeypatch) -> None:
+    monkeypatch.setattr(Script, "failure", ("contact_lost", "it is gone"))
+    plant = Diary(arms=2)
+    assert run_loop(plant, two).reason == "contact_lost"
+    assert not plant.handed_over
+
+
+def approached(two: Plan, **options: Any) -> tuple[Diary, Record]:
+    plant = Diary(arms=2, joint_paths=(APPROACH, APPROACH))
+    return plant, run_loop(plant, two, RunOptions(**options))
+
+
+def test_joints_lead_to_the_contact_before_the_controller_acts(two, scripts) -> None:
+    plant, record = approached(two)
+    waiting = record.arrays["phase"] == PHASES.index("approach")
+    begins = [i for i, (a, b) in enumerate(pairwise(waiting)) if a and not b]
+    assert waiting[0]
+    assert len(begins) == 2
+    first, _ = scripts
+    assert first.seen[0].time == pytest.approx((begins[0] + 1) * PERIOD)
+    assert len(first.seen) == TICKS
+    for commands in plant.applied[: begins[0] + 1]:
+        assert all(isinstance(command, JointCommand) for command in commands)
+    assert np.isnan(record.arrays["command_force"][: begins[0] + 1]).all()
+
+
+def test_an_arm_that_is_held_obeys_its_tip_command_while_others_approach(
+    two, scripts
+) -> None:
+    plant, record = approached(two)
+    waiting = record.arrays["phase"] == PHASES.index("approach")
+    second = np.flatnonzero(waiting & (record.arrays["leg"] == 1.0))
+    assert len(second)
+    for i in second:
+        held, free = plant.applied[i]
+        assert isinstance(held, TipCommand)
+        assert held == PUSH
+        assert held.posture is not None
+        assert isinstance(free, JointCommand)
+    assert (record.arrays["command_force"][second, 0] == PUSH.force).all()
+
+
+def test_the_controller_knows_the_gap_that_the_approach_leaves(two, scripts) -> None:
+    approached(two)
+    assert [script.gap for script in scripts] == [APPROACH.gap, APPROACH.gap]
+
+
+def test_a_disturbance_reaches_the_arms_but_not_the_record(two, scripts) -> None:
+    plant, record = approached(two, disturb=lambda time, commands: (None, None))
+    moving = record.arrays["phase"] == PHASES.index("move")
+    sent = [commands == (None, None) for commands in plant.applied]
+    assert sent == moving.tolist()
+    assert (record.arrays["command_force"][moving] == PUSH.force).all()
+
+
+def test_a_seed_decides_what_the_controller_sees(one, scripts) -> None:
+    noisy = shortened(one, 1.0, Sensing(position_noise=1e-3))
+    records = [run_loop(Diary(1), noisy, RunOptions(seed=s)) for s in (3, 3, 4)]
+    first, again, other = (script.seen for script in scripts)
+    assert first == again
+    assert first != other
+    for record in records:  # the truth has no noise
+        assert set(record.arrays["object_pose"][:, 0]) == {0.1}
+
+
+def test_progress_is_told_with_the_expected_duration(one) -> None:
+    told: list[tuple[float, float]] = []
+    plant = Diary(arms=1, overhead=7.0)
+    run_loop(plant, one, RunOptions(progress=lambda *times: told.append(times)))
+    expected = 7.0 + one.duration
+    assert [time for time, _ in told] == pytest.approx(
+        [(i * PROGRESS_TICKS - 1) * PERIOD for i in range(1, len(told) + 1)]
+    )
+    assert len(told) == plant.ticks // PROGRESS_TICKS
+    assert [total for _, total in told] == pytest.approx([expected] * len(told))

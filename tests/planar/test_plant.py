@@ -1,0 +1,52 @@
+"""The planar plant keeps what the run loop relies on."""
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.plan import Plan
+from pushpressslide.planar.plant import PlanarPlant
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    """Two arms, two placements."""
+    return pps.plan(pps.load_task("pivot-and-move"))
+
+
+def test_it_starts_with_the_object_at_its_true_start(plan: Plan) -> None:
+    plant = PlanarPlant(plan)
+    assert plant.time == 0.0
+    pose = plant.measure().object_pose
+    start = plan.task.true_start
+    assert pose.position == pytest.approx(start.position)
+    assert pose.yaw == pytest.approx(start.yaw)
+
+
+def test_to_measure_changes_nothing(plan: Plan) -> None:
+    plant = PlanarPlant(plan)
+    plant.apply((None, None))
+    plant.advance()
+    assert plant.measure() == plant.measure()
+
+
+def test_without_commands_nothing_moves_but_time(plan: Plan) -> None:
+    plant = PlanarPlant(plan)
+    before = plant.measure()
+    for _ in range(3):
+        plant.apply((None, None))
+        plant.advance()
+    after = plant.measure()
+    assert after.time == pytest.approx(3.0 * plan.task.motion.control_period)
+    assert after.object_pose == before.object_pose
+    assert [tip.position for tip in after.tips] == [tip.position for tip in before.tips]
+    assert plant.row().object_twist == (0.0, 0.0, 0.0)
+    assert plant.diverged() is None
+
+
+def test_a_hand_over_moves_the_tips_but_those_that_stay(plan: Plan) -> None:
+    plant = PlanarPlant(plan)
+    before = plant.measure().tips
+    plant.hand_over(plan.by_placement[1], frozenset({0}))
+    after = plant.measure().tips
+    assert after[0] == before[0]
+    assert after[1].position != before[1].position
