@@ -262,9 +262,9 @@ def measured_tip_friction(pair: float) -> float:
     height = 0.05
     robot = Robot("hand", (0.0, 0.0, 0.0), tip_radius=radius)
     task = replace(plan.task, start=Pose2(0.5, 0.0, 0.0), robots=(robot,))
-    scene = build_scene(
-        replace(plan, task=task, path=ArcPath(task.start, ((0.0, 0.0),)))
-    )
+    (segment,) = plan.segments
+    segment = replace(segment, path=ArcPath(task.start, ((0.0, 0.0),)))
+    scene = build_scene(replace(plan, task=task, segments=(segment,)))
     simulator = Simulator(scene.builder.Build())
     context = scene.plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     scene.plant.SetFreeBodyPose(
