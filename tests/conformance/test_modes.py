@@ -31,12 +31,10 @@ every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))
 
 
 def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
-    base = replace(
-        BASE,
-        modes=(mode.name,),
-        robots=tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms)),
-    )
-    tasks = [random_task(base, index, seed=7) for index in range(count)]
+    robots = tuple(Robot(robot, (0.0, 0.2 * i, 0.0)) for i in range(mode.arms))
+    base = replace(BASE, modes=(mode.name,), robots=robots[:1])
+    drawn = [random_task(base, index, seed=7) for index in range(count)]
+    tasks = [replace(task, robots=robots) for task in drawn]
     if mode.name == "press_and_push":
         return [
             turned_about_a_point(task, random.Random(i)) for i, task in enumerate(tasks)

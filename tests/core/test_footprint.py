@@ -1,4 +1,4 @@
-"""Footprints: areas, centroids, convexity, depths and overlaps."""
+"""Footprints: depths, distances and overlaps."""
 
 import math
 
@@ -6,14 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pushpressslide.core.footprint import (
-    centroid,
-    convexity_fault,
-    depth_inside,
-    distance_outside,
-    overlap_area,
-    signed_area,
-)
+from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Prism
 
@@ -22,42 +15,14 @@ SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 coordinates = st.integers(-3_000_000, 3_000_000).map(lambda n: 1e-6 * n)
 
 
-def test_area_is_positive_counter_clockwise_and_negative_clockwise() -> None:
-    assert signed_area(SQUARE) == 1.0
-    assert signed_area(SQUARE[::-1]) == -1.0
-
-
-@given(coordinates, coordinates)
-def test_the_centroid_moves_with_the_polygon(x: float, y: float) -> None:
-    moved = tuple((a + x, b + y) for a, b in SQUARE)
-    assert centroid(moved) == pytest.approx((0.5 + x, 0.5 + y))
-
-
-@given(
-    st.integers(3, 40), st.floats(0.01, 3), st.floats(0, 6), st.sampled_from([1, -1])
-)
-def test_a_regular_polygon_has_no_fault_in_either_sense(
-    n: int, radius: float, turn: float, sense: int
-) -> None:
-    angles = [turn + sense * 2 * math.pi * i / n for i in range(n)]
-    assert (
-        convexity_fault(
-            tuple((radius * math.cos(a), radius * math.sin(a)) for a in angles)
-        )
-        is None
-    )
-
-
 @given(coordinates, coordinates)
 def test_a_point_is_inside_or_at_a_distance(x: float, y: float) -> None:
     for shape in (Box((1.0, 1.0, 1.0)), Cylinder(0.5, 1.0), Prism(SQUARE, 1.0)):
-        assert (distance_outside(shape, (x, y)) > 0.0) == (
-            depth_inside(shape, (x, y)) < 0.0
-        )
+        assert (shape.distance((x, y)) > 0.0) == (shape.depth((x, y)) < 0.0)
 
 
 def test_the_distance_to_a_corner_is_straight() -> None:
-    assert distance_outside(Box((2.0, 2.0, 1.0)), (4.0, 5.0)) == pytest.approx(5.0)
+    assert Box((2.0, 2.0, 1.0)).distance((4.0, 5.0)) == pytest.approx(5.0)
 
 
 def test_a_turned_square_overlaps_a_disc_by_the_disc() -> None:

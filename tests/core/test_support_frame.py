@@ -37,3 +37,12 @@ def test_a_yaw_turns_about_the_normal_of_a_table_and_into_a_wall() -> None:
     wall = SupportFrame.of_wall((0.0, 0.0, 0.0), 0.7)
     x, y, z = wall.direction((0.0, 0.0, 1.0))
     assert wall.spin_axis == pytest.approx((-x, -y, -z), abs=1e-15)
+
+
+@given(st.floats(-3.1, 3.1))
+def test_the_normal_is_where_heights_grow_and_a_wall_is_left_handed(yaw):
+    wall = SupportFrame.of_wall((0.3, -0.2, 0.8), yaw)
+    for frame, hand in ((wall, -1.0), (TABLE, 1.0)):
+        assert frame.components(frame.normal) == pytest.approx((0.0, 0.0, 1.0))
+        assert frame.handedness == hand
+        assert frame.spin_axis == pytest.approx([hand * n for n in frame.normal])

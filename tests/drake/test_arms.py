@@ -24,9 +24,9 @@ from pushpressslide.core.task import (
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints import joint_path
+from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
 from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
-from pushpressslide.sim.joints.joint_path import CLEARANCE
 from pushpressslide.sim.joints.outline import Outline, least_distance
 
 

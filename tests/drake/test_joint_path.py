@@ -19,6 +19,7 @@ from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.selection.planner import plan as make_plan
 from pushpressslide.sim.joints import joint_path as search
 from pushpressslide.sim.joints.approach import APPROACH_SPEED, LEAST_GAP, led_in
+from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.sim.joints.clearance import ClearanceModel
 from pushpressslide.sim.joints.postures import CONDITION_LIMIT, JOINT_MARGIN
 
@@ -65,10 +66,10 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
     start = plan.task.start
     (segment,) = plan.segments
     objects = [plan.object_pose(segment, float(s)) for s in path.arc_length]
-    assert model.least(path.move, objects, touching=True)[0] >= search.CLEARANCE
+    assert model.least(path.move, objects, touching=True)[0] >= CLEARANCE
     assert (
         model.least(path.approach, [start] * len(path.approach), touching=False)[0]
-        >= search.CLEARANCE
+        >= CLEARANCE
     )
     assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
     gap = path.gap * np.array(plan.contacts[0].direction(objects[0]))

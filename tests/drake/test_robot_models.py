@@ -20,7 +20,11 @@ from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import MODELS, TIP_MASS, load_facts
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.urdf import urdf_text
-from pushpressslide.sim.robot_models import DRAKE_MODELS, add_robot
+from pushpressslide.sim.robot_models import (
+    DRAKE_MODELS,
+    DRAKE_MODELS_VARIABLE,
+    add_robot,
+)
 
 DRAKE_MODELS_COPY = (
     Path(__file__).resolve().parents[2].parent / "shared" / "data" / "drake_models"
@@ -150,11 +154,10 @@ def test_the_generated_arm_equals_the_published_one(model):
 
 @needs_copy
 @pytest.mark.parametrize("model", ["panda", "iiwa7"])
-def test_drakes_own_models_carry_our_tip(model):
+def test_drakes_own_models_carry_our_tip(model, monkeypatch):
+    monkeypatch.setenv(DRAKE_MODELS_VARIABLE, str(DRAKE_MODELS_COPY))
     robot = Robot(model, (0.1, -0.2, 0.3), 0.7)
-    plant, instance, context, _ = build(
-        robot, models="drake_models", drake_models=DRAKE_MODELS_COPY
-    )
+    plant, instance, context, _ = build(robot, models="drake_models")
     kin = arm_kinematics(robot)
     for q in random_postures(kin.facts):
         R, p, _ = tip_of(plant, instance, context, q)
@@ -164,13 +167,10 @@ def test_drakes_own_models_carry_our_tip(model):
     np.testing.assert_array_equal(plant.GetEffortUpperLimits(), kin.facts.effort_limit)
 
 
-def test_a_folder_without_drakes_models_is_refused(tmp_path):
+def test_a_folder_without_drakes_models_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv(DRAKE_MODELS_VARIABLE, str(tmp_path))
     with pytest.raises(TaskError, match=r"package\.xml"):
-        build(
-            Robot("panda", (0.0, 0.0, 0.0)),
-            models="drake_models",
-            drake_models=tmp_path,
-        )
+        build(Robot("panda", (0.0, 0.0, 0.0)), models="drake_models")
 
 
 @pytest.mark.parametrize("model", MODELS)

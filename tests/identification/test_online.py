@@ -38,7 +38,9 @@ def seen(
     c = math.cos(0.3)
     s = math.sin(0.3)
     rate = (c * along - s * across, s * along + c * across, w)
-    size = drag / math.sqrt(1.0 + abs(lever) / predicted.reach * math.sin(angle) ** 2)
+    size = drag / math.sqrt(
+        1.0 + abs(lever) / predicted.effective_wheelbase * math.sin(angle) ** 2
+    )
     force = (size * math.cos(0.3 + angle), size * math.sin(0.3 + angle))
     for k in range(round(3.0 / DT)):
         measured = Pose2(
@@ -51,30 +53,30 @@ def seen(
 
 @pytest.mark.parametrize("lever", [0.05, -0.05])
 def test_axle_reach_and_drag_are_found(lever: float) -> None:
-    predicted = Identified(axle=-0.4, reach=0.5, drag=3.0)
+    predicted = Identified(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
     found = seen(-0.05, 0.15, 4.0, math.radians(50.0), predicted, lever)
     assert found is not None
     assert found.axle == pytest.approx(-0.05, abs=0.01)
-    assert found.reach == pytest.approx(0.15, rel=0.1)
+    assert found.effective_wheelbase == pytest.approx(0.15, rel=0.1)
     assert found.drag == pytest.approx(4.0, rel=0.05)
 
 
 def test_a_prediction_that_is_not_contradicted_stands() -> None:
-    predicted = Identified(axle=-0.05, reach=0.2, drag=3.0)
+    predicted = Identified(axle=-0.05, effective_wheelbase=0.2, drag=3.0)
     assert seen(-0.09, 0.2, 3.0, math.radians(50.0), predicted, 0.05) is None
 
 
 def test_straight_motion_says_nothing() -> None:
-    predicted = Identified(axle=-0.4, reach=0.5, drag=3.0)
+    predicted = Identified(axle=-0.4, effective_wheelbase=0.5, drag=3.0)
     assert seen(-0.05, 0.15, 4.0, math.radians(0.2), predicted, 0.05) is None
 
 
 def test_estimates_stay_within_bounds() -> None:
-    predicted = Identified(axle=-0.4, reach=0.01, drag=3.0)
+    predicted = Identified(axle=-0.4, effective_wheelbase=0.01, drag=3.0)
     found = seen(0.3, 0.5, 60.0, math.radians(60.0), predicted, 0.05)
     assert found is not None
     assert found.axle <= -0.4 + 6.0 * 0.01 + 1e-12
-    assert found.reach <= 0.06 + 1e-12
+    assert found.effective_wheelbase <= 0.06 + 1e-12
     assert found.drag <= 18.0 + 1e-9
 
 
@@ -93,6 +95,6 @@ def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
     )
     assert found is not None
     exact = math.sqrt(reach * press.lever)
-    got = math.sqrt(found.reach * press.lever)
+    got = math.sqrt(found.effective_wheelbase * press.lever)
     assert got == pytest.approx(exact, rel=0.1)
     assert found.axle == pytest.approx(axle, abs=0.02)

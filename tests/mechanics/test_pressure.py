@@ -9,9 +9,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from pushpressslide.core import quadrature
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.core.wrench import Twist
-from pushpressslide.mechanics import quadrature
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import (
     PressureSamples,
@@ -108,7 +108,7 @@ def test_any_cop_inside_a_polygon_is_reached_by_pressure_that_only_pushes(s, t):
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_where_the_whole_base_is_pressed_the_closed_form_is_what_is_iterated_to(s, t):
     base = tuple(
-        Prism(((-0.1, -0.1), (0.2, -0.05), (0.1, 0.1), (-0.05, 0.12)), 0.1).footprint
+        Prism(((-0.1, -0.1), (0.2, -0.05), (0.1, 0.1), (-0.05, 0.12)), 0.1).corners
     )
     cop = (0.04 * s + 0.03, 0.03 * t)
     found = quadrature.whole_pressure(base, cop)

@@ -125,3 +125,28 @@ def test_the_defaults_of_a_robot_are_those_of_the_data() -> None:
         "rear-push-rear", ["robots=[{model: panda}]"]
     ).robots
     assert robot == Robot("panda", (0.0, 0.0, 0.0))
+
+
+KINDS = {"Box", "Prism", "Cylinder"}
+MAY_ASK_FOR_THE_KIND = {
+    "taskfile/dump.py": "the file names the kind",
+    "sim/surfaces.py": "Drake's geometry has a class a kind",
+    "sim/scenes.py": "Drake's inertia and mesh sizes have a formula a kind",
+    "studies/paper/virtual_axle.py": "the paper's object is a box of another height",
+    "mechanics/faces.py": "room_ahead has another formula for a cylinder",
+}
+
+
+@every_file
+def test_a_shape_is_asked_and_not_inspected(path: Path) -> None:
+    place = path.relative_to(SOURCE).as_posix()
+    asked = [
+        node
+        for node in ast.walk(tree_of(path))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id == "isinstance"
+        and KINDS
+        & {part.strip() for part in re.split(r"\W", ast.unparse(node.args[1]))}
+    ]
+    assert bool(asked) == (place in MAY_ASK_FOR_THE_KIND), f"{place}: core/shapes.py"

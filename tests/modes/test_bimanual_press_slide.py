@@ -14,8 +14,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
 from pushpressslide.core.wrench import Twist
-from pushpressslide.jobs.sampling import varied_task
-from pushpressslide.jobs.two_arm_sampling import random_two_arm_task
+from pushpressslide.jobs.sampling import random_task, varied_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.modes.bimanual_press_slide import APART, MODE, USE
 from pushpressslide.planar.engine import run as run_planar
@@ -248,7 +247,7 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
 def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> (
     None
 ):
-    task = random_two_arm_task(pps.load_task("bimanual-slide"), 12, 2)
+    task = random_task(pps.load_task("bimanual-slide"), 12, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
     assert choice.parameters["friction_use"] <= USE[-1]

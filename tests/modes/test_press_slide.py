@@ -4,10 +4,10 @@ import math
 from dataclasses import replace
 
 from pushpressslide import load_task
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
-from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
 from pushpressslide.planning.pressed.turns import steering_of

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2, cross
@@ -24,7 +25,7 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import center_of_pressure, support_pressure
 from pushpressslide.mechanics.virtual_axle import axle_with_height, dragged_twist
-from pushpressslide.planar.world import GRAVITY, World
+from pushpressslide.planar.world import World
 
 DT = 0.004
 RADIUS = 0.02

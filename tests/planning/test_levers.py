@@ -4,7 +4,7 @@ import pytest
 
 from pushpressslide.core.pose import cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
-from pushpressslide.planning.levers import SHORTEST, depth_inside, levers
+from pushpressslide.planning.levers import SHORTEST, levers
 
 BOX = ObjectModel(Box((0.6, 0.8, 0.7)), 5.0, (0.05, -0.02))
 SHAPES = [
@@ -28,7 +28,9 @@ def test_every_lever_turns_to_the_side_that_was_asked_the_longest_first(
         )
         assert side * turn == pytest.approx(lever.length)
         assert lever.length >= SHORTEST * found[0].length
-        assert depth_inside(body, lever.point) == pytest.approx(0.0, abs=2e-3)
+        assert body.shape.depth(body.X_GB.apply(lever.point)) == pytest.approx(
+            0.0, abs=2e-3
+        )
     assert [lever.length for lever in found] == sorted(
         (lever.length for lever in found), reverse=True
     )
@@ -46,5 +48,5 @@ def test_a_point_held_at_the_middle_of_a_cylinder_leaves_no_lever() -> None:
 
 
 def test_depth_is_measured_to_the_nearest_edge() -> None:
-    assert depth_inside(BOX, (0.0, 0.0)) == pytest.approx(0.25)
-    assert depth_inside(BOX, (0.30, 0.0)) == pytest.approx(-0.05)
+    assert BOX.shape.depth(BOX.X_GB.apply((0.0, 0.0))) == pytest.approx(0.25)
+    assert BOX.shape.depth(BOX.X_GB.apply((0.30, 0.0))) == pytest.approx(-0.05)

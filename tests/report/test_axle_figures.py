@@ -9,7 +9,8 @@ import pytest
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.task import Box, ObjectModel
 from pushpressslide.mechanics.press_axle import Press
-from pushpressslide.report.axle_figures import axle_over_time, axles_over_time
+from pushpressslide.report.axle_figures import axle_over_time
+from pushpressslide.report.axle_series import axle_series
 
 AXLE = -0.05
 ANGLE = 0.6
@@ -55,25 +56,23 @@ def pressed_run(run, request):
 def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(
     pressed_run,
 ) -> None:
-    axles = axles_over_time(pressed_run.task, pressed_run.plan, pressed_run.record)
-    assert np.isnan(axles["measured"][~pressed_run.move]).all()
-    np.testing.assert_allclose(axles["measured"][pressed_run.move], AXLE, atol=1e-6)
+    axles = axle_series(pressed_run.task, pressed_run.plan, pressed_run.record)
+    assert np.isnan(axles.measured[~pressed_run.move]).all()
+    np.testing.assert_allclose(axles.measured[pressed_run.move], AXLE, atol=1e-6)
     thing = Press(pressed_run.task.object, 0.3, (0.12, 0.05), LOAD)
     for key, value in (
         ("predicted", thing.axle(ANGLE)),
         ("without_height", thing.axle(ANGLE, 0.0)),
         ("paper", thing.paper_axle()),
     ):
-        assert len(axles[key]) == len(axles["time"]) >= 50
-        np.testing.assert_allclose(axles[key], value, atol=1e-5)
+        assert len(getattr(axles, key)) == len(axles.time) >= 50
+        np.testing.assert_allclose(getattr(axles, key), value, atol=1e-5)
 
 
 def test_where_the_object_hardly_turns_nothing_is_measured(pressed_run) -> None:
     slow = pressed_run.record.arrays["object_twist"] * [1.0, 1.0, 0.1]
     made = pressed_run.with_arrays(object_twist=slow)
-    assert np.isnan(
-        axles_over_time(made.task, made.plan, made.record)["measured"]
-    ).all()
+    assert np.isnan(axle_series(made.task, made.plan, made.record).measured).all()
 
 
 def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
@@ -82,7 +81,7 @@ def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
     made = pressed_run.with_arrays(
         object_twist=pressed_run.record.arrays["object_twist"] * ramp[:, None]
     )
-    measured = axles_over_time(made.task, made.plan, made.record)["measured"]
+    measured = axle_series(made.task, made.plan, made.record).measured
     assert np.isnan(measured[time < 2.9]).all()
     np.testing.assert_allclose(measured[made.move & (time > 3.4)], AXLE, atol=1e-6)
 

@@ -133,8 +133,7 @@ def test_frames_show_the_object_move(arm_run, tmp_path):
             arm_run.record,
             (0.0, 4.0),
             tmp_path,
-            width=160,
-            height=120,
+            size=(160, 120),
         )
     except SimulationError as error:
         pytest.skip(str(error))
@@ -170,8 +169,7 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
             arm_run.record,
             out,
             frames_per_second=2.0,
-            width=80,
-            height=60,
+            size=(80, 60),
         )
     except SimulationError as error:
         pytest.skip(str(error))
@@ -223,7 +221,7 @@ def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
     corners = [
         (*X_WG.apply(c), z)
         for X_WG in (bar.start, bar.goal)
-        for c in bar.object.shape.footprint
+        for c in bar.object.shape.corners
         for z in (0.0, 0.05)
     ]
     seen = (look_at(view).inverse() @ np.array(corners).T).T

@@ -8,7 +8,12 @@ import pytest
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.continuation import continuation, continuations
 from pushpressslide.robots.facts import MODELS, load_facts
-from pushpressslide.robots.inverse import axis_error, orientation_error, solve_ik
+from pushpressslide.robots.inverse import (
+    IkSearch,
+    axis_error,
+    orientation_error,
+    solve_ik,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import reach_problem, reachable
 from pushpressslide.robots.tool import ToolAttitude
@@ -148,7 +153,11 @@ def test_the_joint_path_does_not_depend_on_how_finely_it_is_sampled():
 def test_the_elbow_moves_away_from_a_limit():
     kin = ArmKinematics(load_facts("panda"))
     low = solve_ik(
-        kin, straight()[:1], tool_yaw=0.0, joint_margin=0.0, best_margin=False
+        kin,
+        straight()[:1],
+        tool_yaw=0.0,
+        joint_margin=0.0,
+        search=IkSearch(first_found=True),
     )
     path = continuation(kin, straight(), np.zeros(101), low.q[0])
     assert path.ok
@@ -193,3 +202,22 @@ def test_a_start_on_the_other_side_of_the_arm_is_a_failure_and_not_an_exception(
     path = continuation(kin, np.full((3, 3), 5.0), np.zeros(3), kin.facts.home)
     assert path.status == "unreachable"
     assert path.failed_at == 0
+
+
+def test_the_first_posture_that_is_found_meets_its_target_with_less_margin_on_average():
+    kin = ArmKinematics(load_facts("panda"))
+    best = solve_ik(kin, PLACES)
+    first = solve_ik(kin, PLACES, search=IkSearch(first_found=True))
+    both = best.converged & first.converged
+    assert (first.converged == best.converged).all()
+    assert (first.position_residual[both] < 1e-6).all()
+    assert best.joint_margin[both].mean() > first.joint_margin[both].mean()
+
+
+def test_a_search_without_steps_only_looks_at_its_starts():
+    kin = ArmKinematics(load_facts("panda"))
+    home = np.array(kin.facts.home)
+    place = np.asarray(kin.tip_pose(home)[1])
+    found = solve_ik(kin, place, q_seed=home, search=IkSearch(iterations=0))
+    assert found.q[0] == pytest.approx(home)
+    assert found.position_residual[0] == pytest.approx(0.0, abs=1e-12)

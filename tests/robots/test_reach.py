@@ -9,7 +9,12 @@ import pytest
 
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.robots.reach import REACH_MARGIN, held_somehow_problem, reachable
+from pushpressslide.robots.reach import (
+    REACH_MARGIN,
+    Reach,
+    held_somehow_problem,
+    reachable,
+)
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
 ARMS = [Robot("panda", (0.1, 0.2, 0.1), 0.3), Robot("iiwa7", (0.1, 0.2, 0.1), -0.4)]
@@ -74,3 +79,19 @@ def test_where_an_upright_tool_fails_a_tilted_one_may_do(robot):
     assert held_somehow_problem(robot, points, [(UPRIGHT, None), outward]) is None
     fixed = (outward[0], np.full(len(points), robot.base_yaw))
     assert held_somehow_problem(robot, points, [(UPRIGHT, None), fixed]) is None
+
+
+def test_replaced_rows_are_those_of_the_other_search_and_the_rest_stays():
+    first = Reach(
+        np.array([True, False, False]),
+        np.array([0.3, 0.0, 0.1]),
+        np.array([0.0, 0.2, 0.1]),
+        np.zeros((3, 7)),
+    )
+    better = Reach(np.array([True]), np.array([0.5]), np.array([0.0]), np.ones((1, 7)))
+    merged = first.replaced(np.array([1]), better)
+    assert merged.ok.tolist() == [True, True, False]
+    assert merged.joint_margin.tolist() == [0.3, 0.5, 0.1]
+    assert merged.miss.tolist() == [0.0, 0.0, 0.1]
+    assert merged.q.sum(axis=1).tolist() == [0.0, 7.0, 0.0]
+    assert first.ok.tolist() == [True, False, False]

@@ -126,7 +126,7 @@ def test_a_mirrored_push_has_the_mirrored_car(car, share):
 def test_the_centred_push_of_the_cube_is_the_car_of_the_notes():
     car = RearSteerCar((-0.075, 0.0), (1.0, 0.0), (0.0, 0.0), 0.0574, 0.5)
     assert car.eta == 0.0
-    assert car.wheelbase == pytest.approx(0.0439, abs=5e-5)
+    assert car.effective_wheelbase == pytest.approx(0.0439, abs=5e-5)
     assert car.X_BV.position == pytest.approx((0.0439, 0.0), abs=5e-5)
     assert car.curvature_limits[1] == pytest.approx(0.5 * 0.075 / 0.0574**2)
     assert car.curvature_limits[0] == -car.curvature_limits[1]

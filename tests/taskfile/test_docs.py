@@ -23,7 +23,7 @@ def test_the_table_of_fields_is_that_of_the_schema() -> None:
 
 def test_every_field_of_a_motion_is_in_the_schema() -> None:
     assert SCHEMA.fields is not None
-    assert set(SCHEMA.fields["motion"].fields or ()) == {
+    assert set(SCHEMA.fields["motion"].kind.fields or ()) == {
         field.name for field in fields(Motion)
     }
 

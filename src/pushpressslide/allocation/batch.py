@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.allocation.contact_line import ContactLine, ContactPair, Split
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 

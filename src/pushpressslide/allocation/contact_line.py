@@ -21,8 +21,9 @@ FACING = 0.03
 
 
 class ContactLine:
-    """The line from contact ``first`` to ``second`` [m], both in B; raises ValueError
-    if they coincide.
+    """The line from contact ``first`` to ``second`` [m], both in B.
+
+    Raises ValueError if they coincide.
     """
 
     __slots__ = ("e", "length", "middle")

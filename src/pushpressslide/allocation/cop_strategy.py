@@ -58,8 +58,9 @@ def safe_loads(
 
 
 def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
-    """Return the least loads [N] of the left and right contact for ``twist``; None if
-    the cap, or any press, is not enough with that centre of pressure.
+    """Return the least loads [N] of the left and right contact for ``twist``.
+
+    None if the cap, or any press, is not enough with that centre of pressure.
     """
     loads = (
         presses.in_ratio(cop, twist)
@@ -70,8 +71,9 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
-    """Return the loads [N] of which the larger is ``heavier``; the other is < 0 where
-    that centre of pressure takes a pull.
+    """Return the loads [N] of which the larger is ``heavier``.
+
+    The other is < 0 where that centre of pressure takes a pull.
     """
     weight = presses.weight
     if isinstance(cop, str):

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.allocation import Allocation, AllocationStatus
 from pushpressslide.core.pose import Point, cross, turned_left
 
 EXACT = (0.0, 0.0, 0.0)  # residual
@@ -18,14 +18,14 @@ Allocator = Callable[[float, float, float], Allocation]
 def one_contact_allocator(
     point: Point, normal: Point, friction: float, rho: float
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] with unit
-    inward ``normal``, both in B.
+    """Return ``allocate(fx, fy, tau)`` for a side contact at ``point`` [m] in B.
 
-    The wrench is about B's origin, the CoM, in B. One contact gives only wrenches with
-    tau = point x f and f in the cone of ``friction``; any other is projected to the
-    nearest in the norm diag(1, 1, 1/rho^2), in which the error of the object's twist is
-    least for an ellipsoid of ``rho`` [m]. Status "ok" if nothing had to be changed (to
-    1e-9 of the wrench), "projected" else, "infeasible" if even the best force is zero.
+    ``normal`` is the unit inward normal in B. The wrench is about B's origin, the CoM,
+    in B. One contact gives only wrenches with tau = point x f and f in the cone of
+    ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2),
+    in which the error of the object's twist is least for an ellipsoid of ``rho`` [m].
+    Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
+    "infeasible" if even the best force is zero.
     """
     px, py = point
     nx, ny = normal
@@ -42,6 +42,7 @@ def one_contact_allocator(
     )
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         fn = fx * nx + fy * ny
         ft = fx * tx + fy * ty
         margin = friction * fn - (ft if ft > 0.0 else -ft)
@@ -78,22 +79,11 @@ def one_contact_allocator(
         residual = (fx - gx, fy - gy, tau - cross(point, (gx, gy)))
         scale = abs(fx) + abs(fy) + abs(tau) / rho
         error = abs(residual[0]) + abs(residual[1]) + abs(residual[2]) / rho
-        margin = friction * fn - abs(ft)
         if fn <= 0.0:
-            return Allocation(
-                ((0.0, 0.0),),
-                (0.0,),
-                0.0,
-                "ok" if scale == 0.0 else "infeasible",
-                residual,
-            )
+            status: AllocationStatus = "ok" if scale == 0.0 else "infeasible"
+            return Allocation(((0.0, 0.0),), (0.0,), 0.0, status, residual)
+        margin = friction * fn - abs(ft)
         status = "ok" if error <= 1e-9 * scale else "projected"
-        return Allocation(
-            ((gx, gy),),
-            (fn,),
-            margin,
-            "ok" if status == "ok" else "projected",
-            residual,
-        )
+        return Allocation(((gx, gy),), (fn,), margin, status, residual)
 
     return allocate

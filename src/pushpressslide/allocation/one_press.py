@@ -32,6 +32,7 @@ def one_press_allocator(
     shrink = 1.0 / (1.0 + (rx * rx + ry * ry) * inv)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         off = tau - rx * fy + ry * fx
         size = sqrt(fx * fx + fy * fy)
         if size <= most and abs(off) <= 1e-12 * most:

@@ -61,8 +61,9 @@ def feasibility(
 def friction_interval(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[float, float]:
-    """Return the interval [N] of B's friction force u in which both cones are kept;
-    reversed if empty.
+    """Return the interval [N] of B's friction force u in which both cones are kept.
+
+    Reversed if empty.
     """
     p = fx
     q = -fy
@@ -81,11 +82,10 @@ def friction_interval(
 def forces(
     fx: float, fy: float, tau: float, d: float, friction: float
 ) -> tuple[Point, Point]:
-    """Return the forces [N] of B and L with u = -T/2, moved into its interval; for a
-    wrench that is possible.
+    """Return the forces [N] of B and L with u = -T/2, moved into its interval.
 
-    u = -T/2 is the paper's symmetric split; it has the least sum of squared friction
-    forces.
+    For a wrench that is possible. u = -T/2 is the paper's symmetric split; it has the
+    least sum of squared friction forces.
     """
     low, high = friction_interval(fx, fy, tau, d, friction)
     t = tau / d

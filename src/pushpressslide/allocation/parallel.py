@@ -67,10 +67,10 @@ def parallel_push_allocator(
     )
     nx, ny = normal
     cap1, cap2 = caps
-    none = NONE
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         push = nx * fx + ny * fy
         slide = nx * fy - ny * fx
         f1n = x * fx + y * fy + t * tau
@@ -88,7 +88,7 @@ def parallel_push_allocator(
                     (f1n, f2n),
                     least * margin,
                     "ok",
-                    none,
+                    NONE,
                 ),
             )
         return general(fx, fy, tau)

@@ -53,17 +53,9 @@ def press_and_push_allocator(
     slopes = (friction * along - left, friction * along + left)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         a = (tau - px * fy + py * fx) / lever
-        low = -inf
-        high = inf
-        slack = friction * a
-        for slope in slopes:
-            if slope > 0.0:
-                low = max(low, -slack / slope)
-            elif slope < 0.0:
-                high = min(high, -slack / slope)
-            elif slack < 0.0:
-                low = inf
+        low, high = _interval(friction * a, slopes)
         gx = fx - a * nx
         gy = fy - a * ny  # what the press gives to a push along its normal
         status: AllocationStatus = "ok"
@@ -79,12 +71,11 @@ def press_and_push_allocator(
             square = middle * middle - gx * gx - gy * gy + most * most
             room = sqrt(square) if square > 0.0 else 0.0
             least = max(low, middle - room)
-            greatest = min(high, middle + room)
-            s = (
-                min(max(0.0, least), greatest)
-                if least <= greatest
-                else min(max(middle, low), high)
-            )
+            most_along = min(high, middle + room)
+            if least <= most_along:
+                s = min(max(0.0, least), most_along)
+            else:
+                s = min(max(middle, low), high)
         size = hypot(gx - s * ex, gy - s * ey)
         if size > most * (1.0 + 1e-12):
             scale = most / size
@@ -105,3 +96,17 @@ def press_and_push_allocator(
         return Allocation((pressed, pushed), (load, f_n), margin, status, residual)
 
     return allocate
+
+
+def _interval(slack: float, slopes: tuple[float, float]) -> tuple[float, float]:
+    """Return the interval of s in which slack + slope s >= 0; reversed if none."""
+    low = -inf
+    high = inf
+    for slope in slopes:
+        if slope > 0.0:
+            low = max(low, -slack / slope)
+        elif slope < 0.0:
+            high = min(high, -slack / slope)
+        elif slack < 0.0:
+            low = inf
+    return low, high

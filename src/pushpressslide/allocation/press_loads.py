@@ -109,8 +109,9 @@ class TwoPresses:
     def in_ratio(
         self, share: float | Side, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return the least loads in a ratio; at the cap and "infeasible" if that is not
-        enough.
+        """Return the least loads in a ratio.
+
+        At the cap and "infeasible" if that is not enough.
         """
         total = min(self._least_total(share, twist, gravity), self._most(share))
         return self.at(self._shared(share, total), twist, gravity)
@@ -170,13 +171,14 @@ class TwoPresses:
         )
 
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
-        """Return the loads for ``twist`` in the ratio that needs least; "infeasible" if
-        none is enough.
+        """Return the loads for ``twist`` in the ratio that needs least.
 
-        The least of a row of ratios, refined by golden section.
+        "infeasible" if none is enough. The least of a row of ratios, refined by golden
+        section.
         """
 
         def press(share: float) -> float:
+            """Return the least sum of presses [N] in a ratio."""
             return self._least_total(share, twist, gravity)
 
         step = 1.0 / RATIOS
@@ -222,6 +224,7 @@ class TwoPresses:
         mu = self.contact_friction
 
         def surplus(total: float) -> float:
+            """Return what a sum [N] is above the press that it needs."""
             normals = self._shared(share, total)
             cop, wrench = self._wrench(normals, twist, gravity)
             return total - least_press(line.parts(*wrench, cop), mu, normals[1] / total)
@@ -254,12 +257,11 @@ class TwoPresses:
 
 
 def _first_enough(surplus: Callable[[float], float], most: float) -> float:
-    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``most``; inf if
-    there is none.
+    """Return the least total with surplus(total) >= 0, to ``EXACT`` of ``most``.
 
-    ``surplus`` is nearly linear: false position (Illinois), always with a bracket. It
-    may fall again, where more press moves the centre of pressure away from where the
-    object is to turn; hence the ``TOPS``.
+    Inf if there is none. ``surplus`` is nearly linear: false position (Illinois),
+    always with a bracket. It may fall again, where more press moves the centre of
+    pressure away from where the object is to turn; hence the ``TOPS``.
     """
     width = EXACT * most
     low = width
@@ -294,8 +296,9 @@ def _first_enough(surplus: Callable[[float], float], most: float) -> float:
 def wall_press(
     weight: float, contact_friction: float, wall_friction: float, up: float
 ) -> float:
-    """Return the least sum [N] of two equal normals that slides an object along a wall;
-    inf if none does.
+    """Return the least sum [N] of two equal normals that slides an object along a wall.
+
+    Inf if none does.
 
     ``weight`` [N] acts in the plane and does not press; ``up`` is the part of the
     direction of sliding that points up, 1 up, 0 sideways, -1 down. Without turning, the

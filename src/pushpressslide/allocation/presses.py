@@ -8,7 +8,7 @@ normal loads are in ``press_loads``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import hypot, inf, sqrt
 from typing import Protocol
 
@@ -16,11 +16,9 @@ from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.core.allocation import Allocation, AllocationStatus
 from pushpressslide.core.pose import Point
 
-ROUNDING = (
-    # of the discs' radii, allowed beyond them: what one contact alone can give may be
-    # asked of it
-    1e-12
-)
+# of the discs' radii, allowed beyond them: what one contact alone can give may be asked
+# of it
+ROUNDING = 1e-12
 NOTHING = 1e-9  # part of a wrench that counts as none of it
 
 
@@ -55,12 +53,14 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
     ex, ey = line.e
     mid_x, mid_y = line.middle
     per_length = 1.0 / line.length
+    scaled = _scaler(line.e)
     none = (0.0, 0.0, 0.0)
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(
         fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
     ) -> Allocation:
+        """Return the allocation of a wrench [N, N m] about ``cop`` [m]."""
         n1, n2 = normals
         cop_x, cop_y = cop
         along = ex * fx + ey * fy
@@ -87,13 +87,39 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
                 return new(
                     Allocation, (((f1x, f1y), (f2x, f2y)), normals, margin, "ok", none)
                 )
+        return scaled(fx, fy, tau, (along, g1, g2), most1, most2, normals)
+
+    return allocate
+
+
+def _scaler(e: Point) -> Callable[..., Allocation]:
+    """Return the allocator of wrenches that are scaled onto the discs.
+
+    ``e`` is the unit vector from the first contact to the second.
+    """
+    ex, ey = e
+
+    def scaled(
+        fx: float,
+        fy: float,
+        tau: float,
+        parts: tuple[float, float, float],
+        most1: float,
+        most2: float,
+        normals: Point,
+    ) -> Allocation:
+        """Return the allocation of a wrench of which ``ContactLine.parts`` are given.
+
+        The discs have the radii ``most1`` and ``most2`` [N].
+        """
+        along, g1, g2 = parts
         most1 = max(most1, 0.0)
         most2 = max(most2, 0.0)
         rounding = ROUNDING * (most1 + most2)
         most1 = most1 + rounding
         most2 = most2 + rounding
-        scale = min(largest_scale((along, g1, g2), (most1, most2)), 1.0)
-        if not (scale > NOTHING and n1 + n2 < inf):
+        scale = min(largest_scale(parts, (most1, most2)), 1.0)
+        if not (scale > NOTHING and normals[0] + normals[1] < inf):
             return Allocation(
                 ((0.0, 0.0), (0.0, 0.0)), normals, 0.0, "infeasible", (fx, fy, tau)
             )
@@ -108,15 +134,10 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
         margin = min(most1 - hypot(f1x, f1y), most2 - hypot(f2x, f2y))
         status: AllocationStatus = "ok" if 1.0 - scale <= 1e-9 else "projected"
         lost = 1.0 - scale
-        return Allocation(
-            ((f1x, f1y), (f2x, f2y)),
-            normals,
-            margin,
-            status,
-            (lost * fx, lost * fy, lost * tau),
-        )
+        residual = (lost * fx, lost * fy, lost * tau)
+        return Allocation(((f1x, f1y), (f2x, f2y)), normals, margin, status, residual)
 
-    return allocate
+    return scaled
 
 
 def largest_scale(parts: tuple[float, float, float], most: Point) -> float:
@@ -155,8 +176,9 @@ def least_presses(parts: tuple[float, float, float], friction: float) -> Point:
 
 
 def _least_root(a1: float, b1: float, a2: float, b2: float, e: float) -> float:
-    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e; all
-    arguments are >= 0.
+    """Return the least x >= 0 with sqrt(a1 x - b1) + sqrt(a2 x - b2) >= e.
+
+    All arguments are >= 0.
     """
     if (
         (a1 == 0.0 and b1 > 0.0)

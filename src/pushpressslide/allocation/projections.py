@@ -23,8 +23,9 @@ FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
 
 
 class EdgeForces(NamedTuple):
-    """Forces of two contacts on a facet of their wrench cone; at least one of them is
-    on its cone's edge.
+    """Forces of two contacts on a facet of their wrench cone.
+
+    At least one of them is on its cone's edge.
     """
 
     forces: tuple[Point, Point]  # [N] in B

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.projections import WrenchCone
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import cross
 from pushpressslide.core.twist_path import TwistRate
@@ -54,11 +54,10 @@ class TwistCone:
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
     def spare(self, vx: float, vy: float, w: float) -> float:
-        """Return how far inside the cone the wrench of a twist is [rad]; negative
-        outside, see ``angle``.
+        """Return how far inside the cone the wrench of a twist is [rad].
 
-        In the norm diag(1, 1, 1/rho^2), so that it is by this angle too that the twist
-        may be turned.
+        Negative outside, see ``angle``. In the norm diag(1, 1, 1/rho^2), so that it is
+        by this angle too that the twist may be turned.
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
@@ -68,7 +67,7 @@ class TwistCone:
             else 0.0
         )
 
-    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+    def spares(self, twists: Array) -> Array:
         """Return ``spare`` (m,) of twists (m, 3)."""
         cx, cy = self.surface.center
         rho = self.surface.rho
@@ -79,7 +78,7 @@ class TwistCone:
         tau = tau + cx * fy - cy * fx
         least = (np.array(self._wrenches.facets) @ (fx, fy, tau)).min(axis=0)
         size = np.maximum(np.hypot(np.hypot(fx, fy), tau / rho), 1e-300)
-        out: NDArray[np.float64] = np.arcsin(np.clip(least / size, -1.0, 1.0))
+        out: Array = np.arcsin(np.clip(least / size, -1.0, 1.0))
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
@@ -97,8 +96,9 @@ class TwistCone:
         )
 
     def nearest(self, wrench: Wrench) -> Wrench | None:
-        """Return the nearest wrench of the cone, about B's origin; None for one of the
-        cone.
+        """Return the nearest wrench of the cone, about B's origin.
+
+        None for one of the cone.
         """
         fx, fy, tau, _ = wrench.moved_to(ORIGIN)
         if self._wrenches.spare(fx, fy, tau) >= 0.0:

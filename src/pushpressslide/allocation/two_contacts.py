@@ -3,6 +3,15 @@ the three of a wrench (docs/mechanics.md, sections 5 and 6).
 
 Every side of a friction cone bounds the free force along the line of contacts on one
 side, so that a wrench is possible exactly if the interval left is not empty.
+
+The split "least_friction" has the least sum of squared friction forces: section 6's
+u = -T/2, moved as little as needed. "least_force" has the least sum of squared forces:
+an even share along the line of contacts, moved as little as needed; it squeezes less
+and is nearer to slipping.
+
+The projection "nearest" moves a wrench to the nearest in diag(1, 1, 1/rho^2);
+"force_priority" in its moment alone; "torque_priority" by a force along the sum of the
+normals; to the nearest where these two do not help.
 """
 
 from __future__ import annotations
@@ -31,19 +40,12 @@ def two_contact_allocator(
     projection: Projection = "nearest",
     split: Split = "least_friction",
 ) -> Allocator:
-    """Return ``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] with
-    unit inward ``normals``, in B.
+    """Return ``allocate(fx, fy, tau)`` for side contacts at two ``points`` [m] in B.
 
-    The wrench is about B's origin, in B. Of all forces inside the cones of ``friction``
-    that realise it, the answer has the least sum of squared friction forces
-    ("least_friction": section 6's u = -T/2, moved as little as needed) or the least sum
-    of squared forces ("least_force": an even share along the line of contacts, moved as
-    little as needed; it squeezes less and is nearer to slipping).
-
-    A wrench that the contacts cannot give is moved: to the nearest in diag(1, 1,
-    1/rho^2) for an ellipsoid of ``rho`` [m]; or ("force_priority") in its moment alone;
-    or ("torque_priority") by a force along the sum of the normals; to the nearest where
-    these two do not help. One that needs more normal force than ``caps`` [N] is scaled.
+    With unit inward ``normals``; the wrench is about B's origin, in B. Of all forces
+    inside the cones of ``friction`` that realise it, ``split`` chooses one. A wrench
+    outside the cone is moved, in the norm of an ellipsoid of ``rho`` [m], as
+    ``projection`` says; one that needs more normal force than ``caps`` [N] is scaled.
     Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
     "infeasible" if the best force is zero. Raises ValueError for contacts that
     coincide, friction <= 0, and for "least_friction" where both normals lie along the
@@ -51,7 +53,17 @@ def two_contact_allocator(
     """
     pair = ContactPair(points, normals, friction, split)
     elsewhere = _Elsewhere(pair, points, normals, friction, rho, caps, projection)
-    # As long as no cone is in the way the forces are linear in the wrench.
+    return _linear(pair, normals, friction, caps, elsewhere)
+
+
+def _linear(
+    pair: ContactPair,
+    normals: Sequence[Point],
+    friction: float,
+    caps: Sequence[float],
+    elsewhere: _Elsewhere,
+) -> Allocator:
+    """Return the allocator; the forces are linear in the wrench until a cone is met."""
     x_fx, y_fx = pair.first_force(1.0, 0.0, 0.0)
     x_fy, y_fy = pair.first_force(0.0, 1.0, 0.0)
     x_tau, y_tau = pair.first_force(0.0, 0.0, 1.0)
@@ -65,11 +77,11 @@ def two_contact_allocator(
     cap1, cap2 = caps
     capped = elsewhere.capped
     outside = elsewhere.outside
-    none = NONE
     inf = math.inf
     new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the allocation of a wrench [N, N m]."""
         f1x = x_fx * fx + x_fy * fy + x_tau * tau
         f1y = y_fx * fx + y_fy * fy + y_tau * tau
         f2x = fx - f1x
@@ -105,7 +117,9 @@ def two_contact_allocator(
                 high = d4
             if not low <= high:
                 return outside(fx, fy, tau)
-            more = low if low > 0.0 else high if high < 0.0 else 0.0
+            more = low
+            if low <= 0.0:
+                more = high if high < 0.0 else 0.0
             f1x = f1x + more * ex
             f1y = f1y + more * ey
             f2x = f2x - more * ex
@@ -115,7 +129,7 @@ def two_contact_allocator(
             margin = 0.0
         if f1n <= cap1 and f2n <= cap2:
             return new(
-                Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", none)
+                Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", NONE)
             )
         return capped(fx, fy, tau)
 
@@ -183,6 +197,7 @@ class _Elsewhere:
         both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else math.nan
 
         def scale(d: float) -> float:
+            """Return the part of the wrench that keeps the caps at ``d``."""
             return self._scale(f1n + d * self._pair.n1e, f2n - d * self._pair.n2e)
 
         candidates = (

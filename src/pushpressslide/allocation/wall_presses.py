@@ -69,8 +69,9 @@ def _problem(presses: TwoPresses, steps: Sequence[Step], least: float) -> str:
 
 
 def _up(twist: Twist, gravity: Point) -> float:
-    """The part of the CoM's motion that points up, against gravity; 0 for a turn on the
-    spot.
+    """The part of the CoM's motion that points up, against gravity.
+
+    0 for a turn on the spot.
     """
     vx, vy, _, _ = twist.moved_to((0.0, 0.0))
     size = math.hypot(vx, vy) * math.hypot(*gravity)

@@ -1,5 +1,6 @@
-"""The command ``pps``. What is heavy is imported in the command that uses it: help
-answers at once.
+"""The command ``pps``.
+
+A command imports what is heavy when it runs, so that help answers at once.
 """
 
 from pushpressslide.cli import commands, studies

@@ -1,12 +1,13 @@
-"""The application that the commands are registered with, and what they do alike with
-tasks and results.
-"""
+"""The application, how commands are registered, and what they share."""
 
 from __future__ import annotations
 
+import functools
+import inspect
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -14,6 +15,9 @@ from pushpressslide.cli.shell import Commands
 
 if TYPE_CHECKING:
     from pushpressslide.core.task import Task
+
+Options = TypeVar("Options")
+Status = TypeVar("Status")
 
 app = typer.Typer(
     cls=Commands,
@@ -43,9 +47,29 @@ def _options(
 ) -> None: ...
 
 
+def command(function: Callable[[Options], Status]) -> Callable[[Options], Status]:
+    """Register a command whose arguments and options are the fields of a dataclass.
+
+    The dataclass is the annotation of the one parameter of ``function``.
+    """
+    (parameter,) = inspect.signature(function, eval_str=True).parameters.values()
+    options = parameter.annotation
+
+    @functools.wraps(function)
+    def called(**values: Any) -> Status:
+        """Make the dataclass of the command line's values."""
+        return function(options(**values))
+
+    vars(called)["__signature__"] = inspect.signature(options, eval_str=True)
+    app.command()(called)
+    return function
+
+
 def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
-    """Return the checked task of the command line: its name or file, the overrides, the
-    one mode.
+    """Return the checked task of the command line.
+
+    ``name`` is that of a shipped task or a file, ``sets`` are overrides a.b=c, ``mode``
+    is the one mode that is allowed.
     """
     from pushpressslide.taskfile.load import load_task
 
@@ -55,7 +79,7 @@ def task_of(name: str, sets: list[str] | None, mode: str | None = None) -> Task:
 
 def print_json(value: Any) -> None:
     """Print plain data as JSON on stdout."""
-    from pushpressslide.report.files import to_json
+    from pushpressslide.report.json_text import to_json
 
     typer.echo(to_json(value), nl=False)
 

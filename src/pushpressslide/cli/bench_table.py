@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 
 HEADINGS = {
@@ -22,6 +22,8 @@ HEADINGS = {
     "soonest": "soonest there",
     "times": "times to the goal",
 }
+JUSTIFY: dict[type, JustifyMethod] = {str: "left"}
+WORDS = {True: "yes", False: "no"}
 
 
 def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
@@ -31,32 +33,27 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
         table = Table(
             title=name, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False
         )
-        columns = [key for key in rows[0] if any(_tells(row.get(key)) for row in rows)]
+        columns = [key for key in rows[0] if any(_shows(row.get(key)) for row in rows)]
         for key in columns:
-            text = isinstance(rows[0][key], str)
-            table.add_column(
-                HEADINGS.get(key, key.replace("_", " ")),
-                justify="left" if text else "right",
-            )
+            heading = HEADINGS.get(key, key.replace("_", " "))
+            justify = JUSTIFY.get(type(rows[0][key]), "right")
+            table.add_column(heading, justify=justify)
         for row in rows:
-            table.add_row(*(_shown(row.get(key)) for key in columns))
+            table.add_row(*(_text(row.get(key)) for key in columns))
         console.print(table)
 
 
-def _tells(value: object) -> bool:
+def _shows(value: object) -> bool:
     """Whether a figure has a place in a table: there is one, and it is no table itself."""
     return value not in (None, "") and not isinstance(value, Mapping)
 
 
-def _shown(value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
+def _text(value: object) -> str:
     if value is None:
         return "-"
-    if isinstance(value, float):
-        return (
-            f"{value:.0f}"
-            if value.is_integer() and abs(value) < 1e6
-            else f"{value:.3g}"
-        )
-    return str(value)
+    if isinstance(value, bool):
+        return WORDS[value]
+    if not isinstance(value, float):
+        return str(value)
+    whole = value.is_integer() and abs(value) < 1e6
+    return format(value, ".0f" if whole else ".3g")

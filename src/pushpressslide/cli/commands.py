@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pushpressslide.cli.app import app, print_json, task_of
+from pushpressslide.cli.app import app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
     EngineName,
@@ -33,6 +34,9 @@ from pushpressslide.cli.shell import (
 )
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
 
+if TYPE_CHECKING:
+    from pushpressslide.core.task import Task
+
 
 @app.command()
 def modes(as_json: Json = False) -> None:
@@ -49,12 +53,12 @@ def tasks(as_json: Json = False) -> None:
     """Show the tasks that ship with the package."""
     from pushpressslide.taskfile.load import load_task, shipped_tasks
 
-    found = {name: load_task(name).description for name in shipped_tasks()}
+    descriptions = {name: load_task(name).description for name in shipped_tasks()}
     if as_json:
-        typer.echo(json.dumps(found, indent=2))
+        typer.echo(json.dumps(descriptions, indent=2))
         return
-    width = max(map(len, found), default=0)
-    for name, description in found.items():
+    width = max(map(len, descriptions), default=0)
+    for name, description in descriptions.items():
         typer.echo(f"{name:<{width}}  {description}")
 
 
@@ -68,7 +72,8 @@ def select(
 ) -> int:
     """Rank the contact modes for a task, with reasons."""
     from pushpressslide.cli import tables
-    from pushpressslide.report.files import to_json, write_whole
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.planner import refusal
     from pushpressslide.selection.select import select as rank
 
@@ -123,72 +128,88 @@ def plan(
     typer.echo(folder / "plan.png")
 
 
-@app.command()
-def run(
-    task: TaskName,
-    engine: EngineName = Engine.drake,
-    mode: ModeName = None,
-    seed: Seed = 0,
-    out: Out = None,
-    sets: Sets = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
+@dataclass(frozen=True)
+class RunOptions:
+    """Argument and options of ``pps run``, in the order of its help."""
+
+    task: TaskName
+    engine: EngineName = Engine.drake
+    mode: ModeName = None
+    seed: Seed = 0
+    out: Out = None
+    sets: Sets = None
+    as_json: Json = False
+    quiet: Quiet = False
     live: Annotated[
         bool,
         typer.Option("--live", help="Watch in Meshcat while it runs, in real time."),
-    ] = False,
-    video: Annotated[
-        bool, typer.Option("--video", help="Also write an animation.")
-    ] = False,
+    ] = False
+    video: Annotated[bool, typer.Option("--video", help="Also write an animation.")] = (
+        False
+    )
     models: Annotated[
         Models, typer.Option("--models", help="Robot models on Drake.")
-    ] = Models.generated,
+    ] = Models.generated
     anyway: Annotated[
         bool,
         typer.Option("--anyway", help="Run the best choice even if judged infeasible."),
-    ] = False,
-    force: Force = False,
-) -> int:
+    ] = False
+    force: Force = False
+
+
+@command
+def run(options: RunOptions) -> int:
     """Run a task in a physics engine.
 
     Selects a mode, plans, tracks and executes; writes result, record, plots, replay and
     report.
     """
-    loaded = task_of(task, sets, mode)
-    folder = results_folder(out, loaded.name, force)
-    if engine is Engine.planar and (live or video):
-        option = "--live" if live else "--video"
+    task = task_of(options.task, options.sets, options.mode)
+    folder = results_folder(options.out, task.name, options.force)
+    if options.engine is Engine.planar and (options.live or options.video):
+        option = "--live" if options.live else "--video"
         raise PushPressSlideError(
             f"{option} is not allowed with --engine planar; allowed: --engine drake"
         )
-    from pushpressslide.jobs.interrupt import Interrupted
-    from pushpressslide.jobs.run import run_task
-
-    try:
-        with progress_bar(f"{loaded.name} on {engine.value}", not quiet) as progress:
-            result = run_task(
-                loaded,
-                engine=engine.value,
-                seed=seed,
-                out=folder,
-                mode=mode,
-                force=anyway,
-                live=(lambda address: complain(f"watch at {address}"))
-                if live
-                else None,
-                video=video,
-                progress=progress,
-                models=models.value,
-            )
-    except Interrupted as stopped:
-        raise Interruption(str(stopped)) from None
-    if as_json:
+    result = _run(task, options, folder)
+    if options.as_json:
         print_json(result)
-    elif not quiet:
+    elif not options.quiet:
         from pushpressslide.cli import tables
 
         tables.print_result(result, folder)
     return REACHED if result["success"] else MISSED
+
+
+def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
+    """Run a task with a progress bar; return its result."""
+    from pushpressslide.jobs.interrupt import Interrupted
+    from pushpressslide.jobs.run import run_task
+
+    engine = options.engine
+    live = _say_where_to_watch if options.live else None
+    try:
+        with progress_bar(
+            f"{task.name} on {engine.value}", not options.quiet
+        ) as progress:
+            return run_task(
+                task,
+                engine=engine.value,
+                seed=options.seed,
+                out=folder,
+                mode=options.mode,
+                force=options.anyway,
+                live=live,
+                video=options.video,
+                progress=progress,
+                models=options.models.value,
+            )
+    except Interrupted as stopped:
+        raise Interruption(str(stopped)) from None
+
+
+def _say_where_to_watch(address: str) -> None:
+    complain(f"watch at {address}")
 
 
 @app.command()

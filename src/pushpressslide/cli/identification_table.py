@@ -1,10 +1,8 @@
-"""The table of ``pps identify``: a line for each set, plain text so that it may be
-wider than a terminal.
-"""
+"""The table of ``pps identify``: plain text, as it may be wider than a terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -27,34 +25,45 @@ HEAD = (
 )
 
 
-def lines(found: Iterable[Identification], result: Mapping[str, Any]) -> list[str]:
-    """Return the table, and below it how much smaller the errors are than the
-    one-parameter ellipsoid's.
+def lines(
+    identifications: Iterable[Identification], result: Mapping[str, Any]
+) -> list[str]:
+    """Return the table, a line for each set, and a sentence on the errors.
+
+    The sentence says how much smaller they are than the one-parameter ellipsoid's.
     """
     from pushpressslide.report.identification import cells
 
-    rows = [HEAD, *(tuple(cell or "-" for cell in cells(each)) for each in found)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    text = [
-        "  ".join(
-            [
-                row[0].ljust(widths[0]),
-                *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True)),
-            ]
-        )
-        for row in rows
-    ]
-    groups = ""
-    at = 0
+    rows = [HEAD, *(tuple(cell or "-" for cell in cells(i)) for i in identifications)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    head, *body = (_line(row, widths) for row in rows)
+    rule = "-" * len(head)
+    return [_group_line(widths), head, rule, *body, _gain(result)]
+
+
+def _line(row: Sequence[str], widths: Sequence[int]) -> str:
+    """Return a row in columns: the first to the left, the others to the right."""
+    numbers = (cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True))
+    return "  ".join([row[0].ljust(widths[0]), *numbers])
+
+
+def _group_line(widths: Sequence[int]) -> str:
+    """Return the names of the groups, each above its first column."""
+    text = ""
+    column = 0
     for name, columns in GROUPS:
-        groups = groups.ljust(sum(widths[:at]) + 2 * at) + name
-        at += columns
-    rule = "-" * len(text[0])
-    gain = result["mean_error_reduction"]
+        text = text.ljust(sum(widths[:column]) + 2 * column) + name
+        column += columns
+    return text
+
+
+def _gain(result: Mapping[str, Any]) -> str:
     lower = [
-        f"{name.replace('_', ' ')} {100.0 * gain[name]:.0f} %"
-        for name in gain
+        f"{name.replace('_', ' ')} {100.0 * share:.0f} %"
+        for name, share in result["mean_error_reduction"].items()
         if name != "ellipsoid"
     ]
-    last = f"Below the error of the ellipsoid with rho alone, mean over the sets: {', '.join(lower)}."
-    return [groups, text[0], rule, *text[1:], last]
+    return (
+        "Below the error of the ellipsoid with rho alone, mean over the sets: "
+        f"{', '.join(lower)}."
+    )

@@ -1,6 +1,4 @@
-"""What every command shares: exit statuses, one-line errors, the folder of results,
-progress.
-"""
+"""What every command shares: exit statuses, one-line errors, folders, progress."""
 
 from __future__ import annotations
 
@@ -12,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -45,52 +44,54 @@ class Commands(TyperGroup):
         windows_expand_args: bool = True,
         **extra: Any,
     ) -> Any:
-        """Run the command of ``args`` (default: the process's) and exit with its
-        status.
-        """
+        """Run the command of ``args`` (default: sys.argv) and exit with its status."""
         words = list(sys.argv[1:] if args is None else args)
-        status = INTERNAL_ERROR
+        call = partial(
+            super().main,
+            words or ["--help"],
+            prog_name or "pps",
+            complete_var,
+            False,
+            windows_expand_args,
+            **extra,
+        )
         presses: list[int] = []
         restore = _note_interrupts(presses)
-        try:
-            answer = super().main(
-                words or ["--help"],
-                prog_name or "pps",
-                complete_var,
-                False,
-                windows_expand_args,
-                **extra,
-            )
-            status = answer if isinstance(answer, int) else REACHED
-            if status == INTERRUPTED:
-                complain("interrupted")
-        except Interruption as stopped:
-            complain(str(stopped))
-            status = INTERRUPTED
-        except (KeyboardInterrupt, typer.Abort):
-            complain("interrupted")
-            status = INTERRUPTED
-        except Exception as error:
-            # compiled code, such as an import, may turn Ctrl-C into an error of its own
-            if presses:
-                complain("interrupted")
-                status = INTERRUPTED
-            else:
-                status = explain(error, "--json" in words)
+        status = _status_of(call, presses, "--json" in words)
         restore()
         if not standalone_mode:
             return status
         sys.exit(status)
 
 
+def _status_of(call: Callable[[], Any], presses: list[int], as_json: bool) -> int:
+    """Call a command and return its exit status; a failure is told in one line."""
+    try:
+        answer = call()
+    except Interruption as stopped:
+        complain(str(stopped))
+        return INTERRUPTED
+    except (KeyboardInterrupt, typer.Abort):
+        complain("interrupted")
+        return INTERRUPTED
+    except Exception as error:
+        # compiled code, such as an import, may turn Ctrl-C into an error of its own
+        if presses:
+            complain("interrupted")
+            return INTERRUPTED
+        return explain(error, as_json)
+    if answer == INTERRUPTED:
+        complain("interrupted")
+    return answer if isinstance(answer, int) else REACHED
+
+
 def _note_interrupts(presses: list[int]) -> Callable[[], object]:
-    """From now on Ctrl-C also appends to ``presses``; return the function that ends
-    this.
-    """
+    """Let Ctrl-C also append to ``presses``; return the function that undoes this."""
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
 
     def handler(number: int, frame: FrameType | None) -> None:
+        """Note Ctrl-C and raise it."""
         presses.append(number)
         raise KeyboardInterrupt
 
@@ -136,8 +137,10 @@ def results_folder(
     force: bool,
     results: tuple[str, ...] = ("result.json",),
 ) -> Path:
-    """Return the folder for results, not made yet; it is checked that it may be made
-    and holds no result.
+    """Return the folder for results, which is not made yet.
+
+    Raises PushPressSlideError if it cannot be made, or holds one of ``results`` without
+    ``force``.
     """
     if out is None:
         stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
@@ -146,10 +149,10 @@ def results_folder(
         while out.exists():
             n += 1
             out = Path("runs") / f"{stamp}-{n}"
-    held = [result for result in results if (out / result).exists()]
-    if held and not force:
+    present = [result for result in results if (out / result).exists()]
+    if present and not force:
         raise PushPressSlideError(
-            f"--out: {str(out)!r} is not allowed; it holds {held[0]} already; give "
+            f"--out: {str(out)!r} is not allowed; it holds {present[0]} already; give "
             "another folder, or --force"
         )
     above = next(path for path in (out, *out.absolute().parents) if path.exists())
@@ -162,8 +165,9 @@ def results_folder(
 
 @contextmanager
 def progress_bar(label: str, shown: bool) -> Iterator[Callable[[float, float], None]]:
-    """Show a bar with the time left on stderr, if that is a terminal; yields the
-    function that moves it.
+    """Show a bar with the time left, and yield the function that moves it.
+
+    The bar is on stderr, and only if that is a terminal.
     """
     from rich.console import Console
     from rich.progress import (

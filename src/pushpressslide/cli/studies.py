@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import app, print_json, print_outcome, task_of
+from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
     Engine,
     EngineName,
@@ -24,21 +25,23 @@ from pushpressslide.cli.options import (
 from pushpressslide.cli.shell import progress_bar, results_folder
 
 
-@app.command()
-def sweep(
-    task: TaskName,
+@dataclass(frozen=True)
+class SweepOptions:
+    """Argument and options of ``pps sweep``, in the order of its help."""
+
+    task: TaskName
     samples: Annotated[
         int,
         typer.Option("--samples", min=1, max=1_000_000, help="Number of variations."),
-    ],
-    engine: EngineName = Engine.drake,
+    ]
+    engine: EngineName = Engine.drake
     vary: Annotated[
         Variation,
         typer.Option(
             "--vary",
             help="truth: what is true of the task; tasks: new tasks for its robots.",
         ),
-    ] = Variation.truth,
+    ] = Variation.truth
     check_refusals: Annotated[
         int,
         typer.Option(
@@ -46,40 +49,45 @@ def sweep(
             min=0,
             help="Run this many refused samples all the same.",
         ),
-    ] = 0,
-    mode: ModeName = None,
+    ] = 0
+    mode: ModeName = None
     jobs: Annotated[
         int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
-    ] = 0,
-    seed: Seed = 0,
-    out: Out = None,
-    sets: Sets = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
+    ] = 0
+    seed: Seed = 0
+    out: Out = None
+    sets: Sets = None
+    as_json: Json = False
+    quiet: Quiet = False
+    force: Force = False
+
+
+@command
+def sweep(options: SweepOptions) -> None:
     """Run a task under random variations.
 
     In parallel; with the same --out it goes on where it was interrupted.
     """
     from pushpressslide.jobs.sweep import sweep as run_sweep
 
-    loaded = task_of(task, sets, mode)
-    folder = results_folder(out, f"sweep-{loaded.name}", force)
-    with progress_bar(f"{samples} samples on {engine.value}", not quiet) as progress:
+    task = task_of(options.task, options.sets, options.mode)
+    folder = results_folder(options.out, f"sweep-{task.name}", options.force)
+    engine = options.engine
+    label = f"{options.samples} samples on {engine.value}"
+    with progress_bar(label, not options.quiet) as progress:
         result = run_sweep(
-            loaded,
-            samples=samples,
+            task,
+            samples=options.samples,
             out=folder,
             progress=progress,
             engine=engine.value,
-            jobs=jobs,
-            seed=seed,
-            force=force,
-            vary=vary.value,
-            check_refusals=check_refusals,
+            jobs=options.jobs,
+            seed=options.seed,
+            force=options.force,
+            vary=options.vary.value,
+            check_refusals=options.check_refusals,
         )
-    print_outcome(result, folder, as_json, quiet)
+    print_outcome(result, folder, options.as_json, options.quiet)
 
 
 @app.command()
@@ -105,19 +113,21 @@ def reproduce(
     typer.echo(page)
 
 
-@app.command()
-def identify(
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """Argument and options of ``pps identify``, in the order of its help."""
+
     data: Annotated[
         Path,
         typer.Argument(
             metavar="DATA", help="A log of recorded pushes, or a folder with logs."
         ),
-    ],
-    seed: Seed = 0,
+    ]
+    seed: Seed = 0
     splits: Annotated[
         int,
         typer.Option("--splits", min=1, max=10_000, help="Random splits to score on."),
-    ] = 20,
+    ] = 20
     fit_share: Annotated[
         float,
         typer.Option(
@@ -126,34 +136,39 @@ def identify(
             max=0.95,
             help="Share of the pushes that is fitted.",
         ),
-    ] = 0.5,
-    out: Out = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
+    ] = 0.5
+    out: Out = None
+    as_json: Json = False
+    quiet: Quiet = False
+    force: Force = False
+
+
+@command
+def identify(options: IdentifyOptions) -> None:
     """Identify rho, friction and pressure from recorded pushes.
 
     The models are scored on pushes that were held out.
     """
-    from pushpressslide.jobs.identify import identify as identified
+    from pushpressslide.jobs.identify import identify as identify_all
 
-    folder = results_folder(out, "identify", force)
-    with progress_bar(f"pushes of {data.name}", not quiet) as progress:
-        result, found = identified(
-            data,
+    folder = results_folder(options.out, "identify", options.force)
+    label = f"pushes of {options.data.name}"
+    with progress_bar(label, not options.quiet) as progress:
+        result, identifications = identify_all(
+            options.data,
             out=folder,
             progress=progress,
-            seed=seed,
-            splits=splits,
-            fit_share=fit_share,
+            seed=options.seed,
+            splits=options.splits,
+            fit_share=options.fit_share,
         )
-    if as_json:
+    if options.as_json:
         print_json(result)
-    elif not quiet:
+    elif not options.quiet:
         from pushpressslide.cli.identification_table import lines
 
-        typer.echo("\n".join([*lines(found, result), str(folder / "report.html")]))
+        text = [*lines(identifications, result), str(folder / "report.html")]
+        typer.echo("\n".join(text))
 
 
 @app.command()

@@ -1,6 +1,4 @@
-"""Tables for people to read: modes, choices, results; in millimetres, degrees, newtons
-and seconds.
-"""
+"""Tables of modes, choices and results, in millimetres, degrees, newtons, seconds."""
 
 from __future__ import annotations
 
@@ -61,13 +59,8 @@ def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
     table = _table("mode", "arms", "reduced model", "tracking point", "CoP steering")
     for row in rows:
         steering = "yes" if row["cop_steering"] else "no"
-        table.add_row(
-            row["mode"],
-            str(row["arms"]),
-            row["reduced_model"],
-            row["tracking_point"],
-            steering,
-        )
+        texts = (row["mode"], str(row["arms"]), row["reduced_model"])
+        table.add_row(*texts, row["tracking_point"], steering)
     _print(table)
 
 
@@ -113,9 +106,8 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
     table = _table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])
-    table.add_row(
-        "goal reached", f"{'yes' if result['success'] else 'no'} ({reason['code']})", ""
-    )
+    reached = "yes" if result["success"] else "no"
+    table.add_row("goal reached", f"{reached} ({reason['code']})", "")
     table.add_row("mode, engine", f"{modes}, {result['engine']}", "")
     for name, key, scale, digits, unit in (
         ("final position error", "final_position_error", 1e3, 2, "mm"),

@@ -13,7 +13,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, ObjectModel, Task
+from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import poses_along, workspace_refusal
@@ -148,16 +148,8 @@ def touched_points(
     for contact in segment.contacts:
         x, y, _ = tips[contact.arm].position
         p = X_WB.unapply((x, y))
-        if contact.kind == "side" and isinstance(shape, Cylinder):
-            gx = p[0] + com[0]
-            gy = p[1] + com[1]
-            k = shape.radius / math.hypot(gx, gy)
-            p = (k * gx - com[0], k * gy - com[1])
-        elif contact.kind == "side":
-            cx, cy = contact.point
-            nx, ny = contact.normal
-            across = (p[1] - cy) * nx - (p[0] - cx) * ny
-            p = (cx - across * ny, cy + across * nx)
+        if contact.kind == "side":
+            p = shape.side(contact.point, contact.normal, com).foot(p)
         out.append(p)
     return tuple(out)
 

@@ -33,6 +33,10 @@ class TaskError(PushPressSlideError):
         self.allowed = allowed
 
 
+class MissingFrameError(PushPressSlideError):
+    """A robot's model that does not have the frame that is named as its tip."""
+
+
 class Shown(str):
     """A value that is put in a message as it is, without quotes: numbers with their
     units.

@@ -38,6 +38,18 @@ class SupportFrame:
         return cls(origin, ((s, 0.0, c), (-c, 0.0, s), (0.0, 1.0, 0.0)))
 
     @property
+    def normal(self) -> Vector3:
+        """World direction out of the support, in which heights are counted."""
+        return self.direction((0.0, 0.0, 1.0))
+
+    @property
+    def handedness(self) -> float:
+        """1 where x, y and height are right-handed, -1 where they are left-handed."""
+        a, b, c = self.spin_axis
+        x, y, z = self.normal
+        return math.copysign(1.0, a * x + b * y + c * z)
+
+    @property
     def spin_axis(self) -> Vector3:
         """World direction about which a yaw turns: x cross y."""
         (a, b, _), (c, d, _), (e, f, _) = self.axes

@@ -3,61 +3,26 @@ by which robots.
 
 Built in one place, ``taskfile/load.py``, which checks every field;
 docs/task-file.md documents the file. SI units and radians throughout (the file has
-degrees where its key ends in ``_deg``).
+degrees where its key ends in ``_deg``). The metadata of a field is all that the file's
+reader, dump and documentation know of it: name it here, and they have it.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.shapes import Box as Box
+from pushpressslide.core.shapes import Cylinder as Cylinder
+from pushpressslide.core.shapes import Prism as Prism
+from pushpressslide.core.shapes import Shape as Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 
-
-@dataclass(frozen=True, slots=True)
-class Box:
-    """A cuboid; its frame G is at its centre."""
-
-    size: tuple[float, float, float]  # [m] full lengths along x, y, z
-
-    @property
-    def height(self) -> float:
-        """Height [m]."""
-        return self.size[2]
-
-    @property
-    def footprint(self) -> tuple[Point, ...]:
-        """Corners of the base in G, counter-clockwise [m]."""
-        a = 0.5 * self.size[0]
-        b = 0.5 * self.size[1]
-        return ((-a, -b), (a, -b), (a, b), (-a, b))
-
-
-@dataclass(frozen=True, slots=True)
-class Prism:
-    """An upright prism on a convex polygon; its frame G is the polygon's own origin."""
-
-    polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise, convex
-    height: float  # [m]
-
-    @property
-    def footprint(self) -> tuple[Point, ...]:
-        """Corners of the base in G, counter-clockwise [m]."""
-        return self.polygon
-
-
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """An upright cylinder; its frame G is at its centre."""
-
-    radius: float  # [m]
-    height: float  # [m]
-
-
-Shape = Box | Prism | Cylinder
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
-GRAVITY = 9.81  # [m/s^2]
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far
@@ -70,25 +35,28 @@ fraction in [0, 1] of the way from left to right contact.
 class Opening:
     """A rectangular opening in a wall, closed at its back."""
 
-    size: tuple[float, float]  # [m] along x and y
-    center: Point  # [m] in the wall's plane
-    depth: float  # [m] of the back behind the wall's face
+    size: tuple[float, float] = field(metadata=entry("along x and y", "m", "(0, 10]"))
+    center: Point = field(
+        metadata=entry("its centre", key="pose")
+    )  # in the wall's plane
+    depth: float = field(
+        metadata=entry("of its back behind the wall's face", "m", "(0, 10]")
+    )
 
-    def holds(self, pose: Pose2, shape: Shape) -> bool:
-        """Return whether a shape at ``pose`` lies within the opening's outline, and so
-        goes in.
-        """
-        if isinstance(shape, Cylinder):
-            r = shape.radius
-            corners: tuple[Point, ...] = ((-r, 0.0), (r, 0.0), (0.0, -r), (0.0, r))
-            corners = tuple((pose.x + x, pose.y + y) for x, y in corners)
-        else:
-            corners = tuple(pose.apply(corner) for corner in shape.footprint)
+    @property
+    def edges(self) -> tuple[float, float, float, float]:
+        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
         w, h = self.size
         cx, cy = self.center
-        return all(
-            abs(x - cx) <= 0.5 * w + FIT and abs(y - cy) <= 0.5 * h + FIT
-            for x, y in corners
+        return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
+
+    def holds(self, pose: Pose2, shape: Shape) -> bool:
+        """Return whether a shape at ``pose`` fits the opening's outline."""
+        x_min, x_max, y_min, y_max = shape.bounds(pose)
+        w, h = self.size
+        cx, cy = self.center
+        return all(abs(x - cx) <= 0.5 * w + FIT for x in (x_min, x_max)) and all(
+            abs(y - cy) <= 0.5 * h + FIT for y in (y_min, y_max)
         )
 
 
@@ -96,20 +64,35 @@ class Opening:
 class Support:
     """What the object slides on."""
 
-    kind: Literal["table", "wall"] = "table"
-    friction: float = 0.3  # coefficient of the pair object/support, in (0, 2)
-    frame: SupportFrame = TABLE  # of all poses, in the world
-    opening: Opening | None = None  # in a wall
+    kind: Literal["table", "wall"] = setting("table", "kind of support")
+    friction: float = setting(0.3, "pair object/support", within=FRICTIONS)
+    # of all poses, in the world
+    frame: SupportFrame = setting(
+        TABLE,
+        "of a wall, needed for one: its origin in the world, and where its normal, "
+        "which points at the robots, heads",
+        key="pose",
+        default_in_file=None,
+    )
+    opening: Opening | None = setting(
+        None, "a rectangular opening in a wall, closed at its back"
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
     """The object to be moved."""
 
-    shape: Shape
-    mass: float  # [kg] > 0
-    # [m] in G, projected on the support (the centroid if the file does not say)
-    center_of_mass: Point
+    shape: Shape = field(metadata=entry("exactly one of these; it defines the frame G"))
+    mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
+    center_of_mass: Point = field(
+        metadata=entry(
+            "in G, projected on the support, inside the footprint; null: the centroid",
+            "m",
+            "[-5, 5]",
+            default_in_file=None,
+        )
+    )
 
     @property
     def X_GB(self) -> Pose2:
@@ -123,34 +106,57 @@ class ObjectModel:
 class Tolerance:
     """When the goal counts as reached."""
 
-    position: float = 0.01  # [m]
-    yaw: float = 0.03490658503988659  # [rad]; 2 degrees
+    position: float = setting(0.01, "distance", "m", "(0, 1]")
+    yaw: float = setting(math.radians(2.0), "angle", "deg", "(0, 180]")
 
 
 @dataclass(frozen=True, slots=True)
 class Robot:
     """One arm (or a free tip, ``hand``) and where its base stands."""
 
-    model: str  # "panda" | "iiwa7" | "hand" | path of a URDF or SDF file
-    base: tuple[float, float, float]  # [m] position of the base in the world
-    base_yaw: float = 0.0  # [rad]
-    # name of the frame at the tip's centre; needed for a model given by path
-    tip_frame: str | None = None
-    tip_radius: float = 0.02  # [m] radius of the spherical tip
-    # [m] from the flange to the tip's centre (generated models)
-    tip_length: float = 0.15
+    model: str = field(
+        metadata=entry(
+            "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
+            "or SDF file"
+        )
+    )
+    # [m] position in the world
+    base: tuple[float, float, float] = field(metadata=entry("where the base stands"))
+    base_yaw: float = 0.0  # [rad] in the file part of the base
+    tip_frame: str | None = setting(
+        None, "frame at the tip's centre; needed for a model given by path"
+    )
+    tip_radius: float = setting(
+        0.02, "radius of the spherical tip", "m", "[0.002, 0.1]"
+    )
+    tip_length: float = setting(
+        0.15,
+        "from the flange to the tip's centre, for the generated models",
+        "m",
+        "[0, 0.5]",
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
     """A box in the scene, fixed or free to move."""
 
-    name: str
-    size: tuple[float, float, float]  # [m]
-    pose: Pose2  # of its centre, in the world (on a wall: in the wall's plane)
-    movable: bool = False
-    mass: float = 1.0  # [kg]; used if movable
-    friction: float = 0.3  # against the support; used if movable
+    name: str = field(metadata=entry("unique; not 'object'", is_name=True))
+    size: tuple[float, float, float] = field(
+        metadata=entry(
+            "full lengths along x, y and z; it stands on the support",
+            "m",
+            "(0, 10]",
+            key="box",
+        )
+    )
+    # in the world (on a wall: in the wall's plane)
+    pose: Pose2 = field(metadata=entry("pose of its centre"))
+    movable: bool = setting(False, "free to be pushed away, or fixed")
+    mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
+    friction: float = setting(
+        0.3, "pair obstacle/support, if movable", within=FRICTIONS
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +167,13 @@ class ToolUse:
 
     body: str  # name of a movable obstacle
     goal: Pose2  # of that body's centre, in the world
-    face: int  # index of the edge of the tool's footprint that pushes
+    face: int = field(
+        metadata=entry(
+            "index of the edge of the tool's footprint that pushes",
+            within="[0, 63]",
+            default_in_file=1,
+        )
+    )
     straight: float  # [m] of way from the touch to the goal
 
 
@@ -169,10 +181,12 @@ class ToolUse:
 class Limits:
     """Bounds of the run."""
 
-    time: float = 60.0  # [s] simulated
-    normal_force: float = 40.0  # [N] per contact
-    # [m] x_min, x_max, y_min, y_max of G
-    workspace: tuple[float, float, float, float] | None = None
+    time: float = setting(60.0, "simulated time", "s", "(0, 3600]")
+    normal_force: float = setting(40.0, "at each contact", "N", "(0, 1000]")
+    # [m] x_min, x_max, y_min, y_max
+    workspace: tuple[float, float, float, float] | None = setting(
+        None, "region that the origin of G stays in; null: no bound"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,10 +195,18 @@ class Belief:
     does not differ.
     """
 
-    support_friction: float
-    contact_friction: float
-    mass: float
-    rho: float | None = None  # [m] None: computed from the shape
+    support_friction: float = field(
+        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+    )
+    contact_friction: float = field(
+        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+    )
+    mass: float = field(
+        metadata=entry("null: the truth", "kg", "(0, 1000]", default_in_file=None)
+    )
+    rho: float | None = setting(
+        None, "length of the limit surface; null: from the shape", "m", "(0, 10]"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,48 +215,104 @@ class Sensing:
     for all.
     """
 
-    position_noise: float = 0.0  # [m]
-    yaw_noise: float = 0.0  # [rad]
-    force_noise: float = 0.0  # [N]
-    delay: float = 0.0  # [s]
+    position_noise: float = setting(0.0, "standard deviation", "m", "[0, 0.1]")
+    yaw_noise: float = setting(0.0, "standard deviation", "deg", "[0, 45]")
+    force_noise: float = setting(0.0, "standard deviation", "N", "[0, 100]")
+    delay: float = setting(0.0, "of every measurement", "s", "[0, 1]")
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
     """How the motion is to be done; defaults suit the shipped robots."""
 
-    speed: float = 0.05  # [m/s] along the path of the tracking point, in (0, 0.2]
-    # [m/s^2] of the ramps; far below mu_s g keeps the motion quasi-static
-    acceleration: float = 0.1
-    # of the steering law, in units of the largest without overshoot
-    tracking_gain: float = 2.0
-    servo_damping: float = 500.0  # [N s/m] of the contact velocity servo
-    joint_stiffness: float = 10.0  # [N m/rad] of the joint-tracking term
-    # on the feed-forward force; None: 1 with the servo, 1.05 without
-    force_gain: float | None = None
-    # [m] above the support; None: chosen by the mode
-    contact_height: float | None = None
-    approach_distance: float = 0.05  # [m] free way before the touch
-    # add the joint impedance about the planned joint path, felt at the tip (paper, sec.
-    # IV-A)
-    joint_tracking: bool = False
-    # add the contact velocity servo to the feed-forward force
-    velocity_servo: bool = True
-    # share of the friction-limited curvature that the path may use, in (0, 1]
-    curvature_margin: float = 0.55
-    run_in: float = 0.16  # [m] straight end of the path
-    control_period: float = 0.004  # [s] of the controller
-    time_step: float = 0.004  # [s] of the physics engine; at most the control period
-    face: int | None = None  # index of the pushed edge of the footprint; None: chosen
-    contacts: tuple[Point, ...] | None = None  # [m] in G, of top contacts; None: chosen
-    press_force: float | None = None  # [N] of a top contact; None: chosen by the mode
-    cop: Cop | None = None  # of two top contacts; None: chosen by the mode
-    # how a pressed object is driven; None: as a unicycle
-    vehicle: Vehicle | None = None
-    # [m] of the alignment with the path; None: chosen by the mode
-    look_ahead: float | None = None
-    # the paper's literal target beyond the goal, for comparison
-    fixed_target: bool = False
+    speed: float = setting(
+        0.05, "along the path of the tracking point", "m/s", "(0, 0.2]"
+    )
+    # far below mu_s g, which keeps the motion quasi-static
+    acceleration: float = setting(0.1, "of the ramps of the speed", "m/s^2", "(0, 2]")
+    tracking_gain: float = setting(
+        2.0,
+        "of the steering law, in units of the largest without overshoot",
+        within="(0, 10]",
+    )
+    servo_damping: float = setting(
+        500.0, "of the contact velocity servo", "N s/m", "[0, 10000]"
+    )
+    joint_stiffness: float = setting(
+        10.0, "of the joint-tracking term", "N m/rad", "[0, 1000]"
+    )
+    force_gain: float | None = setting(
+        None,
+        "on the feed-forward force; null: 1 with the servo, 1.05 without",
+        within="(0, 2]",
+    )
+    contact_height: float | None = setting(
+        None,
+        "of a side contact above the support, below the object's top; null: chosen by "
+        "the mode",
+        "m",
+        "(0, 10]",
+    )
+    approach_distance: float = setting(
+        0.05, "free way before the touch", "m", "[0.005, 0.5]"
+    )
+    # felt at the tip (paper, sec. IV-A)
+    joint_tracking: bool = setting(
+        False, "joint impedance about the planned joint path"
+    )
+    velocity_servo: bool = setting(
+        True, "velocity servo on top of the feed-forward force"
+    )
+    curvature_margin: float = setting(
+        0.55, "share of the friction-limited curvature that is used", within="(0, 1]"
+    )
+    run_in: float = setting(0.16, "straight end of the path", "m", "[0, 1]")
+    control_period: float = setting(0.004, "of the controller", "s", "[0.0005, 0.01]")
+    # at most the control period
+    time_step: float = setting(0.004, "of the physics engine", "s", "[0.0002, 0.01]")
+    face: int | None = setting(
+        None,
+        "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
+        "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen",
+        within="[0, 63]",
+    )
+    contacts: tuple[Point, ...] | None = setting(
+        None,
+        "places of top contacts in G, on the object's top, of two the left arm's first "
+        "unless the arms would cross; null: chosen",
+        "m",
+        "[-5, 5]",
+        count=(1, 2),
+    )
+    press_force: float | None = setting(
+        None,
+        "normal force of a top contact; null: chosen by the mode",
+        "N",
+        "(0, 1000]",
+    )
+    cop: Cop | None = setting(
+        None,
+        "where two top contacts put the centre of pressure on a table: balanced "
+        "(alike), as far left or right as a turn on the spot allows, or a part of the "
+        "way from the left contact to the right one; null: balanced",
+        within="[0, 1]",
+    )
+    vehicle: Vehicle | None = setting(
+        None,
+        "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), "
+        "forklift (pushed), pivot (turned about its virtual axle); null: unicycle",
+    )
+    look_ahead: float | None = setting(
+        None,
+        "of a pressed object's alignment with its path; null: chosen",
+        "m",
+        "(0, 1]",
+    )
+    fixed_target: bool = setting(
+        False,
+        "align with a target fixed beyond the goal, as the paper has it, in place of "
+        "one that slides along the path",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,36 +321,79 @@ class Leg:
     object.
     """
 
-    mode: str
-    goal: Pose2  # X_WG at its end
-    motion: Motion  # how it is done
+    mode: str = field(metadata=entry("contact mode", is_name=True))
+    goal: Pose2 = field(
+        metadata=entry(
+            "pose of G at its end; null for the last leg: the goal",
+            key="pose",
+            default_in_file=None,
+        )
+    )
+    motion: Motion = field(
+        metadata=entry("fields of `motion` that are otherwise in this leg")
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
     """One manipulation task, complete and checked."""
 
-    name: str
-    object: ObjectModel
-    start: Pose2  # X_WG that the plan is made for (on a wall: in the wall's plane)
-    goal: Pose2  # X_WG
-    robots: tuple[Robot, ...]
-    support: Support = field(default_factory=Support)
-    contact_friction: float = 0.6  # pair end effector/object, in (0, 2)
-    tolerance: Tolerance = field(default_factory=Tolerance)
-    obstacles: tuple[Obstacle, ...] = ()
-    # then ``goal`` is where the tool has the other body at its goal
-    tool: ToolUse | None = None
-    modes: tuple[str, ...] | None = None  # None: every mode that the robots allow
-    # in order, the last one to ``goal``; empty: one mode does it all
-    legs: tuple[Leg, ...] = ()
-    limits: Limits = field(default_factory=Limits)
-    belief: Belief | None = None  # never None once loaded
-    # the true start is start + this, in world axes
-    start_error: Pose2 = field(default_factory=Pose2)
-    sensing: Sensing = field(default_factory=Sensing)
-    motion: Motion = field(default_factory=Motion)
-    description: str = ""
+    name: str = field(
+        metadata=entry("name of the task; names the folder of a run", is_name=True)
+    )
+    object: ObjectModel = field(metadata=entry("what is to be moved"))
+    # X_WG (on a wall: in the wall's plane)
+    start: Pose2 = field(
+        metadata=entry("pose of the shape's frame G that the plan is made for")
+    )
+    # X_WG; of a tool, where it has the other body at that body's goal
+    goal: Pose2 = field(metadata=entry("wanted pose of the shape's frame G"))
+    robots: tuple[Robot, ...] = field(
+        metadata=entry("the arms; of two, the first is the left one", count=(1, 2))
+    )
+    support: Support = setting(Support(), "what the object slides on")
+    contact_friction: float = setting(
+        0.6,
+        "pair end effector/object",
+        within=FRICTIONS,
+        key="contact.friction",
+        section="at the tips",
+    )
+    tolerance: Tolerance = setting(Tolerance(), "when the goal counts as reached")
+    obstacles: tuple[Obstacle, ...] = setting((), "boxes in the scene", count=(0, 32))
+    tool: ToolUse | None = setting(
+        None, "the object is a tool that pushes the goal's body", default_in_file={}
+    )
+    modes: tuple[str, ...] | None = setting(
+        None,
+        "contact modes that may be used; null: every mode that the robots allow",
+        count=(1, math.inf),
+    )
+    # the last one to ``goal``
+    legs: tuple[Leg, ...] = setting(
+        (),
+        "parts of the task in order, in place of `modes`: arms that have other "
+        "contacts in the next one let go and take them, all others hold on; null: one "
+        "mode does it all",
+        count=(1, 20),
+        default_in_file=None,
+    )
+    limits: Limits = setting(Limits(), "bounds of the run")
+    # never None once loaded
+    belief: Belief | None = setting(
+        None,
+        "what planner and controller are told, where it differs from the truth",
+        default_in_file={},
+    )
+    # the true start is start + this
+    start_error: Pose2 = setting(
+        Pose2(), "how far off `start` the object truly starts, in world axes"
+    )
+    sensing: Sensing = setting(
+        Sensing(), "imperfections of what the controller is given"
+    )
+    motion: Motion = setting(Motion(), "how the motion is to be done")
+    description: str = setting("", "one line for `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
 

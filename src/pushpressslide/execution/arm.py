@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
@@ -20,8 +20,6 @@ from pushpressslide.execution.torque import (
     limited,
     task_torque,
 )
-
-Array = NDArray[np.float64]
 
 ROTATION_STIFFNESS = 60.0
 ROTATION_DAMPING = 6.0  # [N m/rad], [N m s/rad] of the tool's orientation

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
-
-Array = NDArray[np.float64]
 
 
 def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:

@@ -11,12 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.fitting import least_squares
 from pushpressslide.identification.pairs import LENGTH, Pairs, unit
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +34,9 @@ class FittedEllipsoid:
         return LENGTH / (self.max_force * math.sqrt(float(self.matrix[2, 2])))
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3);
-        heights play no part.
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
+
+        Heights play no part.
         """
         return unit(wrenches / (1.0, 1.0, LENGTH) @ self.matrix)
 
@@ -52,11 +51,13 @@ def fit_one_parameter(pairs: Pairs) -> FittedEllipsoid:
 
 
 def fit_full(pairs: Pairs) -> FittedEllipsoid:
-    """Return the ellipsoid of any shape about the CoM that fits the directions best; mu
-    N as above.
+    """Return the ellipsoid of any shape about the CoM that fits the directions best.
+
+    Its mu N is the median over the pushes.
     """
 
     def matrix(z: Array) -> Array:
+        """Return a positive definite matrix (3, 3) of parameters (5,)."""
         root = np.array(
             [
                 [1.0, 0.0, 0.0],

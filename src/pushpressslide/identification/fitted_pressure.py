@@ -10,15 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.fitting import least_squares
 from pushpressslide.identification.pairs import Pairs
 from pushpressslide.identification.sliding import slide
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_pole
-
-Array = NDArray[np.float64]
 
 # [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
 PIN_RADIUS = 2e-3
@@ -91,24 +89,25 @@ def static_model(pressure: PressureSamples, friction: float = 1.0) -> PressureMo
 
 
 def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
-    """Return the model whose pressure and friction fit ``pairs``; ``pressure`` [N] is
-    what statics expects.
+    """Return the model whose pressure and friction fit ``pairs``.
 
-    The pressure at rest is the expected one times the exponential of a quadratic
-    polynomial in the position: of all distributions with the fitted first and second
-    moments the nearest to the expected one. Its five coefficients are fitted to the
-    measured directions, with a ridge toward zero. Friction is the median over the
-    pushes.
+    ``pressure`` [N] is what statics expects. The pressure at rest is the expected one
+    times the exponential of a quadratic polynomial in the position: of all
+    distributions with the fitted first and second moments the nearest to the expected
+    one. Its five coefficients are fitted to the measured directions, with a ridge
+    toward zero. Friction is the median over the pushes.
     """
     expected = static_model(pressure)
     x, y = ((expected.points - pressure.cop) / rho_pole(pressure)).T
     terms = np.stack([x, y, x * x, x * y, y * y])
 
     def model(coefficients: Array) -> PressureModel:
+        """Return the model with the pressure of the coefficients (5,)."""
         shares = expected.shares * np.exp(coefficients @ terms)
         return replace(expected, shares=shares / shares.sum())
 
     def predict(coefficients: Array) -> Array:
+        """Return the directions (n, 3) under the measured wrenches."""
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
     fitted = model(

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
 
 
 class SlidingModel(Protocol):
@@ -36,6 +35,7 @@ def least_squares(
     from scipy import optimize
 
     def residuals(parameters: Array) -> Array:
+        """Return the chords and the ridge as one vector."""
         return np.append((predict(parameters) - measured).ravel(), ridge * parameters)
 
     found: Array = optimize.least_squares(

@@ -35,7 +35,8 @@ class Identified(NamedTuple):
     """What was seen so far, the prediction where nothing was."""
 
     axle: float  # [m] of the virtual axle on the heading axis, from the CoM
-    reach: float  # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
+    # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
+    effective_wheelbase: float
     drag: float  # [N] the force that slides the object straight, mu_s N
 
 
@@ -74,7 +75,9 @@ class AxleIdentifier:
         self._predicted = predicted
         self._sign = math.copysign(1.0, lever)
         self._stiffness = (
-            abs(lever) / predicted.reach if stiffness is None else stiffness
+            abs(lever) / predicted.effective_wheelbase
+            if stiffness is None
+            else stiffness
         )
 
     def step(
@@ -106,7 +109,7 @@ class AxleIdentifier:
         if abs(w) > LEAST_TURN and size > 0.0:
             ww = keep * ww + w * w
             vw = keep * vw - across * w
-            # reach w f_e = f_t v_e
+            # effective wheelbase times w f_e = f_t v_e
             turned = w * sum_e / size
             fw = keep * fw + self._sign * sum_t / size * along * turned
             gg = keep * gg + turned * turned
@@ -118,17 +121,18 @@ class AxleIdentifier:
         return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
 
     def identified(self, state: AxleState) -> Identified | None:
-        """Return the estimates, within bounds of the prediction; None while they do not
-        contradict it, or rest on too little turning.
+        """Return the estimates, within bounds of the prediction.
+
+        None while they do not contradict it, or rest on too little turning.
         """
-        axle, reach, drag = self._predicted
+        axle, wheelbase, drag = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
-        if state.ww < ENOUGH or abs(seen - axle) < OFF * reach:
+        if state.ww < ENOUGH or abs(seen - axle) < OFF * wheelbase:
             return None
-        turning = (state.fw + PRIOR * reach) / (state.gg + PRIOR)
+        turning = (state.fw + PRIOR * wheelbase) / (state.gg + PRIOR)
         return Identified(
-            min(max(seen, axle - BOUND * reach), axle + BOUND * reach),
-            min(max(turning, reach / BOUND), reach * BOUND),
+            min(max(seen, axle - BOUND * wheelbase), axle + BOUND * wheelbase),
+            min(max(turning, wheelbase / BOUND), wheelbase * BOUND),
             drag
             if state.drag is None
             else min(max(state.drag, drag / BOUND), drag * BOUND),

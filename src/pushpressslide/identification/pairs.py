@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, wrap_angle
 from pushpressslide.identification.recordings import RecordedPush
-
-Array = NDArray[np.float64]
 
 # [m] that makes a turn comparable with a translation: a direction is (vx, vy, LENGTH
 # w), unit
@@ -85,8 +84,9 @@ def measured_pairs(
 
 
 def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
-    """Return fx, fy, tau, dx, dy, yaw, contact x, y and height of one push, or why
-    there is none.
+    """Return the figures (9,) of one push, or why there are none.
+
+    They are fx, fy, tau, dx, dy, yaw, contact x, y and height.
     """
     if not len(push.forces) or not len(push.probe):
         return "no force or probe samples"
@@ -102,29 +102,26 @@ def _measured(push: RecordedPush, center_of_mass: Point) -> Array | str:
     if not len(touching) or np.linalg.norm(force[touching].mean(0)) < LEAST_FORCE:
         return f"force below {LEAST_FORCE:g} N"
     first, last = push.forces[touching[[0, -1]], 0]
-    kept = touching[int(FREE_SHARE * len(touching)) :]
-    time = push.forces[kept, 0]
-    # of the object between its two poses
-    way = (time - first) / max(last - first, 1e-9)
-    probe_yaw = np.interp(time, push.probe[:, 0], np.unwrap(_yaw(push.probe[:, 4:])))
-    tip = np.stack(
-        [np.interp(time, push.probe[:, 0], push.probe[:, i]) for i in (1, 2)], axis=1
-    )
-    object_yaw = yaw + way * turn
-    contact = _rotated(tip - start - way[:, None] * shift, -object_yaw)
-    on_object = _rotated(force[kept] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
+    late = touching[int(FREE_SHARE * len(touching)) :]
+    time = push.forces[late, 0]
+    done = (time - first) / max(last - first, 1e-9)  # part of the object's motion
+    tip, probe_yaw = _probe_at(push, time)
+    object_yaw = yaw + done * turn
+    contact = _rotated(tip - start - done[:, None] * shift, -object_yaw)
+    on_object = _rotated(force[late] @ TOOL_FROM_SENSOR.T, probe_yaw - object_yaw)
     torque = contact[:, 0] * on_object[:, 1] - contact[:, 1] * on_object[:, 0]
     height = max(0.0, float(push.probe[:, 3].mean() - push.before[2]))
-    return np.concatenate(
-        [
-            on_object.mean(0),
-            [torque.mean()],
-            _rotated(shift, -yaw - 0.5 * turn),
-            [turn],
-            contact.mean(0),
-            [height],
-        ]
-    )
+    wrench = [*on_object.mean(0), torque.mean()]
+    motion = [*_rotated(shift, -yaw - 0.5 * turn), turn]
+    return np.array([*wrench, *motion, *contact.mean(0), height])
+
+
+def _probe_at(push: RecordedPush, time: Array) -> tuple[Array, Array]:
+    """Return where the probe is (n, 2) [m], and its yaw (n,) [rad], at times (n,) [s]."""
+    clock = push.probe[:, 0]
+    yaw = np.interp(time, clock, np.unwrap(_yaw(push.probe[:, 4:])))
+    place = [np.interp(time, clock, push.probe[:, i]) for i in (1, 2)]
+    return np.stack(place, axis=1), yaw
 
 
 def _yaw(quaternion: Array) -> Array:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.pose import Point
 from pushpressslide.identification.pairs import Pairs, measured_pairs
@@ -26,7 +27,6 @@ from pushpressslide.mechanics.pressure import (
 )
 from pushpressslide.mechanics.punch import punch_pressure
 
-GRAVITY = 9.81  # [m/s^2]
 MASS = 1.5  # [kg] of the prism
 # [m] its base, in the tracked frame: origin at the right angle
 BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))
@@ -94,8 +94,9 @@ def load_sets(
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
-    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm]; none for any
-    other name.
+    """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
+
+    None for any other name.
     """
     try:
         numbers = [1e-3 * float(word) for word in name.split("_")]

@@ -11,12 +11,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.ellipsoid import fit_one_parameter
 from pushpressslide.identification.pairs import LENGTH, Pairs, unit
-
-Array = NDArray[np.float64]
 
 # spread evenly over the half sphere; 15 would span all quartics, if all were allowed
 POWERS = 60
@@ -34,8 +32,9 @@ class FittedQuartic:
     rho: float  # [m] of the one-parameter ellipsoid
 
     def directions(self, wrenches: Array, heights: Array) -> Array:
-        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3);
-        heights play no part.
+        """Return the unit directions (n, 3) of sliding under ``wrenches`` (n, 3).
+
+        Heights play no part.
         """
         along = wrenches / (1.0, 1.0, self.rho) @ self.axes.T
         return unit(
@@ -44,51 +43,61 @@ class FittedQuartic:
 
 
 def fit_quartic(pairs: Pairs) -> FittedQuartic:
-    """Return the sum of fourth powers whose directions are nearest to the measured
-    ones.
+    """Return the sum of fourth powers whose directions are nearest to the measured.
 
     Non-negative least squares of directions and levels, with a ridge toward the sphere
     in (fx, fy, tau/rho).
     """
-    from scipy import optimize
-
     rho = fit_one_parameter(pairs).rho
     w = pairs.wrenches / (1.0, 1.0, rho)
     typical = float(np.median(np.linalg.norm(w, axis=1)))
     axes = _half_sphere(POWERS)
     along = w @ axes.T / typical
-    # (n, 3, k)
     gradients = 4.0 * along[:, None, :] ** 3 * (axes * (1.0, 1.0, LENGTH / rho)).T
     # the mean of (a . u)^4 over unit vectors is 1/5
     sphere = np.full(POWERS, 5.0 / POWERS)
-    measured = pairs.directions
+    problem = _Residuals(gradients, along, pairs.directions, sphere)
+    return FittedQuartic(axes, _least_squares(problem, sphere), rho)
 
-    def residuals(c: Array) -> tuple[Array, Array]:
-        """Return the residuals and their derivatives."""
+
+@dataclass(frozen=True, eq=False)
+class _Residuals:
+    """What the coefficients c (k,) leave of directions, levels and ridge."""
+
+    gradients: Array  # (n, 3, k) of the powers at the measured wrenches
+    along: Array  # (n, k) of the measured wrenches on the axes
+    measured: Array  # (n, 3) unit directions
+    sphere: Array  # (k,) coefficients of the sphere
+
+    def at(self, c: Array) -> tuple[Array, Array]:
+        """Return the residuals (m,) and their derivatives (m, k)."""
+        gradients = self.gradients
         g = gradients @ c
         size = np.linalg.norm(g, axis=1)[:, None, None]
         e = g[:, :, None] / size
         across = (gradients - e * (e * gradients).sum(1, keepdims=True)) / size
-        level = LEVEL_WEIGHT * along**4
+        level = LEVEL_WEIGHT * self.along**4
+        off = (e[:, :, 0] - self.measured).ravel()
         value = np.concatenate(
-            [
-                (e[:, :, 0] - measured).ravel(),
-                level @ c - LEVEL_WEIGHT,
-                RIDGE * (c - sphere),
-            ]
+            [off, level @ c - LEVEL_WEIGHT, RIDGE * (c - self.sphere)]
         )
-        return value, np.vstack(
-            [across.reshape(-1, POWERS), level, RIDGE * np.eye(POWERS)]
-        )
+        ridge = RIDGE * np.eye(POWERS)
+        return value, np.vstack([across.reshape(-1, POWERS), level, ridge])
 
-    c = sphere
-    value, slope = residuals(sphere)
-    # Gauss-Newton; each step is linear and non-negative, and is halved until it gains
+
+def _least_squares(residuals: _Residuals, c: Array) -> Array:
+    """Return the coefficients >= 0 by Gauss-Newton from ``c``.
+
+    Each step is linear and non-negative, and is halved until it gains.
+    """
+    from scipy import optimize
+
+    value, slope = residuals.at(c)
     for _ in range(30):
         step = optimize.nnls(slope, slope @ c - value)[0] - c
         length = 1.0
         while length > 1e-3:
-            new_value, new_slope = residuals(c + length * step)
+            new_value, new_slope = residuals.at(c + length * step)
             if new_value @ new_value < value @ value:
                 break
             length *= 0.5
@@ -100,7 +109,7 @@ def fit_quartic(pairs: Pairs) -> FittedQuartic:
         slope = new_slope
         if gain < 1e-4:
             break
-    return FittedQuartic(axes, c, rho)
+    return c
 
 
 def _half_sphere(n: int) -> Array:

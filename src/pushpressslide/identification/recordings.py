@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
-Array = NDArray[np.float64]
 Row = tuple[int, str]  # line number and text
 
 MM = 1e-3
@@ -160,8 +159,9 @@ def _count(path: Path, rows: Sequence[Row], at: int, what: str) -> int:
 
 
 def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> Array:
-    """Return ``count`` lines of numbers as an array; the first number of ``form`` says
-    how many in each.
+    """Return ``count`` lines of numbers as an array.
+
+    The first number of ``form`` says how many in each.
     """
     width = int(form[0])
     lines = rows[at : at + count]
@@ -178,8 +178,9 @@ def _block(path: Path, rows: Sequence[Row], at: int, count: int, form: str) -> A
 
 
 def _numbers(lines: Sequence[Row]) -> Array:
-    """Return the lines as rows of numbers; without columns if they are not numbers, or
-    unequally many.
+    """Return the lines as rows of numbers.
+
+    Without columns if they are not numbers, or unequally many.
     """
     try:
         return np.array([line.split() for _, line in lines], dtype=np.float64)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.ellipsoid import (
     FittedEllipsoid,
     fit_full,
@@ -25,7 +26,6 @@ from pushpressslide.identification.pairs import Pairs, unit
 from pushpressslide.identification.push_sets import PushSet
 from pushpressslide.identification.quartic import fit_quartic
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Fit = Callable[[Pairs], SlidingModel]
 Progress = Callable[[float, float], None]
@@ -102,8 +102,9 @@ def fits_of(push_set: PushSet) -> dict[str, Fit]:
 def random_splits(
     n: int, fit_share: float, splits: int, seed: int
 ) -> list[tuple[Rows, Rows]]:
-    """Return ``splits`` random parts of n pushes: rows to fit, rows to test; at least
-    one in each.
+    """Return ``splits`` random parts of n pushes: rows to fit, rows to test.
+
+    At least one in each.
     """
     generator = np.random.default_rng(seed)
     cut = min(max(round(fit_share * n), 1), n - 1)

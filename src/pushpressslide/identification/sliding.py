@@ -7,12 +7,12 @@ is the single call.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.identification.pairs import LENGTH, unit
-
-Array = NDArray[np.float64]
 
 
 def slide(
@@ -27,48 +27,20 @@ def slide(
     among those with unit power of the wrench; Newton steps with a line search, all
     wrenches at a time.
     """
-    x, y = points.T / LENGTH
-    radii_squared = (radii / LENGTH) ** 2
-    arms = x**2 + y**2 + radii_squared
     size = np.linalg.norm(wrenches / (1.0, 1.0, LENGTH), axis=1)
     target = wrenches / (1.0, 1.0, LENGTH) / size[:, None]
     basis = _basis(target)
-
-    def speeds(nu: Array) -> tuple[Array, Array, Array]:
-        px = nu[:, :1] - nu[:, 2:] * y
-        py = nu[:, 1:2] + nu[:, 2:] * x
-        return px, py, np.sqrt(px**2 + py**2 + radii_squared * nu[:, 2:] ** 2)
-
+    x, y = points.T / LENGTH
+    friction = _Friction(x, y, (radii / LENGTH) ** 2, shares)
     nu = target
-    power = (shares * speeds(nu)[2]).sum(1)
+    power = friction.power(nu)
     for _ in range(60):
-        px, py, speed = speeds(nu)
-        units = (
-            np.stack([px, py, x * py - y * px + radii_squared * nu[:, 2:]], axis=2)
-            / speed[:, :, None]
-        )
-        gradient = (shares[:, None] @ units)[:, 0]
-        k = shares / speed
-        hessian = -(k[:, :, None] * units).transpose(0, 2, 1) @ units
-        hessian[:, 0, 0] += k.sum(1)
-        hessian[:, 1, 1] += k.sum(1)
-        hessian[:, 2, 2] += k @ arms
-        hessian[:, [0, 2], [2, 0]] -= (k @ y)[:, None]
-        hessian[:, [1, 2], [2, 1]] += (k @ x)[:, None]
-        slopes = (gradient[:, None] @ basis)[:, 0]
-        curvature = basis.transpose(0, 2, 1) @ hessian @ basis
-        curvature += (
-            1e-12
-            * (1.0 + np.trace(curvature, axis1=1, axis2=2))[:, None, None]
-            * np.eye(2)
-        )
-        step = -np.linalg.solve(curvature, slopes[:, :, None])[:, :, 0]
-        descent = (slopes * step).sum(1)
+        step, descent = _newton_step(*friction.derivatives(nu), basis)
         change = (basis @ step[:, :, None])[:, :, 0]
         length = np.ones(len(step))
         for _ in range(30):
             new = nu + length[:, None] * change
-            new_power = (shares * speeds(new)[2]).sum(1)
+            new_power = friction.power(new)
             short = new_power > power + 1e-4 * length * descent + 1e-14
             if not short.any():
                 break
@@ -78,6 +50,56 @@ def slide(
         if np.abs(length[:, None] * change).max() < 1e-9:
             break
     return unit(nu), size / power
+
+
+@dataclass(frozen=True, eq=False)
+class _Friction:
+    """The friction of n loads, each with a part of every one of m total loads."""
+
+    x: Array  # (n,) over LENGTH
+    y: Array  # (n,)
+    radii_squared: Array  # (n,) over LENGTH^2
+    shares: Array  # (m, n)
+
+    def power(self, nu: Array) -> Array:
+        """Return the power (m,) over mu N of twists (m, 3)."""
+        total: Array = (self.shares * self._speeds(nu)[2]).sum(1)
+        return total
+
+    def derivatives(self, nu: Array) -> tuple[Array, Array]:
+        """Return the gradients (m, 3) and Hessians (m, 3, 3) of the power."""
+        x = self.x
+        y = self.y
+        px, py, speed = self._speeds(nu)
+        moments = x * py - y * px + self.radii_squared * nu[:, 2:]
+        units = np.stack([px, py, moments], axis=2) / speed[:, :, None]
+        gradient = (self.shares[:, None] @ units)[:, 0]
+        k = self.shares / speed
+        hessian = -(k[:, :, None] * units).transpose(0, 2, 1) @ units
+        hessian[:, 0, 0] += k.sum(1)
+        hessian[:, 1, 1] += k.sum(1)
+        hessian[:, 2, 2] += k @ (x**2 + y**2 + self.radii_squared)
+        hessian[:, [0, 2], [2, 0]] -= (k @ y)[:, None]
+        hessian[:, [1, 2], [2, 1]] += (k @ x)[:, None]
+        return gradient, hessian
+
+    def _speeds(self, nu: Array) -> tuple[Array, Array, Array]:
+        px = nu[:, :1] - nu[:, 2:] * self.y
+        py = nu[:, 1:2] + nu[:, 2:] * self.x
+        return px, py, np.sqrt(px**2 + py**2 + self.radii_squared * nu[:, 2:] ** 2)
+
+
+def _newton_step(gradient: Array, hessian: Array, basis: Array) -> tuple[Array, Array]:
+    """Return steps (m, 2) along the ``basis`` (m, 3, 2), and the slopes (m,) there."""
+    slopes = (gradient[:, None] @ basis)[:, 0]
+    curvature = basis.transpose(0, 2, 1) @ hessian @ basis
+    curvature += (
+        1e-12 * (1.0 + np.trace(curvature, axis1=1, axis2=2))[:, None, None] * np.eye(2)
+    )
+    solved = np.linalg.solve(curvature, slopes[:, :, None])
+    step = -solved[:, :, 0].astype(np.float64)
+    descent: Array = (slopes * step).sum(1)
+    return step, descent
 
 
 def _basis(normals: Array) -> Array:

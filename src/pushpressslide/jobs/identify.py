@@ -1,5 +1,6 @@
-"""Rho, friction and pressure from recorded pushes; models scored on pushes that were
-held out.
+"""Rho, friction and pressure from recorded pushes.
+
+The models are scored on pushes that were held out.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from pushpressslide.identification.push_sets import load_sets
 from pushpressslide.identification.scoring import Identification, identified
 from pushpressslide.jobs.run import versions
 from pushpressslide.mechanics.rho import rho_pole
-from pushpressslide.report.files import to_json
 from pushpressslide.report.identification import predicted_rho, write_identification
+from pushpressslide.report.json_text import to_json
 
 SCHEMA = 1
 Progress = Callable[[float, float], None]
@@ -30,22 +31,23 @@ def identify(
     fit_share: float = 0.5,
     progress: Progress | None = None,
 ) -> tuple[dict[str, Any], list[Identification]]:
-    """Identify every set of pushes in ``data``, a log or a folder with logs; return
-    what was found.
+    """Identify every set of pushes in ``data``, a log or a folder with logs.
 
-    Writes result.json, report.html and a plot of each set to ``out``. Raises
-    PushPressSlideError for logs that cannot be read.
+    Returns what result.json holds, and the identifications. Writes result.json,
+    report.html and a plot of each set to ``out``. Raises PushPressSlideError for logs
+    that cannot be read.
     """
     sets, others = load_sets(data)
-    found = []
+    identifications = []
     for done, push_set in enumerate(sets):
 
         def moved(part: float, parts: float, done: int = done) -> None:
+            """Add the progress within a set to that over the sets."""
             if progress is not None:
                 progress(done + part / parts, len(sets))
 
-        found.append(identified(push_set, fit_share, splits, seed, moved))
-    notes = _notes(found, others)
+        identifications.append(identified(push_set, fit_share, splits, seed, moved))
+    notes = _notes(identifications, others)
     result = {
         "schema": SCHEMA,
         "data": str(data),
@@ -53,64 +55,65 @@ def identify(
         "splits": splits,
         "fit_share": fit_share,
         "length_scale": LENGTH,
-        "sets": {each.push_set.name: _figures(each) for each in found},
-        "mean_error_reduction": _reductions(found),
+        "sets": {each.push_set.name: _figures(each) for each in identifications},
+        "mean_error_reduction": _reductions(identifications),
         "notes": notes,
         "versions": versions(),
     }
     # of an older run: a folder that has one is complete
     (out / "result.json").unlink(missing_ok=True)
     how = f"{splits} random splits, {100.0 * fit_share:g} % of each set's pushes fitted, the rest held out."
-    write_identification(found, out, how, notes)
+    write_identification(identifications, out, how, notes)
     write_whole(out / "result.json", to_json(result))
-    return result, found
+    return result, identifications
 
 
-def _figures(found: Identification) -> dict[str, Any]:
+def _figures(one: Identification) -> dict[str, Any]:
     """What result.json holds of one set; SI units, radians."""
-    push_set = found.push_set
-    layout, rigid = predicted_rho(found)
+    push_set = one.push_set
+    layout, rigid = predicted_rho(one)
     return {
         "logs": [recording.path.name for recording in push_set.recordings],
         "pushes": len(push_set.pairs),
         "refused": list(push_set.refused),
         "pins": [list(pin) for pin in push_set.pins] or None,
-        "loads": found.pressure.shares.tolist() if push_set.pins else None,
+        "loads": one.pressure.shares.tolist() if push_set.pins else None,
         "contact_height": float(push_set.pairs.heights.mean()),
-        "friction": found.pressure.friction,
-        "friction_ellipsoid": found.ellipsoid.max_force / push_set.weight,
-        "rho": found.ellipsoid.rho,
+        "friction": one.pressure.friction,
+        "friction_ellipsoid": one.ellipsoid.max_force / push_set.weight,
+        "rho": one.ellipsoid.rho,
         "rho_predicted": layout,
         "rho_predicted_rigid_face": rigid,
-        "rho_pressure": rho_pole(found.pressure.at_rest),
+        "rho_pressure": rho_pole(one.pressure.at_rest),
         "errors": {
-            name: {"mean": s.mean, "spread": s.spread}
-            for name, s in found.scores.items()
+            name: {"mean": s.mean, "spread": s.spread} for name, s in one.scores.items()
         },
     }
 
 
-def _reductions(found: Sequence[Identification]) -> dict[str, float]:
-    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, of each
-    model.
-    """
+def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
+    """Mean over the sets of 1 - error / error of the one-parameter ellipsoid, by model."""
     names = [
-        name for name in found[0].scores if all(name in each.scores for each in found)
+        name
+        for name in identifications[0].scores
+        if all(name in each.scores for each in identifications)
     ]
     return {
         name: sum(
             1.0 - each.scores[name].mean / each.scores["ellipsoid"].mean
-            for each in found
+            for each in identifications
         )
-        / len(found)
+        / len(identifications)
         for name in names
     }
 
 
-def _notes(found: Sequence[Identification], others: Sequence[Path]) -> list[str]:
+def _notes(
+    identifications: Sequence[Identification], others: Sequence[Path]
+) -> list[str]:
     """Say what was not used."""
     notes = []
-    for each in found:
+    for each in identifications:
         notes += [
             f"{each.push_set.name}: {line} (not used)."
             for line in each.push_set.refused

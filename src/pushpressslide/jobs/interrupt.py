@@ -1,6 +1,4 @@
-"""Ctrl-C as a wish that a run grants at its next tick, so that what was recorded can be
-kept.
-"""
+"""Ctrl-C as a request that a run grants at its next tick, to keep what it recorded."""
 
 from __future__ import annotations
 
@@ -16,8 +14,9 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Interrupt:
-    """Ctrl-C as a question that a loop asks; pressed a second time, it interrupts at
-    once.
+    """Ctrl-C as a question that a loop asks.
+
+    Pressed a second time, it interrupts at once.
     """
 
     def __init__(self) -> None:
@@ -34,8 +33,9 @@ class Interrupt:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep Ctrl-C back inside the block; in the main thread only, since others get
-        no signals.
+        """Keep Ctrl-C back inside the block.
+
+        In the main thread only, as others get no signals.
         """
         if threading.current_thread() is not threading.main_thread():
             yield
@@ -49,8 +49,9 @@ class Interrupt:
 
 @contextmanager
 def blocked_for_children() -> Iterator[None]:
-    """Processes started inside the block never see Ctrl-C; one pressed meanwhile comes
-    after the block.
+    """Let processes that are started inside the block never see Ctrl-C.
+
+    One that is pressed meanwhile comes after the block.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

@@ -19,8 +19,9 @@ def in_parallel(
     jobs: int,
     progress: Progress | None = None,
 ) -> dict[Key, Result]:
-    """Do every piece of ``work``, at most ``jobs`` at a time, and return the results by
-    their keys, in order.
+    """Do every piece of ``work`` and return the results by their keys, in order.
+
+    At most ``jobs`` pieces are done at a time.
 
     ``progress`` is told how many are done, of how many. What one raises is raised; on
     that, and on Ctrl-C, the others are ended.

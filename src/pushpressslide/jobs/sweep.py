@@ -19,7 +19,6 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.interrupt import blocked_for_children
 from pushpressslide.jobs.run import Engine, simulate, versions
 from pushpressslide.jobs.sampling import random_task, varied_task
-from pushpressslide.jobs.two_arm_sampling import random_two_arm_task
 
 Vary = Literal["truth", "tasks"]
 Progress = Callable[[int, int], None]
@@ -27,10 +26,8 @@ Progress = Callable[[int, int], None]
 
 def sample_task(task: Task, vary: Vary, index: int, seed: int) -> Task:
     """Return sample ``index`` of a sweep over ``task``."""
-    draw = random_task if len(task.robots) == 1 else random_two_arm_task
-    return (
-        varied_task(task, index, seed) if vary == "truth" else draw(task, index, seed)
-    )
+    draw = varied_task if vary == "truth" else random_task
+    return draw(task, index, seed)
 
 
 def run_sample(

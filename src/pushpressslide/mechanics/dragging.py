@@ -14,11 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.task import Cylinder, ObjectModel
-from pushpressslide.mechanics import quadrature
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.task import ObjectModel
 from pushpressslide.mechanics.pressure import CELL_RADIUS
-
-Array = NDArray[np.float64]
 
 RESOLUTION = 3  # of the base: twists are right to about a percent
 COARSE = 1  # of the base that settles first
@@ -55,12 +53,10 @@ class DraggedBase:
         """Prepare the base; ``shift`` h mu_s [m]: how far a drag of mu_s N moves the
         centre of pressure.
         """
-        if isinstance(body.shape, Cylinder):
-            points, areas = quadrature.disc_rule(body.shape.radius, resolution)
-        else:
-            points, areas = quadrature.base_rule(body.shape.footprint, resolution)
+        points, areas = body.shape.base_rule(resolution)
         x, y = (points - np.array(body.center_of_mass)).T
-        self._shift, self._size = shift, _radius(body)
+        self._shift = shift
+        self._size = body.shape.farthest(body.center_of_mass)  # [m] of the base
         self._coarser = (
             DraggedBase(body, shift, COARSE) if resolution > COARSE else None
         )
@@ -214,15 +210,6 @@ class DraggedBase:
         out = 2.0 * twist - _solved(friction - less + level, gradient)
         out /= (force * out).sum(0)
         return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
-
-
-def _radius(body: ObjectModel) -> float:
-    """How far the base reaches from the CoM [m]."""
-    if isinstance(body.shape, Cylinder):
-        return math.hypot(*body.center_of_mass) + body.shape.radius
-    return max(
-        math.dist(corner, body.center_of_mass) for corner in body.shape.footprint
-    )
 
 
 def _solved(matrix: Array, right: Array) -> Array:

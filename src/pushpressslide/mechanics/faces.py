@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.core.task import Cylinder, ObjectModel
-
-CYLINDER_FACES = 24  # a round side is offered as this many directions
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,51 +25,18 @@ class Face:
 
 
 def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
-    """Return the faces of ``body``; contacts stay ``corner_clearance`` [m] away from
-    the corners (or at a short edge's middle).
+    """Return the faces of ``body``.
+
+    Contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's
+    middle).
     """
-    com = body.center_of_mass
-    if isinstance(body.shape, Cylinder):
-        out = []
-        for i in range(CYLINDER_FACES):
-            angle = 2.0 * math.pi * i / CYLINDER_FACES
-            normal = (math.cos(angle), math.sin(angle))
-            point = (
-                -body.shape.radius * normal[0] - com[0],
-                -body.shape.radius * normal[1] - com[1],
-            )
-            side = turned_left(normal)
-            out.append(
-                Face(
-                    i,
-                    point,
-                    normal,
-                    point[0] * side[0] + point[1] * side[1],
-                    -(point[0] * normal[0] + point[1] * normal[1]),
-                )
-            )
-        return tuple(out)
-    corners = [(x - com[0], y - com[1]) for x, y in body.shape.footprint]
     out = []
-    for i, a in enumerate(corners):
-        b = corners[(i + 1) % len(corners)]
-        length = math.hypot(b[0] - a[0], b[1] - a[1])
-        u = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
-        normal = turned_left(u)  # inward of a counter-clockwise polygon
-        along = -(a[0] * u[0] + a[1] * u[1])  # of the CoM's foot, from corner a
-        clear = min(corner_clearance, 0.5 * length)
-        place = min(max(along, clear), length - clear)
-        foot = (a[0] + place * u[0], a[1] + place * u[1])
-        side = turned_left(normal)
-        out.append(
-            Face(
-                i,
-                foot,
-                normal,
-                foot[0] * side[0] + foot[1] * side[1],
-                -(foot[0] * normal[0] + foot[1] * normal[1]),
-            )
-        )
+    places = body.shape.side_points(corner_clearance, body.center_of_mass)
+    for i, (foot, normal) in enumerate(places):
+        left = turned_left(normal)
+        offset = foot[0] * left[0] + foot[1] * left[1]
+        depth = -(foot[0] * normal[0] + foot[1] * normal[1])
+        out.append(Face(i, foot, normal, offset, depth))
     return tuple(out)
 
 
@@ -86,5 +50,5 @@ def room_ahead(body: ObjectModel, face: Face) -> float:
         return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
     return max(
         (x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1]
-        for x, y in shape.footprint
+        for x, y in shape.corners
     )

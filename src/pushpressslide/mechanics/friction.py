@@ -83,8 +83,7 @@ def push_outcome(
     mu: float,
     velocity: Point,
 ) -> PushOutcome:
-    """Return how the object moves when a pusher at ``contact`` [m] is driven with
-    ``velocity`` [m/s].
+    """Return how a pusher at ``contact`` [m] with ``velocity`` [m/s] moves the object.
 
     Inside the motion cone it sticks; outside, the force stays on the edge of the
     friction cone and the normal velocity is kept; with no velocity into the object it
@@ -94,9 +93,8 @@ def push_outcome(
     rho = surface.rho
     approach = velocity[0] * normal[0] + velocity[1] * normal[1]
     if approach <= 0.0:
-        return PushOutcome(
-            "separate", (0.0, 0.0), Twist(0.0, 0.0, 0.0, cop), cross(normal, velocity)
-        )
+        rest = Twist(0.0, 0.0, 0.0, cop)
+        return PushOutcome("separate", (0.0, 0.0), rest, cross(normal, velocity))
     lever = (contact[0] - cop[0], contact[1] - cop[1])
     mobile = force_of_velocity(lever, rho, velocity)
     kind: PushKind = "stick"
@@ -105,10 +103,8 @@ def push_outcome(
         # An edge that leads away from the pusher cannot be passed by a velocity towards
         # the object.
         right, left = motion_cone(lever, rho, normal, mu)
-        to_left = (
-            left[0] * normal[0] + left[1] * normal[1] > 0.0
-            and cross(left, velocity) > 0.0
-        )
+        leads_in = left[0] * normal[0] + left[1] * normal[1] > 0.0
+        to_left = leads_in and cross(left, velocity) > 0.0
         kind = "slip_left" if to_left else "slip_right"
         edge = cone_edges(normal, mu)[1 if to_left else 0]
         edge_velocity = left if to_left else right

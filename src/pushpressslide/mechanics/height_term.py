@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +66,9 @@ class DraggedSurface:
         return np.stack([scale * (vx - k * vy), scale * (vy + k * vx), tau], axis=-1)
 
     def wrench(self, twist: Twist) -> Wrench:
-        """Return the wrench on the surface, about ``center``, that drives ``twist``;
-        zero for none.
+        """Return the wrench on the surface, about ``center``, that drives ``twist``.
+
+        Zero for none.
         """
         vx, vy, w, _ = twist.moved_to(self.center)
         turn = (self.rho * w) ** 2

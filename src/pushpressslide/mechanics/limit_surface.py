@@ -12,13 +12,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.pressure import PressureSamples
 
-Array = NDArray[np.float64]
+# roundings of the surface's edges, from coarse to fine, for pressures with pins
+PIN_SOFTENINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +147,7 @@ def exact_slide(
 
 
 def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
+    """Return the direction of sliding, and the wrench over mu times the surface's."""
     cop = samples.cop
     r = samples.points - np.array(cop)
     load = samples.total_load
@@ -162,30 +164,56 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
     if not (size > 0.0 and math.isfinite(size)):
         raise ValueError("a zero wrench has no direction of sliding")
     target /= size
-    # Twists with unit power of the wrench: target + basis z, in (vx, vy, rho w).
     basis = np.linalg.svd(target[None, :])[2][1:].T
     x = r[:, 0] / rho
     y = r[:, 1] / rho
-    radii_squared = (samples.radii / rho) ** 2
+    power = _FrictionPower(share, x, y, (samples.radii / rho) ** 2, target, basis)
+    extended = bool((samples.radii[samples.loads > 0.0] > 0.0).all())
+    z = np.zeros(2)
+    for softening in (0.0,) if extended else PIN_SOFTENINGS:
+        z = power.least(z, softening)
+    value = power.value(z, 0.0)
+    nu = target + basis @ z
+    norm = float(np.linalg.norm(nu))
+    nu /= norm
+    return Twist(float(nu[0]), float(nu[1]), float(nu[2]) / rho, cop), size / (
+        value * load
+    )
 
-    def power(
-        z: Array, softening: float, derivatives: bool
+
+@dataclass(frozen=True, eq=False)
+class _FrictionPower:
+    """Power of the friction over mu N, for twists with unit power of the wrench.
+
+    These are target + basis z, in (vx, vy, rho w). ``softening`` rounds the edges that
+    the surface of pins has.
+    """
+
+    share: Array  # (n,) of the load
+    x: Array  # (n,) of the sample from the CoP, over rho
+    y: Array  # (n,)
+    radii_squared: Array  # (n,) over rho^2
+    target: Array  # (3,)
+    basis: Array  # (3, 2)
+
+    def value(self, z: Array, softening: float) -> float:
+        """Return the power at z (2,)."""
+        return float(self.share @ self._speeds(z, softening)[0])
+
+    def with_derivatives(
+        self, z: Array, softening: float
     ) -> tuple[float, Array, Array]:
-        nu = target + basis @ z
-        px = nu[0] - y * nu[2]
-        py = nu[1] + x * nu[2]
-        soft = radii_squared + softening**2
-        speed = np.sqrt(px**2 + py**2 + soft * nu[2] ** 2)
-        value = float(share @ speed)
-        if not derivatives:
-            return value, z, z
+        """Return power, gradient (2,) and Hessian (2, 2) at z (2,)."""
+        speed, (px, py, turn), soft = self._speeds(z, softening)
+        x = self.x
+        y = self.y
         # Each sample's speed is |A_i nu| with the rows of A_i below; its gradient is
         # A^T u, u the unit vector.
         inverse = 1.0 / np.maximum(speed, 1e-300)
-        twist_row = np.stack([px, py, x * py - y * px + soft * nu[2]])
+        twist_row = np.stack([px, py, x * py - y * px + soft * turn])
         unit = twist_row * inverse
-        gradient = unit @ share
-        k = share * inverse
+        gradient = unit @ self.share
+        k = self.share * inverse
         hessian = np.empty((3, 3))
         hessian[0, 0] = hessian[1, 1] = k.sum()
         hessian[0, 1] = hessian[1, 0] = 0.0
@@ -193,13 +221,14 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
         hessian[1, 2] = hessian[2, 1] = k @ x
         hessian[2, 2] = k @ (x * x + y * y + soft)
         hessian -= (unit * k) @ unit.T
+        basis = self.basis
+        value = float(self.share @ speed)
         return value, basis.T @ gradient, basis.T @ hessian @ basis
 
-    z = np.zeros(2)
-    extended = bool((samples.radii[samples.loads > 0.0] > 0.0).all())
-    for softening in (0.0,) if extended else (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8):
+    def least(self, z: Array, softening: float) -> Array:
+        """Return z of the least power by Newton steps with a line search from ``z``."""
         for _ in range(60):
-            value, gradient, hessian = power(z, softening, True)
+            value, gradient, hessian = self.with_derivatives(z, softening)
             if np.abs(gradient).max() < 1e-13:
                 break
             damping = 1e-13 * (1.0 + float(np.trace(hessian)))
@@ -208,17 +237,22 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
             slope = float(gradient @ step)
             while (
                 t > 1e-8
-                and power(z + t * step, softening, False)[0]
+                and self.value(z + t * step, softening)
                 > value + 1e-4 * t * slope + 1e-15
             ):
                 t *= 0.5
             z = z + t * step
             if t * float(np.abs(step).max()) < 1e-14:
                 break
-    value = power(z, 0.0, False)[0]
-    nu = target + basis @ z
-    norm = float(np.linalg.norm(nu))
-    nu /= norm
-    return Twist(float(nu[0]), float(nu[1]), float(nu[2]) / rho, cop), size / (
-        value * load
-    )
+        return z
+
+    def _speeds(
+        self, z: Array, softening: float
+    ) -> tuple[Array, tuple[Array, Array, float], Array]:
+        """Return the samples' speeds (n,), their velocities and turn, and soft radii."""
+        nu = self.target + self.basis @ z
+        px = nu[0] - self.y * nu[2]
+        py = nu[1] + self.x * nu[2]
+        soft = self.radii_squared + softening**2
+        speed = np.sqrt(px**2 + py**2 + soft * nu[2] ** 2)
+        return speed, (px, py, nu[2]), soft

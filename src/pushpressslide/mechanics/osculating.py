@@ -43,6 +43,7 @@ def pressures(task: Task) -> Callable[[Point], PressureSamples]:
     rho = task.believed.rho
 
     def pressure_at(cop: Point) -> PressureSamples:
+        """Return the pressure whose centre is ``cop`` [m] in B."""
         if rho is None:
             return support_pressure(
                 body.shape, 1.0, body.center_of_mass, cop, RESOLUTION

@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Cylinder, ObjectModel
+from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
@@ -23,7 +24,6 @@ from pushpressslide.mechanics.virtual_axle import (
     turned,
 )
 
-GRAVITY = 9.81  # [m/s^2]
 PAPER_C = 0.6  # c of a uniform contact, as the paper takes it
 # resolution of the pressure for planning: enough for twists within a percent
 PLANNED = 4
@@ -32,8 +32,10 @@ STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding i
 
 @dataclass(frozen=True, slots=True)
 class Press:
-    """A press on an object on a table. Raises ValueError for no load, or a contact at
-    the CoM, where the object only translates.
+    """A press on an object on a table.
+
+    Raises ValueError for no load, or a contact at the CoM, where the object only
+    translates.
     """
 
     body: ObjectModel
@@ -75,15 +77,8 @@ class Press:
 
     @property
     def half_diagonal(self) -> float:
-        """r0 [m]: half the diagonal of a rectangle, the radius of a cylinder; the
-        paper's length.
-        """
-        shape = self.body.shape
-        if isinstance(shape, Cylinder):
-            return shape.radius
-        x, y = zip(*shape.footprint, strict=True)
-        center = (sum(x) / len(x), sum(y) / len(y))
-        return max(math.dist(center, corner) for corner in shape.footprint)
+        """The paper's length r0 [m]: half a rectangle's diagonal, a disc's radius."""
+        return self.body.shape.circumradius
 
     def along(self, angle: float) -> Point:
         """Return the unit vector in B at ``angle`` [rad] from the heading axis."""
@@ -152,18 +147,18 @@ class Press:
             e = self.axis
             shift = sign * self.shift
             at = (self.cop[0] + shift * e[0], self.cop[1] + shift * e[1])
-            reach = rho_straight(self._coarse(at), e) ** 2 / self.lever
-            return shift - reach, reach
+            effective_wheelbase = rho_straight(self._coarse(at), e) ** 2 / self.lever
+            return shift - effective_wheelbase, effective_wheelbase
         ex, ey = self.axis
         ahead = 0.0
-        reach = 0.0
+        effective_wheelbase = 0.0
         for side in (angle, -angle):
             twist = self.twist(math.pi - side if backward else side).moved_to(self.cop)
             along = twist.vx * ex + twist.vy * ey
             across = ex * twist.vy - ey * twist.vx
             ahead -= 0.5 * across / twist.w
-            reach += 0.5 * math.tan(side) * sign * along / twist.w
-        return ahead, reach
+            effective_wheelbase += 0.5 * math.tan(side) * sign * along / twist.w
+        return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
         """Return the point of B [m] that stays where it is under a force across the

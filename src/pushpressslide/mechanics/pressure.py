@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core import quadrature
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Cylinder, Shape
-from pushpressslide.mechanics import quadrature
-
-Array = NDArray[np.float64]
+from pushpressslide.core.shapes import Shape
 
 # Torsional radius of a square cell over the root of its area: keeps the cell's second
 # moment, 1 / sqrt(12).
@@ -27,10 +25,10 @@ CELL_RADIUS = 1.0 / math.sqrt(12.0)
 
 @dataclass(frozen=True, eq=False)
 class PressureSamples:
-    """A pressure distribution as n point loads; three pins are
-    ``PressureSamples(points, loads)`` directly.
+    """A pressure distribution as n point loads.
 
-    Raises ValueError for wrong shapes, negative or non-finite loads, or no load at all.
+    Three pins are ``PressureSamples(points, loads)`` directly. Raises ValueError for
+    wrong shapes, negative or non-finite loads, or no load at all.
     """
 
     points: Array  # (n, 2) [m]
@@ -159,19 +157,10 @@ def polygon_pressure(
     CoP outside the polygon.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
-    corners = quadrature.base(outline)
     if cop is None:
         points, areas = quadrature.base_rule(outline, resolution)
         return _cells(points, areas, np.ones(len(areas)), load)
-    whole = quadrature.whole_pressure(outline, cop)
-    if whole is not None:
-        points, areas = quadrature.base_rule(outline, resolution)
-        return _cells(points, areas, whole[0] + points @ whole[1], load)
-    a, b = quadrature.linear_pressure(corners, np.array(cop, dtype=np.float64))
-    points, areas = quadrature.polygon_rule(
-        quadrature.clipped(corners, a, b), resolution
-    )
-    return _cells(points, areas, a + points @ b, load)
+    return _cells(*quadrature.polygon_pressure(outline, cop, resolution), load)
 
 
 def rectangle_pressure(
@@ -205,20 +194,7 @@ def disc_pressure(
     """
     if not radius > 0.0:
         raise ValueError(f"radius {radius} m; must be > 0")
-    if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
-        points, areas = quadrature.disc_rule(radius, resolution)
-        return _cells(
-            points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop)), load
-        )
-    n = 64
-    step = 2.0 * math.pi / n
-    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
-    # (2 + cos(s)) / (3 s).
-    corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
-    polygon = tuple(
-        (corner * math.cos(i * step), corner * math.sin(i * step)) for i in range(n)
-    )
-    return polygon_pressure(polygon, load, cop, resolution)
+    return _cells(*quadrature.disc_pressure(radius, cop, resolution), load)
 
 
 def pin_pressure(
@@ -262,8 +238,5 @@ def support_pressure(
     Raises ValueError for a CoP outside the base.
     """
     cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
-    if isinstance(shape, Cylinder):
-        samples_G = disc_pressure(shape.radius, load, cop_G, resolution)
-    else:
-        samples_G = polygon_pressure(shape.footprint, load, cop_G, resolution)
+    samples_G = _cells(*shape.pressure(cop_G, resolution), load)
     return samples_G.translated((-center_of_mass[0], -center_of_mass[1]))

@@ -6,13 +6,12 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
-
-GRAVITY = 9.81  # [m/s^2]
 
 
 @lru_cache(maxsize=16)
@@ -28,6 +27,7 @@ def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
     load = belief.mass * GRAVITY
 
     def shift(wrench: Wrench) -> Point:
+        """Return how far [m] a push moves the centre of pressure."""
         return (height * wrench.fx / load, height * wrench.fy / load)
 
     mu = belief.support_friction

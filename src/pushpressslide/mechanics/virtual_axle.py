@@ -135,12 +135,12 @@ def axle_with_height(
         pressure_at, mu, cop, contact, height, turned(e, force_angle)
     )
     if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
-        reach = rho_straight(samples, e) ** 2 / d
+        distance = rho_straight(samples, e) ** 2 / d
         x, y = wrench.about
-        return (x - reach * e[0], y - reach * e[1])
+        return (x - distance * e[0], y - distance * e[1])
     twist = twist.moved_to(cop)
-    reach = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
-    return (cop[0] - reach * e[0], cop[1] - reach * e[1])
+    distance = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
+    return (cop[0] - distance * e[0], cop[1] - distance * e[1])
 
 
 def turned(e: Point, angle: float) -> Point:

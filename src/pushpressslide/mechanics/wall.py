@@ -11,7 +11,6 @@ from math import hypot
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.mechanics.top import half_width
 
 PLACES = 4  # of a path, and its start, at which the weight's direction is looked at
 LEAN = 0.15  # half widths by which the weight may move the centre of pressure
@@ -48,7 +47,7 @@ def lean_press(task: Task) -> float:
         0.5
         * lever(task, 1.0)
         * hypot(*task.weight_in_plane)
-        / (LEAN * half_width(body))
+        / (LEAN * body.shape.half_width)
     )
 
 

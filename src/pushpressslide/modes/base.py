@@ -20,13 +20,11 @@ from numpy.typing import NDArray
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal, literal
-from pushpressslide.core.task import GRAVITY, Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
-from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.robots.reach import held_somehow_problem
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
@@ -94,6 +92,8 @@ class Mode(ABC):
     tracking_point: ClassVar[str]
     cop_steering: ClassVar[bool]
     walls: ClassVar[bool]  # whether it can hold an object on a wall
+    # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
+    pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
 
     @abstractmethod
@@ -221,28 +221,6 @@ def promptness(choice: Choice) -> tuple[bool, float]:
     return not choice.feasible, time
 
 
-def segment(
-    task: Task,
-    mode: str,
-    contacts: Sequence[Contact],
-    drive: Drive,
-    path: MotionPath,
-    *,
-    speed: float | None = None,
-    cone_margin: float | None = None,
-) -> Segment:
-    """Return a segment that leads to the goal of ``task``, at its speed [m/s]."""
-    motion = task.motion
-    profile = SpeedProfile(path.length, speed or motion.speed, motion.acceleration)
-    return Segment(mode, tuple(contacts), drive, path, profile, task.goal, cone_margin)
-
-
-def run_time(task: Task, segments: Sequence[Segment], pressed: bool = False) -> float:
-    """Return the estimated time [s] of a run, approach and release included."""
-    moving = sum(piece.profile.duration for piece in segments)
-    return moving + overhead(task, pressed)
-
-
 def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
     """Return what stands against the path of a choice: time, workspace, reach of the
     tips; None if nothing.
@@ -333,20 +311,3 @@ def tool_azimuths(
     if not ASIDE[0] < abs(aside) < 0.5 * math.pi:
         return (behind,)
     return (behind, behind + math.copysign(min(abs(aside), ASIDE[1]), aside))
-
-
-def tool_load(task: Task, heading: float) -> tuple[float, float]:
-    """Return what a body pushed by the object adds to the drag [N], and how far
-    ``heading`` [rad] in B is off the pushing face's normal [rad].
-    """
-    shape = task.object.shape
-    tool = task.tool
-    if tool is None or isinstance(shape, Cylinder):
-        return 0.0, 0.0
-    corners = shape.footprint
-    ax, ay = corners[tool.face % len(corners)]
-    bx, by = corners[(tool.face + 1) % len(corners)]
-    body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
-    outward = math.atan2(ax - bx, by - ay)
-    skew = abs(math.remainder(heading - outward, TURN))
-    return body.friction * body.mass * GRAVITY, skew

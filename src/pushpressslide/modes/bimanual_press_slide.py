@@ -48,7 +48,6 @@ from pushpressslide.modes.base import (
     Draft,
     Mode,
     search,
-    segment,
 )
 from pushpressslide.planning.held_twist import (
     DECAY,
@@ -59,6 +58,7 @@ from pushpressslide.planning.held_twist import (
     utilisation,
 )
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import ORIGIN, HeldDrive
 from pushpressslide.tracking.carried import CarriedTracker
@@ -94,6 +94,7 @@ class BimanualPressSlide(Mode):
     tracking_point = "CoM, or CoP when pivoting"
     cop_steering = True
     walls = True
+    pushed_faces = 0
     drives = (HeldDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

@@ -20,7 +20,7 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
@@ -34,9 +34,7 @@ from pushpressslide.modes.base import (
     Course,
     Draft,
     Mode,
-    run_time,
     search,
-    segment,
     with_arms,
 )
 from pushpressslide.planning.in_cone import (
@@ -44,6 +42,7 @@ from pushpressslide.planning.in_cone import (
     least_cone_margin,
     path_in_cone,
 )
+from pushpressslide.planning.segments import run_time, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
@@ -81,6 +80,7 @@ class OrthogonalPush(Mode):
     tracking_point = "CoM"
     cop_steering = False
     walls = False
+    pushed_faces = 2
     drives = (TwistDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
@@ -91,7 +91,7 @@ class OrthogonalPush(Mode):
         """Return the best placements on every two faces: the quickest first; of equally
         quick ones that with the least force, if it is well inside its cone.
         """
-        if isinstance(task.object.shape, Cylinder):
+        if not task.object.shape.corners:
             text = "a cylinder has no flat faces for two pushes"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed = []

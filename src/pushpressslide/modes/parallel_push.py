@@ -17,11 +17,12 @@ from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
-from pushpressslide.core.task import GRAVITY, Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
@@ -35,9 +36,7 @@ from pushpressslide.modes.base import (
     Course,
     Draft,
     Mode,
-    run_time,
     search,
-    segment,
     with_arms,
 )
 from pushpressslide.planning.in_cone import (
@@ -47,6 +46,7 @@ from pushpressslide.planning.in_cone import (
 )
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pushed_car import gentle_path, pushed_cars
+from pushpressslide.planning.segments import run_time, segment
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
@@ -90,6 +90,7 @@ class ParallelPush(Mode):
     tracking_point = "virtual front axle / centre of pressure"
     cop_steering = False
     walls = False
+    pushed_faces = 1
     drives = (CarDrive, TwistDrive)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
@@ -98,7 +99,7 @@ class ParallelPush(Mode):
 
     def _drafts(self, task: Task) -> list[Draft | Choice]:
         """Return one draft for each pair of contacts on each face."""
-        if isinstance(task.object.shape, Cylinder):
+        if not task.object.shape.corners:
             text = "a cylinder has no flat face for two tips side by side"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed = [

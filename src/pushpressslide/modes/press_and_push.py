@@ -17,11 +17,12 @@ from math import atan, hypot
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import GRAVITY, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.identification.online import Identified
@@ -37,7 +38,6 @@ from pushpressslide.modes.base import (
     Draft,
     Mode,
     search,
-    segment,
 )
 from pushpressslide.planning.held_twist import (
     DECAY,
@@ -47,8 +47,9 @@ from pushpressslide.planning.held_twist import (
     twist_at,
     utilisation,
 )
-from pushpressslide.planning.levers import LEAST_LEVER, Lever, depth_inside, levers
+from pushpressslide.planning.levers import LEAST_LEVER, Lever, levers
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.segments import segment
 from pushpressslide.planning.side_contacts import assignments, contact_height
 from pushpressslide.rom.drives import ORIGIN, PinnedDrive
 from pushpressslide.tracking.eased import EasedTracker
@@ -92,6 +93,7 @@ class PressAndPush(Mode):
     tracking_point = "the pressed point"
     cop_steering = True
     walls = False
+    pushed_faces = None
     drives = (PinnedDrive,)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
@@ -381,7 +383,7 @@ def _pin(task: Task) -> Point:
             "to be pressed: it is {figure:mm.0f} inside the top, allowed from "
             "{allowed:mm.0f}"
         )
-        depth = depth_inside(body, pin)
+        depth = body.shape.depth(body.X_GB.apply(pin))
         raise RefusedError(Refusal("off_top", text, depth, EDGE, "m"))
     return pin
 

@@ -14,16 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.shapes import Box
+from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 
 FRAMES_PER_SECOND = 30
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
-ROUND_SIDES = 48
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
@@ -59,15 +60,8 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
     contacts = [contact for grasp in plan.by_placement for contact in grasp.contacts]
-    obstacles = []
-    for obstacle in task.obstacles:
-        a = 0.5 * obstacle.size[0]
-        b = 0.5 * obstacle.size[1]
-        corners = [
-            list(obstacle.pose.apply(c)) for c in ((-a, -b), (a, -b), (a, b), (-a, b))
-        ]
-        obstacles.append({"name": obstacle.name, "corners": corners})
     return {
+        **_scene_data(task),
         "time": np.round(time[frames] - time[0], 3).tolist() if len(time) else [],
         "phase": [PHASES[int(p)] for p in arrays["phase"][frames]],
         "pose": _degrees(pose),
@@ -79,28 +73,38 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
             any(c.arm == i and c.kind == "top" for c in contacts)
             for i in range(len(task.robots))
         ],
-        "radii": [robot.tip_radius for robot in task.robots],
         "path": np.round(arrays["plan_path"][:, :2], 4).tolist(),
         "axles": [
             [round(X.x, 4), round(X.y, 4), round(math.degrees(X.yaw), 2)] for X in axles
         ],
-        "outline": _outline(task),
-        "goal": [task.goal.x, task.goal.y, math.degrees(task.goal.yaw)],
-        "tolerance": task.tolerance.position,
-        "obstacles": obstacles,
-        "bases": [
-            [r.base[0], r.base[1]]
-            for r in task.robots
-            if r.model != "hand" and task.support.kind == "table"
-        ],
-        "forceScale": FORCE_SCALE,
-        "mirror": task.support.kind == "wall",  # on a wall x points to the left
         "reason": record.reason,
         "mode": ", ".join(record.modes),
     }
 
 
-def _frames(time: NDArray[np.float64]) -> NDArray[np.intp]:
+def _scene_data(task: Task) -> dict[str, Any]:
+    """Return what does not move: outlines, goal, obstacles and bases."""
+    outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
+    obstacles = []
+    for obstacle in task.obstacles:
+        corners = Box(obstacle.size).corners
+        places = [list(obstacle.pose.apply(corner)) for corner in corners]
+        obstacles.append({"name": obstacle.name, "corners": places})
+    bases = [robot.base for robot in task.robots if robot.model != "hand"]
+    wall = task.support.kind == "wall"
+    return {
+        "radii": [robot.tip_radius for robot in task.robots],
+        "outline": outline,
+        "goal": [task.goal.x, task.goal.y, math.degrees(task.goal.yaw)],
+        "tolerance": task.tolerance.position,
+        "obstacles": obstacles,
+        "bases": [] if wall else [[x, y] for x, y, _ in bases],
+        "forceScale": FORCE_SCALE,
+        "mirror": wall,  # on a wall x points to the left
+    }
+
+
+def _frames(time: Array) -> NDArray[np.intp]:
     """Ticks nearest to an even grid of ``FRAMES_PER_SECOND``, first and last included."""
     if len(time) < 2:
         return np.arange(len(time))
@@ -110,20 +114,9 @@ def _frames(time: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.unique(np.clip(np.searchsorted(time, grid), 0, len(time) - 1))
 
 
-def _degrees(poses: NDArray[np.float64]) -> list[list[float]]:
+def _degrees(poses: Array) -> list[list[float]]:
     out = np.column_stack(
         [np.round(poses[:, :2], 4), np.round(np.degrees(poses[:, 2]), 2)]
     )
     plain: list[list[float]] = out.tolist()
     return plain
-
-
-def _outline(task: Task) -> list[list[float]]:
-    shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        angles = [2.0 * math.pi * i / ROUND_SIDES for i in range(ROUND_SIDES)]
-        return [
-            [round(shape.radius * math.cos(a), 5), round(shape.radius * math.sin(a), 5)]
-            for a in angles
-        ]
-    return [list(corner) for corner in shape.footprint]

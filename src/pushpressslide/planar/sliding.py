@@ -190,8 +190,9 @@ def _moved(twist: Vector, step: Vector, share: float) -> Vector:
 
 
 def _newton_step(slope: Matrix, force: Vector) -> Vector | None:
-    """Return the step x with slope x = -force, by Cramer's rule; None where the slope
-    is singular.
+    """Return the step x with slope x = -force, by Cramer's rule.
+
+    None where the slope is singular.
     """
     (a, b, c), (d, e, f), (g, h, i) = slope
     A = e * i - f * h

@@ -8,13 +8,12 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Cylinder, Shape
+from pushpressslide.core.shapes import Shape
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Matrix = list[list[float]]
 
@@ -94,42 +93,25 @@ class SupportFriction:
 
 
 class Support:
-    """The support under one object; the CoP is where the load puts it, but never off
-    the base.
+    """The support under one object.
 
-    The pressure (Winkler) is made once for each place of the CoP on a fine grid, and
-    moved to the true CoP.
+    The CoP is where the load puts it, but never off the base. The pressure (Winkler) is
+    made once for each place of the CoP on a fine grid, and moved to the true CoP.
     """
 
     def __init__(self, shape: Shape, center_of_mass: Point) -> None:
-        """``center_of_mass`` [m] in the shape's frame G; CoPs are given in B, the frame
-        at the CoM.
+        """``center_of_mass`` [m] in the shape's frame G.
+
+        CoPs are given in B, the frame at the CoM.
         """
-        # outward normals, distances from the middle
-        self._sides: tuple[tuple[Point, float], ...] = ()
-        if isinstance(shape, Cylinder):
-            middle = (0.0, 0.0)
-            inner = shape.radius
-        else:
-            corners = shape.footprint
-            n = len(corners)
-            middle = (sum(c[0] for c in corners) / n, sum(c[1] for c in corners) / n)
-            sides = []
-            for (ax, ay), (bx, by) in zip(
-                corners, (*corners[1:], corners[0]), strict=True
-            ):
-                length = math.hypot(bx - ax, by - ay)
-                out = ((by - ay) / length, (ax - bx) / length)
-                sides.append(
-                    (out, out[0] * (ax - middle[0]) + out[1] * (ay - middle[1]))
-                )
-            self._sides, inner = tuple(sides), min(depth for _, depth in sides)
+        middle = shape.middle
         self._middle = (middle[0] - center_of_mass[0], middle[1] - center_of_mass[1])
-        self._radius = inner
-        self._step = step = GRID * inner
+        self._gauge = shape.gauge()
+        self._step = step = GRID * shape.inner_radius
 
         @lru_cache(maxsize=KEPT)
         def friction(i: int, j: int) -> SupportFriction:
+            """Return the friction for a CoP on the grid."""
             cop = (i * step, j * step)
             return SupportFriction(
                 support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
@@ -141,11 +123,7 @@ class Support:
         """Return where ``cop`` [m] is between the middle of the base, 0, and its
         outline, 1.
         """
-        x = cop[0] - self._middle[0]
-        y = cop[1] - self._middle[1]
-        if not self._sides:
-            return math.hypot(x, y) / self._radius
-        return max((x * out[0] + y * out[1]) / depth for out, depth in self._sides)
+        return self._gauge(cop[0] - self._middle[0], cop[1] - self._middle[1])
 
     def under(self, cop: Point) -> tuple[Point, SupportFriction, bool]:
         """Return the CoP [m] in B, held on the base, the friction about it, and whether

@@ -8,11 +8,12 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.footprint import lowered, on_ledge
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
-from pushpressslide.core.task import GRAVITY, Task
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.pressure import center_of_pressure, total_load
@@ -20,6 +21,7 @@ from pushpressslide.planar.contact import (
     FREE,
     ContactStatus,
     Pull,
+    Response,
     SideContact,
     TipLaw,
     TopContact,
@@ -59,8 +61,9 @@ class _Reach:
     def touching(
         self, cop: Point, friction: float, dt: float
     ) -> SideContact | TopContact | None:
-        """Return what the tip may do at its face in a tick; None if it does not come
-        near it.
+        """Return what the tip may do at its face in a tick.
+
+        None if it does not come near it.
         """
         x = self.place[0] - cop[0]
         y = self.place[1] - cop[1]
@@ -86,8 +89,9 @@ class World:
     """
 
     def __init__(self, task: Task, contacts: Sequence[Contact], dt: float) -> None:
-        """Prepare the faces of ``contacts``, at most one per robot; ``dt`` [s] is the
-        tick.
+        """Prepare the faces of ``contacts``, at most one per robot.
+
+        ``dt`` [s] is the tick.
         """
         wx, wy, press = task.support.frame.components(
             (0.0, 0.0, -task.object.mass * GRAVITY)
@@ -139,7 +143,6 @@ class World:
     ) -> WorldState:
         """Return the state one tick on; a tip without a command stays where it is."""
         X_WB = state.X_WB
-        dt = self.dt
         reaches = [
             self._reach(state, contact, face, command)
             for contact, face in zip(self.contacts, self.faces, strict=True)
@@ -148,7 +151,7 @@ class World:
         cop, load = self._load(state, reaches)
         cop, friction, tipping = self.support.under(cop)
         mu = self.task.contact_friction
-        touching = [reach.touching(cop, mu, dt) for reach in reaches]
+        touching = [reach.touching(cop, mu, self.dt) for reach in reaches]
         acting: list[ObjectContact] = [t for t in touching if t is not None]
         vx, vy, w = REST
         held = (mu + self.task.support.friction) * load > math.hypot(*self.weight)
@@ -164,32 +167,46 @@ class World:
             )
         twist = Twist(vx, vy, w, cop)
         origin = twist.moved_to((0.0, 0.0))
-        X_after = moved(X_WB, (origin.vx, origin.vy, w), dt)
+        X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
         tips = [_resting(tip.position) for tip in state.tips]
         statuses: list[ContactStatus] = ["free"] * len(tips)
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
-            velocity = reach.law.velocity(response.force)
-            fx, fy = X_WB.rotate(response.force)
-            ux, uy = X_WB.rotate(velocity)
-            x, y, z = state.tips[reach.contact.arm].position
-            if response.status == "free":
-                x = x + dt * ux
-                y = y + dt * uy
-            else:  # with the object, but for its slip
-                px, py = reach.place
-                carried = twist.moved_to(reach.place)
-                sx = velocity[0] - carried.vx
-                sy = velocity[1] - carried.vy
-                x, y = X_after.apply((px + dt * sx, py + dt * sy))
-            tips[reach.contact.arm] = TipState(
-                (x, y, z + dt * reach.climb),
-                (ux, uy, reach.climb),
-                (fx, fy, -reach.press),
-            )
-            statuses[reach.contact.arm] = response.status
+            arm = reach.contact.arm
+            tips[arm] = self._tip_after(state, reach, response, twist, X_after)
+            statuses[arm] = response.status
         return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
+
+    def _tip_after(
+        self,
+        state: WorldState,
+        reach: _Reach,
+        response: Response,
+        twist: Twist,
+        X_after: Pose2,
+    ) -> TipState:
+        """Return a tip one tick on, of an object that has gone to ``X_after``."""
+        X_WB = state.X_WB
+        dt = self.dt
+        velocity = reach.law.velocity(response.force)
+        fx, fy = X_WB.rotate(response.force)
+        ux, uy = X_WB.rotate(velocity)
+        x, y, z = state.tips[reach.contact.arm].position
+        if response.status == "free":
+            x = x + dt * ux
+            y = y + dt * uy
+        else:  # with the object, but for its slip
+            px, py = reach.place
+            carried = twist.moved_to(reach.place)
+            sx = velocity[0] - carried.vx
+            sy = velocity[1] - carried.vy
+            x, y = X_after.apply((px + dt * sx, py + dt * sy))
+        return TipState(
+            (x, y, z + dt * reach.climb),
+            (ux, uy, reach.climb),
+            (fx, fy, -reach.press),
+        )
 
     def _reach(
         self, state: WorldState, contact: Contact, face: Face, command: TipCommand

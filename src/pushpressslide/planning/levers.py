@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.core.task import Cylinder, ObjectModel
+from pushpressslide.core.task import ObjectModel
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.planning.side_contacts import on_face, span
 
@@ -36,7 +36,7 @@ def levers(
         if face not in (None, candidate.index):
             continue
         points = [candidate.foot]
-        if not isinstance(body.shape, Cylinder):
+        if body.shape.corners:
             right, left = span(body, candidate)
             clear = min(CORNER, 0.5 * (left - right))
             points = [
@@ -53,12 +53,3 @@ def levers(
         lever for lever in out if lever.length > max(SHORTEST * longest, LEAST_LEVER)
     ]
     return sorted(good, key=lambda lever: -lever.length)
-
-
-def depth_inside(body: ObjectModel, point: Point) -> float:
-    """Return how far ``point`` [m] in B is inside the outline [m], < 0 outside."""
-    return min(
-        (point[0] - face.foot[0]) * face.normal[0]
-        + (point[1] - face.foot[1]) * face.normal[1]
-        for face in faces(body, CORNER)
-    )

@@ -8,11 +8,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Cylinder, ObjectModel, Task
+from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.mechanics.face_push import on_face as on_face
 from pushpressslide.mechanics.faces import Face, room_ahead
 
@@ -21,7 +22,6 @@ WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
 TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
 TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
-GRAVITY = 9.81  # [m/s^2]
 
 
 def contact_height(task: Task) -> float:
@@ -48,9 +48,8 @@ def span(body: ObjectModel, face: Face) -> tuple[float, float]:
     """Return the ends [m] of a flat face, right and left of the CoM's line along the
     normal (left: > 0).
     """
-    assert not isinstance(body.shape, Cylinder)
     com = body.center_of_mass
-    corners = body.shape.footprint
+    corners = body.shape.corners
     left = turned_left(face.normal)
     ends = (corners[face.index], corners[(face.index + 1) % len(corners)])
     b, a = ((x - com[0]) * left[0] + (y - com[1]) * left[1] for x, y in ends)
@@ -59,10 +58,7 @@ def span(body: ObjectModel, face: Face) -> tuple[float, float]:
 
 def farthest_corner(body: ObjectModel) -> float:
     """Return the distance [m] of the farthest corner from the CoM."""
-    assert not isinstance(body.shape, Cylinder)
-    return max(
-        math.dist(corner, body.center_of_mass) for corner in body.shape.footprint
-    )
+    return body.shape.farthest(body.center_of_mass)
 
 
 def drag_refusal(task: Task, pushed: Sequence[Face], height: float) -> Refusal | None:

@@ -1,3 +1,4 @@
-"""What became of a run: figures, files, plots and pages, from task, plan and record
-alone.
+"""What became of a run: figures, files, plots and pages.
+
+Everything follows from task, plan and record alone.
 """

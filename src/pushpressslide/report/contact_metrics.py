@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
@@ -16,8 +16,6 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 from pushpressslide.rom.drives import PinnedDrive
-
-Array = NDArray[np.float64]
 
 CONE_TOLERANCE = 0.02
 """Share by which a measured tangential force may exceed mu f_n before it counts as
@@ -28,8 +26,9 @@ outside the cone.
 def contact_figures(
     task: Task, grasps: Sequence[tuple[Plan, Record]]
 ) -> dict[str, Any]:
-    """Return the figures of the contacts of all grasps, and of each; shares are of the
-    ticks in contact.
+    """Return the figures of the contacts, over all grasps and of each.
+
+    Shares are of the ticks in contact.
     """
     parts = [
         _grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.contacts
@@ -65,14 +64,14 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
     allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
-    use = np.linalg.norm(tangents, axis=2) / allowed
-    outside = touching & (use > 1.0 + CONE_TOLERANCE)
+    utilisation = np.linalg.norm(tangents, axis=2) / allowed
+    outside = touching & (utilisation > 1.0 + CONE_TOLERANCE)
     slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
     count = int(touching.sum())
     return {
-        "max_normal_force": float(np.nanmax(felt)) if felt.size else None,
+        "max_normal_force": _largest(felt),
         "contact_loss_time": float(step[lost.any(axis=1)].sum()),
-        "cone_violation_fraction": float(outside.sum() / count) if count else None,
+        "cone_violation_fraction": _mean(outside[touching]),
         "slip_distance": sum(slips),
         "touching": count,
         "contacts": [
@@ -81,9 +80,9 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
                 "arm": c.arm,
                 "kind": c.kind,
                 "load": c.load if c.kind == "top" else None,
-                "max_normal_force": float(np.nanmax(felt[:, i])) if felt.size else None,
+                "max_normal_force": _largest(felt[:, i]),
                 "mean_normal_force": _mean(normals[touching[:, i], i]),
-                "mean_friction_use": _mean(use[touching[:, i], i]),
+                "mean_friction_use": _mean(utilisation[touching[:, i], i]),
                 "contact_loss_time": float(step[lost[:, i]].sum()),
                 "cone_violation_fraction": _mean(outside[touching[:, i], i]),
                 "slip_distance": slips[i],
@@ -93,13 +92,16 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     }
 
 
+def _largest(values: Array) -> float | None:
+    return float(np.nanmax(values)) if values.size else None
+
+
 def _mean(values: Array) -> float | None:
     return float(values.mean()) if values.size else None
 
 
 def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Return of each grasp that pins a point about which point the object really
-    turned, in B [m].
+    """Return about which point in B [m] the object turned, of each grasp that pins one.
 
     Beside it: the pinned point, the centre of pressure, and the virtual axle about
     which the object would turn if the press did not hold it, as the plan has them.

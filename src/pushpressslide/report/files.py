@@ -1,5 +1,6 @@
-"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json; each
-whole or not at all.
+"""A run on disk: task.yaml, plan.json, record.npz and, last of all, result.json.
+
+Each file is there whole or not at all.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.core.whole_file import write_whole as write_whole
-from pushpressslide.report.metrics import plain
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report.json_text import plain, to_json
 from pushpressslide.report.plan_files import (
     choices_from_dict,
     plan_from_dict,
@@ -52,13 +53,6 @@ class Run:
     choices: tuple[Choice, ...] = ()
 
 
-def to_json(value: Any) -> str:
-    """Return ``value`` as strict JSON text (no NaN), indented, with a final newline."""
-    return (
-        json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    )
-
-
 def save_run(
     out: Path,
     task: Task,
@@ -67,11 +61,10 @@ def save_run(
     result: Mapping[str, Any],
     choices: Sequence[Choice] = (),
 ) -> None:
-    """Write a run to folder ``out``. result.json comes last: a folder that has one is
-    complete.
+    """Write a run to folder ``out``.
 
-    An older result.json is taken away first, so that a folder is never half of one run
-    and half of another.
+    result.json comes last: a folder that has one is complete. An older result.json is
+    taken away first, so that a folder is never half of one run and half of another.
     """
     from pushpressslide.taskfile.load import dump_task
 
@@ -84,8 +77,9 @@ def save_run(
 
 
 def load_run(folder: Path) -> Run:
-    """Return the run in ``folder``; raises PushPressSlideError where it is missing,
-    unfinished or damaged.
+    """Return the run in ``folder``.
+
+    Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
     from pushpressslide.taskfile.load import load_task
 
@@ -126,8 +120,9 @@ def _read(path: Path, reader: Callable[[Path], T]) -> T:
 
 
 def record_to_bytes(record: Record) -> bytes:
-    """Return a record as the bytes of an .npz file: its arrays, and the rest as JSON
-    text under ``META``.
+    """Return a record as the bytes of an .npz file.
+
+    The file holds the arrays, and the rest as JSON text under ``META``.
     """
     rest = {
         "reason": record.reason,

@@ -1,5 +1,6 @@
-"""The page of identified pushes: a table, and for each set a figure of predictions,
-surface and support.
+"""The page of identified pushes.
+
+A table, and for each set a figure of predictions, limit surface and support.
 """
 
 from __future__ import annotations
@@ -11,20 +12,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.identification.scoring import Identification
 from pushpressslide.mechanics.rho import rho_pole
 from pushpressslide.report import style
 from pushpressslide.report.page import document, image
-from pushpressslide.report.page_tables import table
+from pushpressslide.report.page_tables import number_cells, table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 MODELS = {
     "ellipsoid": ("ellipsoid, rho alone", style.ORANGE, "-"),
@@ -61,8 +61,7 @@ CAPTION = (
 def write_identification(
     identifications: Sequence[Identification], out: Path, how: str, notes: Sequence[str]
 ) -> Path:
-    """Write ``out``/report.html and ``out``/plots/<set>.png; return the path of the
-    page.
+    """Write ``out``/report.html and ``out``/plots/<set>.png; return the page's path.
 
     ``how`` says how the pushes were split; ``notes`` what was left out.
     """
@@ -72,9 +71,9 @@ def write_identification(
     ]
     body.append(_table(identifications))
     body += [f"<p>{escape(note)}</p>" for note in notes]
-    for found in identifications:
-        name = found.push_set.name
-        picture = style.png(set_figure(found))
+    for identification in identifications:
+        name = identification.push_set.name
+        picture = style.png(set_figure(identification))
         write_whole(out / "plots" / f"{name.replace('/', '-')}.png", picture)
         body.append(
             f"<section><h2>{escape(name)}</h2>{image(picture, name, CAPTION)}</section>"
@@ -84,13 +83,17 @@ def write_identification(
     )
 
 
-def predicted_rho(found: Identification) -> tuple[float, float | None]:
-    """Return rho [m] from the layout: of the pins, or of an even load; and of a rigid
-    face, None on pins.
+def predicted_rho(identification: Identification) -> tuple[float, float | None]:
+    """Return rho [m] predicted from the layout: of the load, and of a rigid face.
+
+    The load is that of the pins, or even on the base. On pins there is no rigid face:
+    None.
     """
-    uniform = found.push_set.uniform_pressure()
-    expected = rho_pole(found.push_set.static_pressure())
-    return (expected, None) if uniform is None else (rho_pole(uniform), expected)
+    uniform = identification.push_set.uniform_pressure()
+    expected = rho_pole(identification.push_set.static_pressure())
+    if uniform is None:
+        return expected, None
+    return rho_pole(uniform), expected
 
 
 HEAD = (
@@ -104,35 +107,35 @@ HEAD = (
 )
 
 
-def cells(found: Identification) -> list[str]:
-    """Return the row of a set under ``HEAD``: rho in mm, mean held-out errors in
-    degrees; "" for none.
+def cells(identification: Identification) -> list[str]:
+    """Return the row of a set under ``HEAD``.
+
+    rho in mm, mean held-out errors in degrees; empty where there is none.
     """
-    lengths = (found.ellipsoid.rho, *predicted_rho(found))
-    return [
-        found.push_set.name,
-        str(len(found.push_set.pairs)),
-        f"{found.pressure.friction:.3f}",
-        *("" if rho is None else f"{1e3 * rho:.1f}" for rho in lengths),
-        *(
-            f"{math.degrees(found.scores[m].mean):.1f}" if m in found.scores else ""
-            for m in MODELS
-        ),
+    row = [
+        identification.push_set.name,
+        str(len(identification.push_set.pairs)),
+        f"{identification.pressure.friction:.3f}",
     ]
+    for rho in (identification.ellipsoid.rho, *predicted_rho(identification)):
+        row.append("" if rho is None else f"{1e3 * rho:.1f}")
+    for model in MODELS:
+        score = identification.scores.get(model)
+        row.append("" if score is None else f"{math.degrees(score.mean):.1f}")
+    return row
 
 
 def _table(identifications: Sequence[Identification]) -> str:
     units = ["", "", "", *[" [mm]"] * 3, *[" [°]"] * len(MODELS)]
     head = [name + unit for name, unit in zip(HEAD, units, strict=True)]
     rows = []
-    for found in identifications:
-        name, *figures = cells(found)
-        row = [f'<td class="n">{text}</td>' for text in figures]
-        rows.append([f'<th scope="row">{escape(name)}</th>', *row])
+    for identification in identifications:
+        name, *figures = cells(identification)
+        rows.append([f'<th scope="row">{escape(name)}</th>', *number_cells(figures)])
     return table(head, rows, numbers=len(head) - 1)
 
 
-def set_figure(found: Identification) -> Figure:
+def set_figure(identification: Identification) -> Figure:
     """Return the figure of one set: errors, turns, surface, support."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -142,17 +145,17 @@ def set_figure(found: Identification) -> Figure:
             figsize=(style.WIDTH + 1.0, 7.6), dpi=style.DPI, layout="constrained"
         )
         (errors, turns), (surface, support) = made.subplots(2, 2)
-        _errors(errors, found)
-        _turns(turns, found)
-        _surface(surface, found)
-        _support(support, found)
+        _errors(errors, identification)
+        _turns(turns, identification)
+        _surface(surface, identification)
+        _support(support, identification)
     return made
 
 
-def _errors(axes: Axes, found: Identification) -> None:
+def _errors(axes: Axes, identification: Identification) -> None:
     for name, (label, color, line) in MODELS.items():
-        if name in found.scores:
-            errors = np.sort(np.degrees(found.scores[name].errors.ravel()))
+        if name in identification.scores:
+            errors = np.sort(np.degrees(identification.scores[name].errors.ravel()))
             share = 100.0 * np.arange(1, len(errors) + 1) / len(errors)
             axes.plot(
                 errors,
@@ -169,13 +172,12 @@ def _errors(axes: Axes, found: Identification) -> None:
     style.title(axes, "How far predictions are off")
 
 
-def _turns(axes: Axes, found: Identification) -> None:
-    measured = _turn(found.push_set.pairs.directions)
+def _turns(axes: Axes, identification: Identification) -> None:
+    measured = _turn(identification.push_set.pairs.directions)
     axes.plot((-90.0, 90.0), (-90.0, 90.0), color=style.PALE, lw=1.2, zorder=1)
-    for name, mark in (("ellipsoid", "x"), ("pressure", "o")):
+    for name, mark, size in (("ellipsoid", "x", 22), ("pressure", "o", 16)):
         label, color, _ = MODELS[name]
-        predicted = _turn(found.scores[name].mean_directions)
-        size = 22 if mark == "x" else 16
+        predicted = _turn(identification.scores[name].mean_directions)
         axes.scatter(
             measured,
             predicted,
@@ -200,15 +202,17 @@ def _turn(directions: Array) -> Array:
     return out
 
 
-def _surface(axes: Axes, found: Identification) -> None:
-    w = found.push_set.pairs.wrenches
+def _surface(axes: Axes, identification: Identification) -> None:
+    w = identification.push_set.pairs.wrenches
     angle = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 61)
-    outline = np.stack([np.cos(angle), 1e3 * found.ellipsoid.rho * np.sin(angle)])
-    radius = _radius(found, angle)
+    outline = np.stack(
+        [np.cos(angle), 1e3 * identification.ellipsoid.rho * np.sin(angle)]
+    )
+    radius = _radius(identification, angle)
     band = np.hstack([radius.min(1) * outline, (radius.max(1) * outline)[:, ::-1]])
     axes.fill(*band, color=style.SKY, alpha=0.35, lw=0.0, label=MODELS["pressure"][0])
     label, color, _ = MODELS["ellipsoid"]
-    axes.plot(*(found.ellipsoid.max_force * outline), color=color, label=label)
+    axes.plot(*(identification.ellipsoid.max_force * outline), color=color, label=label)
     force = np.hypot(w[:, 0], w[:, 1])
     axes.scatter(
         force, 1e3 * w[:, 2], 14, color=style.BLACK, zorder=3, label="measured"
@@ -220,45 +224,28 @@ def _surface(axes: Axes, found: Identification) -> None:
     style.title(axes, "Limit surface: force and moment while sliding")
 
 
-def _radius(found: Identification, angle: Array) -> Array:
-    """Return the norm [N] of (|F|, tau / rho) on the fitted surface, for each angle
-    atan2(tau / rho, |F|).
+def _radius(identification: Identification, angle: Array) -> Array:
+    """Norm [N] of (|F|, tau / rho) on the fitted surface, by angle atan2(tau / rho, |F|).
 
     One column for each of 24 directions of the force; for the loads at rest.
     """
     turn = np.linspace(0.0, 2.0 * math.pi, 24, endpoint=False)
     steep, around = np.meshgrid(angle, turn, indexing="ij")
     flat = np.cos(steep)
-    moment = found.ellipsoid.rho * np.sin(steep)
+    moment = identification.ellipsoid.rho * np.sin(steep)
     wrenches = np.stack(
         [flat * np.cos(around), flat * np.sin(around), moment], axis=2
     ).reshape(-1, 3)
-    levels = found.pressure.slides(wrenches, np.zeros(len(wrenches)))[1]
-    out: Array = (found.pressure.max_force / levels).reshape(steep.shape)
+    levels = identification.pressure.slides(wrenches, np.zeros(len(wrenches)))[1]
+    out: Array = (identification.pressure.max_force / levels).reshape(steep.shape)
     return out
 
 
-def _support(axes: Axes, found: Identification) -> None:
-    push_set = found.push_set
-    pressure = found.pressure
+def _support(axes: Axes, identification: Identification) -> None:
+    push_set = identification.push_set
     outline = 1e3 * np.array([*push_set.base, push_set.base[0]])
     axes.plot(*outline.T, color=style.GREY, lw=1.2, label="base")
-    points = 1e3 * pressure.points
-    if push_set.pins:
-        axes.scatter(*points.T, 900.0 * pressure.shares, color=style.SKY, lw=0.0)
-        for point, share in zip(points, pressure.shares, strict=True):
-            axes.annotate(
-                f"{100.0 * share:.0f} %", point, ha="center", va="center", fontsize=8
-            )
-    else:
-        areas = pressure.radii**2
-        ratio = pressure.shares / areas * areas.sum()
-        spots = axes.scatter(
-            *points.T, 22, c=ratio, cmap="cividis_r", vmin=0.0, vmax=3.0, lw=0.0
-        )
-        axes.figure.colorbar(
-            spots, ax=axes, label="pressure over its mean", shrink=0.8, extend="max"
-        )
+    _loads(axes, identification)
     contacts = 1e3 * push_set.pairs.contacts
     forces = push_set.pairs.wrenches[:, :2]
     axes.quiver(
@@ -279,3 +266,24 @@ def _support(axes: Axes, found: Identification) -> None:
     axes.set_ylabel("y [mm]")
     axes.legend(loc="upper right")
     style.title(axes, "Fitted load at rest, and the pushes")
+
+
+def _loads(axes: Axes, identification: Identification) -> None:
+    """Draw the fitted load at rest: shares on pins, else the pressure on the base."""
+    pressure = identification.pressure
+    points = 1e3 * pressure.points
+    if identification.push_set.pins:
+        axes.scatter(*points.T, 900.0 * pressure.shares, color=style.SKY, lw=0.0)
+        for point, share in zip(points, pressure.shares, strict=True):
+            axes.annotate(
+                f"{100.0 * share:.0f} %", point, ha="center", va="center", fontsize=8
+            )
+    else:
+        areas = pressure.radii**2
+        ratio = pressure.shares / areas * areas.sum()
+        spots = axes.scatter(
+            *points.T, 22, c=ratio, cmap="cividis_r", vmin=0.0, vmax=3.0, lw=0.0
+        )
+        axes.figure.colorbar(
+            spots, ax=axes, label="pressure over its mean", shrink=0.8, extend="max"
+        )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -11,65 +12,89 @@ from typing import Any
 from pushpressslide.core.plan import Plan
 from pushpressslide.report.series import path_length
 
-# label, key in result.json (dots go down), factor, unit, decimals
-Row = tuple[str, str, float, str, int]
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A figure of result.json as a row of a table."""
+
+    label: str
+    key: str  # in result.json; dots go down
+    factor: float  # from SI to ``unit``
+    unit: str
+    decimals: int
+
+    def text(self, result: Mapping[str, Any], key: str = "") -> str:
+        """Return the figure with its unit, a dash where it does not apply.
+
+        ``key`` names another figure of the same kind.
+        """
+        value = lookup(result, key or self.key)
+        if value is None:
+            return "–"
+        space = "" if self.unit == "°" else " "
+        return f"{self.factor * value:.{self.decimals}f}{space}{self.unit}"
+
+    def cell(self, result: Mapping[str, Any]) -> str:
+        """Return the figure as a table cell, marked if a tolerance judges it."""
+        return f'<td class="n {_judged(result, self.key)}">{self.text(result)}</td>'
+
 
 GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
         "At the goal",
         (
-            ("Position error", "final_position_error", 1e3, "mm", 2),
-            ("Yaw error", "final_yaw_error", 180.0 / math.pi, "°", 2),
+            Row("Position error", "final_position_error", 1e3, "mm", 2),
+            Row("Yaw error", "final_yaw_error", 180.0 / math.pi, "°", 2),
         ),
     ),
     (
         "On the way, against the reference at the same time",
         (
-            ("Position error, RMS", "rms_position_error", 1e3, "mm", 2),
-            ("Yaw error, RMS", "rms_yaw_error", 180.0 / math.pi, "°", 2),
-            ("End-effector error, RMS", "rms_end_effector_error", 1e3, "mm", 2),
-            ("Position error, largest", "max_position_error", 1e3, "mm", 2),
+            Row("Position error, RMS", "rms_position_error", 1e3, "mm", 2),
+            Row("Yaw error, RMS", "rms_yaw_error", 180.0 / math.pi, "°", 2),
+            Row("End-effector error, RMS", "rms_end_effector_error", 1e3, "mm", 2),
+            Row("Position error, largest", "max_position_error", 1e3, "mm", 2),
         ),
     ),
     (
         "Against the path",
         (
-            ("Tracking point to the path, RMS", "path_rms_error", 1e3, "mm", 2),
-            ("Way of the tracking point", "path_length", 1.0, "m", 3),
+            Row("Tracking point to the path, RMS", "path_rms_error", 1e3, "mm", 2),
+            Row("Way of the tracking point", "path_length", 1.0, "m", 3),
         ),
     ),
     (
         "Contact",
         (
-            ("Largest normal force", "max_normal_force", 1.0, "N", 1),
-            ("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
-            (
+            Row("Largest normal force", "max_normal_force", 1.0, "N", 1),
+            Row("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
+            Row(
                 "Outside the friction cone",
                 "cone_violation_fraction",
                 100.0,
                 "% of ticks",
                 2,
             ),
-            ("Slip along the surface", "slip_distance", 1e3, "mm", 2),
-            ("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
-            ("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
-            ("Falls on the way in", "fall_height", 1e3, "mm", 1),
-            ("Falls as fast as", "fall_speed", 1.0, "m/s", 2),
-            ("Depth in the opening", "seated_depth", 1e3, "mm", 1),
+            Row("Slip along the surface", "slip_distance", 1e3, "mm", 2),
+            Row("Largest tilt of the object", "max_tilt_deg", 1.0, "°", 2),
+            Row("Farthest off the support", "support_gap_max", 1e3, "mm", 2),
+            Row("Falls on the way in", "fall_height", 1e3, "mm", 1),
+            Row("Falls as fast as", "fall_speed", 1.0, "m/s", 2),
+            Row("Depth in the opening", "seated_depth", 1e3, "mm", 1),
         ),
     ),
     (
         "Arms",
         (
-            ("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
-            (
+            Row("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
+            Row(
                 "Beyond a torque limit",
                 "torque_limit_violation_fraction",
                 100.0,
                 "% of ticks",
                 2,
             ),
-            (
+            Row(
                 "Least distance to a joint limit",
                 "joint_limit_margin",
                 180.0 / math.pi,
@@ -81,26 +106,26 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
         "Time",
         (
-            ("Duration, simulated", "duration", 1.0, "s", 2),
-            ("Contact phase", "motion_duration", 1.0, "s", 2),
-            ("Simulated over wall time", "realtime_factor", 1.0, "×", 2),
-            ("Track, median a tick", "tick_us.track.median", 1.0, "µs", 1),
-            ("Allocate, median a tick", "tick_us.allocate.median", 1.0, "µs", 1),
-            ("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
-            ("All of a tick, median", "tick_us.total.median", 1.0, "µs", 1),
-            ("All of a tick, 99th percentile", "tick_us.total.p99", 1.0, "µs", 1),
+            Row("Duration, simulated", "duration", 1.0, "s", 2),
+            Row("Contact phase", "motion_duration", 1.0, "s", 2),
+            Row("Simulated over wall time", "realtime_factor", 1.0, "×", 2),
+            Row("Track, median a tick", "tick_us.track.median", 1.0, "µs", 1),
+            Row("Allocate, median a tick", "tick_us.allocate.median", 1.0, "µs", 1),
+            Row("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
+            Row("All of a tick, median", "tick_us.total.median", 1.0, "µs", 1),
+            Row("All of a tick, 99th percentile", "tick_us.total.p99", 1.0, "µs", 1),
         ),
     ),
 )
 
 CONTACT_ROWS: tuple[Row, ...] = (
-    ("Planned load", "load", 1.0, "N", 1),
-    ("Normal, mean", "mean_normal_force", 1.0, "N", 1),
-    ("Normal, largest", "max_normal_force", 1.0, "N", 1),
-    ("Friction used, mean", "mean_friction_use", 100.0, "%", 0),
-    ("Outside the cone", "cone_violation_fraction", 100.0, "%", 2),
-    ("Lost for", "contact_loss_time", 1e3, "ms", 0),
-    ("Slip", "slip_distance", 1e3, "mm", 2),
+    Row("Planned load", "load", 1.0, "N", 1),
+    Row("Normal, mean", "mean_normal_force", 1.0, "N", 1),
+    Row("Normal, largest", "max_normal_force", 1.0, "N", 1),
+    Row("Friction used, mean", "mean_friction_use", 100.0, "%", 0),
+    Row("Outside the cone", "cone_violation_fraction", 100.0, "%", 2),
+    Row("Lost for", "contact_loss_time", 1e3, "ms", 0),
+    Row("Slip", "slip_distance", 1e3, "mm", 2),
 )
 KINDS = {"side": "push on a side", "top": "press on top"}
 
@@ -122,34 +147,21 @@ def lookup(result: Mapping[str, Any], key: str) -> Any:
     return value
 
 
-def shown(
-    result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int
-) -> str:
-    """Return a figure with its unit; a dash where it does not apply."""
-    value = lookup(result, key)
-    if value is None:
-        return "–"
-    space = "" if unit == "°" else " "
-    return f"{factor * value:.{decimals}f}{space}{unit}"
-
-
 def table(
     head: Sequence[str],
     rows: Sequence[Sequence[str]],
     attributes: Sequence[str] = (),
     numbers: int = 0,
 ) -> str:
-    """Return an HTML table that scrolls sideways where it is too wide; ``rows`` hold
-    finished cells.
+    """Return an HTML table that scrolls sideways where it is too wide.
 
-    ``attributes``: of each row's tag. The last ``numbers`` columns of the head are set
-    to the right.
+    ``rows`` hold finished cells, ``attributes`` those of each row's tag. The last
+    ``numbers`` columns of the head are set to the right.
     """
-    cells = "".join(
-        f'<th scope="col"{" class=n" if i >= len(head) - numbers else ""}>{escape(h)}</th>'
-        for i, h in enumerate(head)
-    )
-    top = f"<thead><tr>{cells}</tr></thead>" if head else ""
+    words = len(head) - numbers
+    cells = [f'<th scope="col">{escape(text)}</th>' for text in head[:words]]
+    cells += [f'<th scope="col" class=n>{escape(text)}</th>' for text in head[words:]]
+    top = f"<thead><tr>{''.join(cells)}</tr></thead>" if head else ""
     marks = attributes or [""] * len(rows)
     lines = "".join(
         f"<tr{mark}>{''.join(row)}</tr>" for mark, row in zip(marks, rows, strict=True)
@@ -157,102 +169,86 @@ def table(
     return f'<div class="scroll"><table>{top}<tbody>{lines}</tbody></table></div>'
 
 
+def number_cells(texts: Iterable[str]) -> list[str]:
+    """Return table cells that are set to the right."""
+    return [f'<td class="n">{escape(text)}</td>' for text in texts]
+
+
+def group_row(text: str, columns: int) -> list[str]:
+    """Return the one cell of a row that heads a group, over ``columns`` columns."""
+    return [f'<th colspan="{columns}" scope="rowgroup">{escape(text)}</th>']
+
+
 def figures_table(result: Mapping[str, Any]) -> str:
     """Return the figures of one run: measured, beside what was asked or planned."""
-    rows: list[list[str]] = []
-    marks = []
-    for group, entries in GROUPS:
-        if all(lookup(result, key) is None for _, key, *_ in entries):
-            continue
-        rows.append([f'<th colspan="3" scope="rowgroup">{escape(group)}</th>'])
-        marks.append(' class="group"')
-        for label, key, factor, unit, decimals in entries:
-            if lookup(result, key) is None:
-                continue
-            rows.append(
-                [
-                    f'<th scope="row">{escape(label)}</th>',
-                    f'<td class="n {_judged(result, key)}">{shown(result, key, factor, unit, decimals)}</td>',
-                    f'<td class="n">{_asked(result, key, factor, unit, decimals)}</td>',
-                ]
-            )
-            marks.append("")
+    rows, marks = _grouped_rows(
+        [result],
+        lambda row: [row.cell(result), f'<td class="n">{_asked(result, row)}</td>'],
+    )
     return table(("", "Measured", "Asked or planned"), rows, marks, numbers=2)
 
 
 def comparison_table(names: Sequence[str], results: Sequence[Mapping[str, Any]]) -> str:
     """Return the figures of several runs, one column each."""
-    rows = [
-        [
-            '<th scope="row">Engine</th>',
-            *(f'<td class="n">{escape(str(r["engine"]))}</td>' for r in results),
-        ]
+    engines = number_cells(str(result["engine"]) for result in results)
+    modes = number_cells(", ".join(result["modes"]) for result in results)
+    head = [
+        ['<th scope="row">Engine</th>', *engines],
+        ['<th scope="row">Mode</th>', *modes],
+        ['<th scope="row">Outcome</th>', *map(_outcome_cell, results)],
     ]
-    rows.append(
-        [
-            '<th scope="row">Mode</th>',
-            *(f'<td class="n">{escape(", ".join(r["modes"]))}</td>' for r in results),
-        ]
+    rows, marks = _grouped_rows(
+        results, lambda row: [row.cell(result) for result in results]
     )
-    outcomes = [escape(r["reason"]["code"].replace("_", " ")) for r in results]
-    rows.append(
-        ['<th scope="row">Outcome</th>']
-        + [
-            f'<td class="n {"ok" if r["success"] else "no"}">{outcome}</td>'
-            for r, outcome in zip(results, outcomes, strict=True)
-        ]
-    )
-    marks = [""] * len(rows)
+    marks = [""] * len(head) + marks
+    return table(("", *names), [*head, *rows], marks, numbers=len(names))
+
+
+def _outcome_cell(result: Mapping[str, Any]) -> str:
+    css = "ok" if result["success"] else "no"
+    outcome = escape(result["reason"]["code"].replace("_", " "))
+    return f'<td class="n {css}">{outcome}</td>'
+
+
+def _grouped_rows(
+    results: Sequence[Mapping[str, Any]], cells: Callable[[Row], list[str]]
+) -> tuple[list[list[str]], list[str]]:
+    """Rows and their attributes for every figure that one of ``results`` has."""
+    rows: list[list[str]] = []
+    marks: list[str] = []
     for group, entries in GROUPS:
-        known = [
-            entry
-            for entry in entries
-            if any(lookup(r, entry[1]) is not None for r in results)
+        lines = [
+            [f'<th scope="row">{escape(row.label)}</th>', *cells(row)]
+            for row in entries
+            if any(lookup(result, row.key) is not None for result in results)
         ]
-        if known:
-            rows.append(
-                [
-                    f'<th colspan="{len(names) + 1}" scope="rowgroup">{escape(group)}</th>'
-                ]
-            )
-            marks.append(' class="group"')
-        for label, key, factor, unit, decimals in known:
-            cells = [
-                f'<td class="n {_judged(r, key)}">{shown(r, key, factor, unit, decimals)}</td>'
-                for r in results
-            ]
-            rows.append([f'<th scope="row">{escape(label)}</th>', *cells])
-            marks.append("")
-    return table(("", *names), rows, marks, numbers=len(names))
+        if lines:
+            rows += [group_row(group, len(lines[0])), *lines]
+            marks += [' class="group"', *[""] * len(lines)]
+    return rows, marks
 
 
-def _asked(
-    result: Mapping[str, Any], key: str, factor: float, unit: str, decimals: int
-) -> str:
-    if key not in ASKED or lookup(result, ASKED[key]) is None:
+def _asked(result: Mapping[str, Any], row: Row) -> str:
+    """What a figure is set beside; empty if nothing."""
+    key = ASKED.get(row.key, "")
+    if lookup(result, key) is None:
         return ""
-    sign = "≤ " if ASKED[key].startswith("tolerance") else ""
-    return sign + shown(result, ASKED[key], factor, unit, decimals)
+    sign = "≤ " if key.startswith("tolerance") else ""
+    return sign + row.text(result, key)
 
 
 def _judged(result: Mapping[str, Any], key: str) -> str:
-    """Class of a figure that has a tolerance: kept or not."""
-    asked = lookup(result, ASKED.get(key, ""))
+    """CSS class of a figure that has a tolerance: met or not."""
+    limit = ASKED.get(key, "")
     value = lookup(result, key)
-    if (
-        key not in ASKED
-        or not ASKED[key].startswith("tolerance")
-        or asked is None
-        or value is None
-    ):
+    allowed = lookup(result, limit)
+    if not limit.startswith("tolerance") or allowed is None or value is None:
         return ""
-    return "ok" if value <= asked else "no"
+    return "ok" if value <= allowed else "no"
 
 
 def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
-    """Return where each arm touches the object, and what its contact went through: one
-    column each.
-    """
+    """Return place, load and measured figures of each contact, one column each."""
     grasps = plan.by_placement if result["contacts"] else (plan,)
     contacts = [c for grasp in grasps for c in grasp.contacts]
     measured = [*(result["contacts"] or ())]
@@ -272,25 +268,18 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
         ("Height", [f"{1e3 * c.height:.0f} mm" for c in contacts]),
     ]
     lines += [
-        (label, [shown(figures, key, factor, unit, decimals) for figures in measured])
-        for label, key, factor, unit, decimals in CONTACT_ROWS
+        (row.label, [row.text(figures) for figures in measured]) for row in CONTACT_ROWS
     ]
     rows = [
-        [
-            f'<th scope="row">{label}</th>',
-            *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
-        ]
+        [f'<th scope="row">{label}</th>', *number_cells(cells)]
         for label, cells in lines
     ]
     return table(("", *names), rows, numbers=len(names))
 
 
 def _which(grasp: Plan, plan: Plan) -> str:
-    return (
-        f"grasp {plan.by_placement.index(grasp) + 1}, "
-        if len(plan.by_placement) > 1
-        else ""
-    )
+    plans = plan.by_placement
+    return f"grasp {plans.index(grasp) + 1}, " if len(plans) > 1 else ""
 
 
 def stretches_table(plan: Plan) -> str:
@@ -308,12 +297,7 @@ def stretches_table(plan: Plan) -> str:
             f"{math.degrees(axle.yaw):.1f}°",
             f"({goal.x:.3f}, {goal.y:.3f}) m, {math.degrees(goal.yaw):.1f}°",
         )
-        rows.append(
-            [
-                f'<th scope="row">{i + 1}</th>',
-                *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
-            ]
-        )
+        rows.append([f'<th scope="row">{i + 1}</th>', *number_cells(cells)])
     return table(
         ("Stretch", "Path", "Time", "Tracking point, from the CoM", "Leads to"),
         rows,

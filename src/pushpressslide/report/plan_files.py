@@ -64,7 +64,7 @@ def write_plan(
 ) -> tuple[Path, Path]:
     """Write plan.json and plan.png to folder ``out``; return their paths."""
     from pushpressslide.core.whole_file import write_whole
-    from pushpressslide.report.files import to_json
+    from pushpressslide.report.json_text import to_json
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 

@@ -1,5 +1,6 @@
-"""Pictures seen from above (on a wall: from the front): what is planned, and what came
-of it.
+"""Plan and run in the plane of the support.
+
+A table is seen from above, a wall from the front.
 """
 
 from __future__ import annotations
@@ -9,40 +10,35 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import MotionPath, Plan
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Obstacle, Robot, Task
 from pushpressslide.report import series, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Indices = NDArray[np.intp]
+
 BASE_RADIUS = 0.09  # [m] at which a robot's base is drawn
 STATIONS = 6  # footprints between start and end
 ARROW = 0.08  # [m] length of the largest force arrow
-ROUND_SIDES = 48
+MARGIN = 0.05  # [m] around all that is shown
+EDGE = "#6B7280"  # of obstacles, bases and openings
 
 
-def outline(task: Task, pose: Pose2) -> list[tuple[float, float]]:
+def outline(task: Task, pose: Pose2) -> list[Point]:
     """Return the object's footprint at ``pose`` X_WG, as corners in the world [m]."""
-    shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        angles = [2.0 * math.pi * i / ROUND_SIDES for i in range(ROUND_SIDES)]
-        corners = [
-            (shape.radius * math.cos(a), shape.radius * math.sin(a)) for a in angles
-        ]
-    else:
-        corners = list(shape.footprint)
-    return [pose.apply(corner) for corner in corners]
+    return [pose.apply(point) for point in task.object.shape.outline()]
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Return the plan from above: the tracking point's paths, footprints, obstacles,
-    bases and contacts.
-    """
+    """Return the plan: paths of the tracking point, footprints, contacts, obstacles."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
@@ -59,23 +55,10 @@ def plan_figure(plan: Plan) -> Figure:
     _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
     _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
     _footprint(ax, task, goal, style.GREEN, "goal", fill=True)
-    for i, stretch in enumerate(stretches):
-        line = [
-            stretch.path.pose(s) for s in np.linspace(0.0, stretch.path.length, 200)
-        ]
-        label = None if i else "path of the tracking point"
-        ax.plot(
-            [p.x for p in line],
-            [p.y for p in line],
-            color=style.BLUE,
-            label=label,
-            lw=1.8,
-        )
-        ax.plot(line[0].x, line[0].y, "o", color=style.BLUE, ms=5)
-    X_WB = task.start.compose(task.object.X_GB)
-    ax.plot(
-        X_WB.x, X_WB.y, "+", color=style.BLACK, ms=9, mew=1.5, label="centre of mass"
-    )
+    _planned_paths(ax, [stretch.path for stretch in stretches])
+    center = task.start.apply(task.object.center_of_mass)
+    cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
+    ax.plot(*center, "+", label="centre of mass", **cross)
     _contacts(
         ax,
         [
@@ -84,97 +67,101 @@ def plan_figure(plan: Plan) -> Figure:
         ],
     )
     corners = [c for pose in [*poses, task.start, goal] for c in outline(task, pose)]
-    way = sum(series.path_length(stretch.path) for stretch in stretches)
+    length = sum(series.path_length(stretch.path) for stretch in stretches)
     seconds = sum(stretch.profile.duration for stretch in stretches)
     modes = ", ".join(grasp.segments[0].mode for grasp in plan.by_placement)
     parts = f", {len(stretches)} stretches" if len(stretches) > 1 else ""
-    _frame(ax, task, corners, f"Plan: {modes}, {way:.3f} m in {seconds:.1f} s{parts}")
+    _frame(
+        ax, task, corners, f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s{parts}"
+    )
     return made
 
 
+def _planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
+    for i, path in enumerate(paths):
+        poses = [path.pose(s) for s in np.linspace(0.0, path.length, 200)]
+        label = None if i else "path of the tracking point"
+        xs = [pose.x for pose in poses]
+        ys = [pose.y for pose in poses]
+        ax.plot(xs, ys, color=style.BLUE, label=label, lw=1.8)
+        ax.plot(xs[0], ys[0], "o", color=style.BLUE, ms=5)
+
+
 def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
-    """Return the run from above: reference path, tracked point, footprints, goal,
-    measured contact forces.
-    """
+    """Return the run: paths, footprints, goal and measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
-    pose = record.arrays["object_pose"]
-    tracked = series.tracked_poses(task, record)
-    (at,) = np.nonzero(series.contact_phase(record))
-    at = at if len(at) else np.arange(len(pose))
-    picks = at[np.linspace(0, len(at) - 1, STATIONS + 2).round().astype(int)]
-    poses = [Pose2(*(float(v) for v in pose[i])) for i in picks]
-    last = Pose2(*(float(v) for v in pose[-1]))
+    (ticks,) = np.nonzero(series.contact_phase(record))
+    if not len(ticks):
+        ticks = np.arange(series.ticks(record))
+    stations = np.linspace(0, len(ticks) - 1, STATIONS + 2).round().astype(int)
+    picks = ticks[stations]
+    poses = [_pose_at(record, i) for i in picks]
+    last = _pose_at(record, -1)
     _surroundings(ax, task)
     _footprint(ax, task, task.goal, style.GREEN, "goal", fill=True)
     _footprints(ax, task, poses[1:-1], style.GREY, "object on the way")
     _footprint(ax, task, poses[0], style.BLACK, "start", dashed=True)
     _footprint(ax, task, last, style.ORANGE, "end")
+    _other_bodies(ax, record)
+    tracked = series.tracked_poses(task, record)[:, :2]
+    _tracked_paths(ax, record, tracked, ticks)
+    largest = _forces(ax, task, plan, record, picks[1:-1])
+    grasps = [
+        (grasp, _first_pose(part).compose(task.object.X_GB))
+        for grasp, part in series.by_grasp(plan, record)
+    ]
+    _contacts(ax, grasps)
+    _force_key(ax, plan, largest)
+    corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
+    corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
+    view = "from above" if task.support.kind == "table" else "from the front"
+    _frame(ax, task, corners, f"The run, seen {view}")
+    return made
+
+
+def _pose_at(record: Record, tick: int) -> Pose2:
+    """X_WG of the object at a tick."""
+    return Pose2(*map(float, record.arrays["object_pose"][tick]))
+
+
+def _other_bodies(ax: Axes, record: Record) -> None:
+    """Draw the first and last place of every body that the object pushed."""
     for name, values in record.arrays.items():
         if name.startswith("body_"):
-            ends = series.planar_poses(values)[[0, -1]]
-            ax.plot(
-                ends[:, 0],
-                ends[:, 1],
-                color=style.PURPLE,
-                marker="s",
-                ms=4,
-                label=name.removeprefix("body_"),
-            )
+            ends = series.planar_poses(values)[[0, -1], :2]
+            look: dict[str, Any] = {"color": style.PURPLE, "marker": "s", "ms": 4}
+            ax.plot(*ends.T, label=name.removeprefix("body_"), **look)
+
+
+def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> None:
+    """Draw the tracking point (N, 2) at the given ticks, and its reference paths."""
+    labels: tuple[str | None, str | None] = ("tracking point", "reference path")
+    look: dict[str, Any] = {"color": style.BLUE, "lw": 2.4, "ms": 5}
     for i, reference in enumerate(series.stretch_paths(record)):
-        first = i == 0
-        gone = at[record.arrays["stretch"][at] == i]
-        ax.plot(
-            *tracked[gone, :2].T,
-            "-o",
-            color=style.BLUE,
-            lw=2.4,
-            ms=5,
-            markevery=[0] if len(gone) else None,
-            label="tracking point" if first else None,
-        )
-        ax.plot(
-            *reference[:, :2].T,
-            "--",
-            color=style.BLACK,
-            lw=1.0,
-            label="reference path" if first else None,
-        )
-    largest = _forces(ax, task, plan, record, picks[1:-1])
-    taken = [
-        (grasp, _first_pose(part)) for grasp, part in series.by_grasp(plan, record)
-    ]
-    _contacts(ax, [(grasp, pose.compose(task.object.X_GB)) for grasp, pose in taken])
-    if largest > 0.0:
-        flat = (
-            "in the plane, "
-            if any(
-                c.kind == "top" for grasp in plan.by_placement for c in grasp.contacts
-            )
-            else ""
-        )
-        label = f"contact force, {flat}largest {largest:.1f} N"
-        ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
-    corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
-    corners += [(float(x), float(y)) for x, y in tracked[at][::50, :2]]
-    _frame(
-        ax,
-        task,
-        corners,
-        "The run, seen "
-        + ("from above" if task.support.kind == "table" else "from the front"),
-    )
-    return made
+        points = tracked[ticks[record.arrays["stretch"][ticks] == i]]
+        first = [0] if len(points) else None
+        ax.plot(*points.T, "-o", markevery=first, label=labels[0], **look)
+        line = reference[:, :2].T
+        ax.plot(*line, "--", color=style.BLACK, lw=1.0, label=labels[1])
+        labels = (None, None)
+
+
+def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
+    """Add the largest force [N] to the legend; a press shows its shear alone."""
+    if not largest > 0.0:
+        return
+    kinds = {c.kind for grasp in plan.by_placement for c in grasp.contacts}
+    plane = "in the plane, " if "top" in kinds else ""
+    label = f"contact force, {plane}largest {largest:.1f} N"
+    ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
 
 
 def _forces(
     ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[int]
 ) -> float:
-    """Draw the measured forces at the picked ticks, each at its contact; return the
-    largest [N].
-    """
+    """Draw the measured forces at the picked ticks; return the largest [N]."""
     force = record.arrays["measured_force"][:, :, :2]
-    pose = record.arrays["object_pose"]
     contacts = plan.contacts_by_leg
     leg = record.arrays["leg"]
     sizes = np.linalg.norm(force[picks], axis=2)
@@ -182,7 +169,7 @@ def _forces(
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
-        X_WB = Pose2(*(float(v) for v in pose[tick])).compose(task.object.X_GB)
+        X_WB = _pose_at(record, tick).compose(task.object.X_GB)
         for contact in contacts[int(leg[tick])]:
             x, y = X_WB.apply(contact.point)
             fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])
@@ -200,13 +187,13 @@ def _forces(
 
 def _first_pose(record: Record) -> Pose2:
     """Where the object is when a grasp begins to move it."""
-    at = int(np.argmax(series.in_phase(record, "move")))
-    return Pose2(*(float(v) for v in record.arrays["object_pose"][at]))
+    return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
 def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
-    """Draw where the tips of each grasp touch the object at its X_WB: a dot on top, a
-    short arrow into a side.
+    """Draw where the tips of each grasp touch the object at its X_WB.
+
+    A press is a dot, a push a short arrow into the side.
     """
     touched = [(contact, X_WB) for grasp, X_WB in grasps for contact in grasp.contacts]
     kinds = {contact.kind for contact, _ in touched}
@@ -225,9 +212,7 @@ def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
             ax.plot([], [], marker, color=style.ORANGE, ms=7, label=label)
 
 
-def _arrow(
-    ax: Axes, tail: tuple[float, float], head: tuple[float, float], color: str
-) -> None:
+def _arrow(ax: Axes, tail: Point, head: Point, color: str) -> None:
     options: dict[str, Any] = {
         "arrowstyle": "-|>",
         "color": color,
@@ -236,6 +221,12 @@ def _arrow(
         "shrinkB": 0,
     }
     ax.annotate("", xy=head, xytext=tail, arrowprops=options, zorder=5)
+
+
+def _polygon(ax: Axes, corners: Sequence[Point], **look: Any) -> None:
+    from matplotlib.patches import Polygon
+
+    ax.add_patch(Polygon(corners, closed=True, **look))
 
 
 def _footprint(
@@ -248,165 +239,109 @@ def _footprint(
     fill: bool = False,
     dashed: bool = False,
 ) -> None:
-    from matplotlib.patches import Polygon
-
+    """Draw the object at ``pose`` X_WG, with a line from its origin to its front."""
     corners = outline(task, pose)
     if fill:
-        ax.add_patch(
-            Polygon(corners, closed=True, facecolor=color, alpha=0.13, edgecolor="none")
-        )
-    ax.add_patch(
-        Polygon(
-            corners,
-            closed=True,
-            fill=False,
-            edgecolor=color,
-            lw=1.5,
-            ls="--" if dashed else "-",
-            label=label,
-        )
-    )
+        _polygon(ax, corners, facecolor=color, alpha=0.13, edgecolor="none")
+    dash = "--" if dashed else "-"
+    _polygon(ax, corners, fill=False, edgecolor=color, lw=1.5, ls=dash, label=label)
     front = pose.rotate((1.0, 0.0))
-    reach = 0.35 * max(math.dist(corner, (pose.x, pose.y)) for corner in corners)
-    ax.plot(
-        [pose.x, pose.x + reach * front[0]],
-        [pose.y, pose.y + reach * front[1]],
-        color=color,
-        lw=1.3,
-    )
+    length = 0.35 * max(math.dist(corner, pose.position) for corner in corners)
+    tip = (pose.x + length * front[0], pose.y + length * front[1])
+    _line(ax, pose.position, tip, color=color, lw=1.3)
+
+
+def _line(ax: Axes, start: Point, end: Point, **look: Any) -> None:
+    ax.plot(*zip(start, end, strict=True), **look)
 
 
 def _footprints(
     ax: Axes, task: Task, poses: Sequence[Pose2], color: str, label: str
 ) -> None:
-    from matplotlib.patches import Polygon
-
+    look = {"fill": False, "edgecolor": color, "lw": 0.9, "alpha": 0.75}
     for i, pose in enumerate(poses):
-        ax.add_patch(
-            Polygon(
-                outline(task, pose),
-                closed=True,
-                fill=False,
-                edgecolor=color,
-                lw=0.9,
-                alpha=0.75,
-                label=label if i == 0 else None,
-            )
-        )
+        _polygon(ax, outline(task, pose), label=None if i else label, **look)
+
+
+def _rectangle(length: float, width: float) -> list[Point]:
+    """Corners [m] of a rectangle about the origin, counter-clockwise."""
+    a = 0.5 * length
+    b = 0.5 * width
+    return [(-a, -b), (a, -b), (a, b), (-a, b)]
 
 
 def _surroundings(ax: Axes, task: Task) -> None:
-    from matplotlib.patches import Circle, Polygon
-
-    if (opening := task.support.opening) is not None:
-        w, h = opening.size
+    """Draw the opening of the support, the obstacles and the robots' bases."""
+    opening = task.support.opening
+    if opening is not None:
         x, y = opening.center
-        corners = [
-            (x + a * w, y + b * h)
-            for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
-        ]
-        ax.add_patch(
-            Polygon(
-                corners,
-                closed=True,
-                fill=False,
-                edgecolor="#6B7280",
-                ls=":",
-                label="opening",
-            )
-        )
+        corners = [(x + dx, y + dy) for dx, dy in _rectangle(*opening.size)]
+        _polygon(ax, corners, fill=False, edgecolor=EDGE, ls=":", label="opening")
     for i, obstacle in enumerate(task.obstacles):
-        a = 0.5 * obstacle.size[0]
-        b = 0.5 * obstacle.size[1]
-        corners = [obstacle.pose.apply(c) for c in ((-a, -b), (a, -b), (a, b), (-a, b))]
-        label = "obstacle" if i == 0 else None
-        ax.add_patch(
-            Polygon(
-                corners,
-                closed=True,
-                facecolor="#B9BEC6",
-                edgecolor="#6B7280",
-                hatch="///",
-                label=label,
-            )
-        )
-        box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
-        words: dict[str, Any] = {
-            "ha": "center",
-            "va": "center",
-            "fontsize": 8,
-            "color": style.BLACK,
-        }
-        ax.annotate(
-            obstacle.name,
-            obstacle.pose.position,
-            bbox=box,
-            annotation_clip=True,
-            **words,
-        )
+        _obstacle(ax, obstacle, "" if i else "obstacle")
     for i, robot in enumerate(task.robots):
         if robot.model == "hand" or task.support.kind == "wall":
             continue
-        label = "robot base" if i == 0 else None
-        centre = (robot.base[0], robot.base[1])
-        ax.add_patch(
-            Circle(
-                centre,
-                BASE_RADIUS,
-                facecolor="#DDE3EA",
-                edgecolor="#6B7280",
-                label=label,
-            )
-        )
-        ahead = 0.75 * BASE_RADIUS
-        ax.plot(
-            [centre[0], centre[0] + ahead * math.cos(robot.base_yaw)],
-            [centre[1], centre[1] + ahead * math.sin(robot.base_yaw)],
-            color="#6B7280",
-            lw=1.5,
-        )
+        _base(ax, robot, "" if i else "robot base")
         if len(task.robots) > 1:
-            place = (centre[0], centre[1] - 0.5 * BASE_RADIUS)
-            ax.annotate(
-                f"arm {i}",
-                place,
-                ha="center",
-                va="center",
-                fontsize=7.5,
-                color=style.BLACK,
-            )
+            place = (robot.base[0], robot.base[1] - 0.5 * BASE_RADIUS)
+            _name(ax, f"arm {i}", place, fontsize=7.5)
 
 
-def _frame(
-    ax: Axes, task: Task, corners: Sequence[tuple[float, float]], title: str
-) -> None:
+def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
+    corners = [obstacle.pose.apply(corner) for corner in _rectangle(*obstacle.size[:2])]
+    look = {"facecolor": "#B9BEC6", "edgecolor": EDGE, "hatch": "///"}
+    _polygon(ax, corners, label=label, **look)
+    box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
+    place = obstacle.pose.position
+    _name(ax, obstacle.name, place, fontsize=8, bbox=box, annotation_clip=True)
+
+
+def _base(ax: Axes, robot: Robot, label: str) -> None:
+    """Draw a robot's base as a circle, with a line in its forward direction."""
+    from matplotlib.patches import Circle
+
+    x, y, _ = robot.base
+    look: dict[str, Any] = {"facecolor": "#DDE3EA", "edgecolor": EDGE}
+    ax.add_patch(Circle((x, y), BASE_RADIUS, label=label, **look))
+    ahead = 0.75 * BASE_RADIUS
+    yaw = robot.base_yaw
+    front = (x + ahead * math.cos(yaw), y + ahead * math.sin(yaw))
+    _line(ax, (x, y), front, color=EDGE, lw=1.5)
+
+
+def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
+    ax.annotate(text, place, ha="center", va="center", color=style.BLACK, **look)
+
+
+def _frame(ax: Axes, task: Task, corners: Sequence[Point], title: str) -> None:
     """Set limits around ``corners``, obstacles and bases, and label the axes."""
+    table = task.support.kind == "table"
     points = list(corners)
     for obstacle in task.obstacles:
-        reach = 0.5 * math.hypot(obstacle.size[0], obstacle.size[1])
-        points += [
-            (obstacle.pose.x + dx, obstacle.pose.y + dy)
-            for dx in (-reach, reach)
-            for dy in (-reach, reach)
-        ]
-    if task.support.kind == "table":
-        for robot in (r for r in task.robots if r.model != "hand"):
-            points += [
-                (robot.base[0] + d, robot.base[1] + e)
-                for d in (-0.1, 0.1)
-                for e in (-0.1, 0.1)
-            ]
-    margin = 0.05
+        radius = 0.5 * math.hypot(*obstacle.size[:2])
+        points += _square(obstacle.pose.position, radius)
+    if table:
+        for robot in task.robots:
+            if robot.model != "hand":
+                points += _square(robot.base[:2], 0.1)
     xs = [p[0] for p in points]
     ys = [p[1] for p in points]
-    ax.set_xlim(min(xs) - margin, max(xs) + margin)
-    ax.set_ylim(min(ys) - margin, max(ys) + margin)
+    ax.set_xlim(min(xs) - MARGIN, max(xs) + MARGIN)
+    ax.set_ylim(min(ys) - MARGIN, max(ys) + MARGIN)
     ax.set_aspect("equal", adjustable="box")
-    ax.set_xlabel(
-        "x [m]" if task.support.kind == "table" else "horizontal, to the left [m]"
-    )
-    ax.set_ylabel("y [m]" if task.support.kind == "table" else "up [m]")
-    if task.support.kind == "wall":
+    if table:
+        ax.set_xlabel("x [m]")
+        ax.set_ylabel("y [m]")
+    else:
+        ax.set_xlabel("horizontal, to the left [m]")
+        ax.set_ylabel("up [m]")
         ax.invert_xaxis()
     style.title(ax, title)
     style.legend(ax)
+
+
+def _square(center: Point, half: float) -> list[Point]:
+    """Corners [m] of a square of half side ``half`` about ``center``."""
+    x, y = center
+    return [(x + dx, y + dy) for dx, dy in _rectangle(2.0 * half, 2.0 * half)]

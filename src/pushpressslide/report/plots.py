@@ -1,65 +1,57 @@
-"""Figures of a run over time: errors, forces, joint torques, speeds; and several runs
-in one figure.
+"""Figures of a run over time: errors, forces, joint torques, speeds.
+
+Also one figure of the errors of several runs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
-from pushpressslide.report.metrics import robot_facts
+from pushpressslide.report.arm_metrics import robot_facts
+from pushpressslide.report.axle_figures import axle_over_time
 from pushpressslide.report.plane import path_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-Maker = Callable[[Task, Plan, Record], "Figure | None"]
-MOST_POINTS = 20000  # of a curve; more than a figure can show
-LEAST_REACH = (
-    # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill
-    # the panel
-    0.1
-)
+# [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill it
+LEAST_SPAN = 0.1
+HIGH_TORQUE = 70.0  # [% of the limit] above which the limits are drawn too
+LEAST_UPWARD_FORCE = 1e-6  # [N] above which the upward component is drawn
 MEASURED: dict[str, Any] = {"color": style.BLUE}
 COMMANDED: dict[str, Any] = {"color": style.ORANGE, "lw": 1.0, "ls": "--"}
+TOLERANCE: dict[str, Any] = {"color": style.ORANGE, "ls": "--", "lw": 1.1}
 
 
 def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
-    """Return every figure that the record has the data for, by name, in the order to be
-    shown.
-    """
-    from pushpressslide.report.axle_figures import axle_over_time
-
+    """Return every figure that the record has the data for, by name, in page order."""
     if series.ticks(record) < 2:
         return {}
-    of_all: dict[str, Maker] = {
-        "path": path_figure,
-        "errors": errors_figure,
-        "tracking": tracking_figure,
+    made: dict[str, Figure | None] = {
+        "path": path_figure(task, plan, record),
+        "errors": errors_figure(task, plan, record),
+        "tracking": tracking_figure(task, plan, record),
     }
-    of_grasp: dict[str, Maker] = {"axle": axle_over_time, "forces": forces_figure}
-    of_arms: dict[str, Maker] = {"torques": torques_figure, "speeds": speeds_figure}
     grasps = series.by_grasp(plan, record)
-    made = {name: maker(task, plan, record) for name, maker in of_all.items()}
     for i, (grasp, part) in enumerate(grasps):
         number = f"-{i + 1}" if len(grasps) > 1 else ""
-        made |= {
-            f"{name}{number}": maker(task, grasp, part)
-            for name, maker in of_grasp.items()
-        }
-    made |= {name: maker(task, plan, record) for name, maker in of_arms.items()}
+        made[f"axle{number}"] = axle_over_time(task, grasp, part)
+        made[f"forces{number}"] = forces_figure(task, grasp, part)
+    made["torques"] = torques_figure(task, plan, record)
+    made["speeds"] = speeds_figure(task, plan, record)
     return {name: figure for name, figure in made.items() if figure is not None}
 
 
@@ -72,32 +64,24 @@ def write_plots(task: Task, plan: Plan, record: Record, out: Path) -> list[Path]
 
 
 def errors_figure(task: Task, plan: Plan, record: Record) -> Figure:
-    """Return position and yaw error against the reference at the same time, with the
-    goal's tolerance.
+    """Return the position and yaw error over time, with the goal's tolerance.
+
+    The errors are against the reference at the same time.
     """
     made, (top, bottom) = style.figure(2, 4.6)
-    time, position, yaw = timed_errors(record)
-    top.plot(*_thin(time, 1e3 * position), color=style.BLUE, label="object")
-    bottom.plot(*_thin(time, np.degrees(yaw)), color=style.BLUE, label="object")
-    tolerance = task.tolerance
-    top.axhline(
-        1e3 * tolerance.position,
-        color=style.ORANGE,
-        ls="--",
-        lw=1.1,
-        label="tolerance at the goal",
-    )
-    for sign in (-1.0, 1.0):
-        bottom.axhline(
-            sign * np.degrees(tolerance.yaw),
-            color=style.ORANGE,
-            ls="--",
-            lw=1.1,
-            label="tolerance at the goal" if sign > 0.0 else None,
-        )
+    time, position, yaw = series.timed_errors(record)
+    top.plot(*style.thin(time, 1e3 * position), color=style.BLUE, label="object")
+    bottom.plot(*style.thin(time, np.degrees(yaw)), color=style.BLUE, label="object")
+    label = "tolerance at the goal"
+    tolerance = np.degrees(task.tolerance.yaw)
+    top.axhline(1e3 * task.tolerance.position, label=label, **TOLERANCE)
+    bottom.axhline(-tolerance, **TOLERANCE)
+    bottom.axhline(tolerance, label=label, **TOLERANCE)
     top.set_ylabel("position error [mm]")
     bottom.set_ylabel("yaw error [deg]")
-    _time_axis([top, bottom], record, "Error against the reference at the same time")
+    style.time_axis(
+        [top, bottom], record, "Error against the reference at the same time"
+    )
     top.set_ylim(bottom=0.0)
     return made
 
@@ -116,92 +100,105 @@ def tracking_figure(task: Task, plan: Plan, record: Record) -> Figure:
         style.CYCLE,
         strict=False,
     ):
-        ax.plot(*_thin(time, values), color=color)
+        ax.plot(*style.thin(time, values), color=color)
         ax.axhline(0.0, color=style.GREY, lw=0.7)
         ax.set_ylabel(name)
-        reach = max(LEAST_REACH, 1.1 * float(np.nanmax(np.abs(values), initial=0.0)))
-        ax.set_ylim(-reach, reach)
-    _time_axis(axes, record, "Tracking point: path minus actual")
+        span = max(LEAST_SPAN, 1.1 * float(np.nanmax(np.abs(values), initial=0.0)))
+        ax.set_ylim(-span, span)
+    style.time_axis(axes, record, "Tracking point: path minus actual")
     return made
 
 
-def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
-    """Return commanded and measured contact forces, normal and tangential, with the
-    true friction cone.
+@dataclass(frozen=True, slots=True)
+class ContactForces:
+    """Forces (N,) [N] of one contact over time, NaN before and after the contact."""
 
-    Two panels for each contact. A press is set beside its planned load, its shear
-    beside the friction disc.
+    name: str  # of the arm, put before the labels; empty if there is only one
+    time: Array  # [s]
+    normal: Array  # measured
+    tangent: Array  # (N, 2) measured
+    commanded_normal: Array
+    commanded_tangent: Array  # (N, 2)
+    planned_load: Array
+    friction: float  # coefficient of tip and object, true
+
+    @property
+    def max_friction(self) -> Array:
+        """Largest tangential force (N,) [N] that the measured normal force allows."""
+        return np.asarray(self.friction * np.maximum(np.nan_to_num(self.normal), 0.0))
+
+
+def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
+    """Return commanded and measured contact forces with the true friction cone.
+
+    Two panels for each contact, normal and tangential. A press is set beside its
+    planned load, its shear beside the friction disc. None for a plan without contacts.
     """
     contacts = plan.contacts
     if not contacts:
         return None
     made, axes = style.figure(2 * len(contacts), 1.0 + 2.2 * 2 * len(contacts))
-    time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
-    asked_n, asked_t = series.contact_forces(plan, record, "command_force")
+    asked_normals, asked_tangents = series.contact_forces(plan, record, "command_force")
     quiet = ~series.in_phase(record, "touch", "move", "release")
-    for values in (normals, tangents):
-        values[quiet] = np.nan
+    normals[quiet] = np.nan
+    tangents[quiet] = np.nan
     for i, contact in enumerate(contacts):
-        upper = axes[2 * i]
-        lower = axes[2 * i + 1]
-        which = f"arm {contact.arm}: " if len(task.robots) > 1 else ""
-        upper.plot(*_thin(time, normals[:, i]), label="measured", **MEASURED)
-        upper.plot(*_thin(time, asked_n[:, i]), label="commanded", **COMMANDED)
-        edge = task.contact_friction * np.maximum(np.nan_to_num(normals[:, i]), 0.0)
-        if contact.kind == "top":
-            loads = _by_stretch(plan, record, partial(_load, i))
-            upper.plot(
-                *_thin(time, loads),
-                color=style.BLACK,
-                lw=1.3,
-                ls=":",
-                label="planned load",
-            )
-            upper.set_ylabel(f"{which}press [N]")
-            lower.set_ylabel(f"{which}shear [N]")
-            _band(
-                lower,
-                time,
-                np.zeros_like(edge),
-                edge,
-                f"friction disc, mu = {task.contact_friction:g}",
-            )
-            lower.plot(
-                *_thin(time, np.linalg.norm(tangents[:, i], axis=1)),
-                label="measured",
-                **MEASURED,
-            )
-            lower.plot(
-                *_thin(time, np.linalg.norm(asked_t[:, i], axis=1)),
-                label="commanded",
-                **COMMANDED,
-            )
-        else:
-            upper.set_ylabel(f"{which}normal [N]")
-            lower.set_ylabel(f"{which}tangential [N]")
-            _band(
-                lower,
-                time,
-                -edge,
-                edge,
-                f"friction cone, mu = {task.contact_friction:g}",
-            )
-            lower.plot(
-                *_thin(time, tangents[:, i, 0]), label="measured, left", **MEASURED
-            )
-            lower.plot(
-                *_thin(time, asked_t[:, i, 0]), label="commanded, left", **COMMANDED
-            )
-            if np.nanmax(np.abs(tangents[:, i, 1]), initial=0.0) > 1e-6:
-                lower.plot(
-                    *_thin(time, tangents[:, i, 1]),
-                    color=style.PURPLE,
-                    lw=0.9,
-                    label="measured, up",
-                )
-    _time_axis(axes, record, "Contact force of the tip on the object")
+        forces = ContactForces(
+            f"arm {contact.arm}: " if len(task.robots) > 1 else "",
+            record.arrays["time"],
+            normals[:, i],
+            tangents[:, i],
+            asked_normals[:, i],
+            asked_tangents[:, i],
+            _by_stretch(plan, record, partial(_load, i)),
+            task.contact_friction,
+        )
+        draw = _draw_press if contact.kind == "top" else _draw_push
+        draw(axes[2 * i], axes[2 * i + 1], forces)
+    style.time_axis(axes, record, "Contact force of the tip on the object")
     return made
+
+
+def _draw_normal(ax: Axes, forces: ContactForces, label: str) -> None:
+    ax.plot(*style.thin(forces.time, forces.normal), label="measured", **MEASURED)
+    asked = style.thin(forces.time, forces.commanded_normal)
+    ax.plot(*asked, label="commanded", **COMMANDED)
+    ax.set_ylabel(f"{forces.name}{label} [N]")
+
+
+def _draw_press(upper: Axes, lower: Axes, forces: ContactForces) -> None:
+    """Draw press and shear of a top contact."""
+    time = forces.time
+    _draw_normal(upper, forces, "press")
+    load = style.thin(time, forces.planned_load)
+    upper.plot(*load, color=style.BLACK, lw=1.3, ls=":", label="planned load")
+    lower.set_ylabel(f"{forces.name}shear [N]")
+    limit = forces.max_friction
+    label = f"friction disc, mu = {forces.friction:g}"
+    _band(lower, time, np.zeros_like(limit), limit, label)
+    for tangent, label, options in (
+        (forces.tangent, "measured", MEASURED),
+        (forces.commanded_tangent, "commanded", COMMANDED),
+    ):
+        shear = np.linalg.norm(tangent, axis=1)
+        lower.plot(*style.thin(time, shear), label=label, **options)
+
+
+def _draw_push(upper: Axes, lower: Axes, forces: ContactForces) -> None:
+    """Draw the normal and the tangential force of a side contact."""
+    time = forces.time
+    _draw_normal(upper, forces, "normal")
+    lower.set_ylabel(f"{forces.name}tangential [N]")
+    limit = forces.max_friction
+    _band(lower, time, -limit, limit, f"friction cone, mu = {forces.friction:g}")
+    left, up = forces.tangent.T
+    asked = forces.commanded_tangent[:, 0]
+    lower.plot(*style.thin(time, left), label="measured, left", **MEASURED)
+    lower.plot(*style.thin(time, asked), label="commanded, left", **COMMANDED)
+    if np.nanmax(np.abs(up), initial=0.0) > LEAST_UPWARD_FORCE:
+        shown = style.thin(time, up)
+        lower.plot(*shown, color=style.PURPLE, lw=0.9, label="measured, up")
 
 
 def _load(i: int, stretch: Segment) -> float:
@@ -209,99 +206,83 @@ def _load(i: int, stretch: Segment) -> float:
 
 
 def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
-    """Return joint torques as shares of their limits; None for an engine without
-    joints.
-    """
-    arms = [i for i in range(len(task.robots)) if f"joint_torque_{i}" in record.arrays]
-    limits = {}
-    for i in arms:
-        facts = robot_facts(task.robots[i])
-        if (
-            facts is not None
-            and facts.size == record.arrays[f"joint_torque_{i}"].shape[1]
-        ):
-            limits[i] = facts.effort_limit
-    if not limits:
+    """Return joint torques as shares of their limits; None without joints."""
+    shares = _torque_shares(task, record)
+    if not shares:
         return None
-    made, axes = style.figure(len(limits), 0.8 + 2.5 * len(limits))
-    for ax, (i, effort) in zip(axes, limits.items(), strict=True):
-        shares = 100.0 * record.arrays[f"joint_torque_{i}"] / effort
-        for j in range(shares.shape[1]):
+    made, axes = style.figure(len(shares), 0.8 + 2.5 * len(shares))
+    for ax, (arm, values) in zip(axes, shares.items(), strict=True):
+        for j, share in enumerate(values.T):
             ax.plot(
-                *_thin(record.arrays["time"], shares[:, j]),
-                color=style.CYCLE[j % 7],
+                *style.thin(record.arrays["time"], share),
+                color=style.CYCLE[j % len(style.CYCLE)],
                 lw=1.1,
                 label=f"joint {j + 1}",
             )
-        reach = 1.1 * float(np.nanmax(np.abs(shares), initial=1.0))
-        if reach > 70.0:
-            for sign in (-100.0, 100.0):
-                ax.axhline(sign, color=style.BLACK, ls="--", lw=1.0)
-        ax.set_ylim(-reach, reach)
-        ax.set_ylabel(
-            ("" if len(limits) == 1 else f"arm {i}: ") + "torque [% of limit]"
-        )
-    _time_axis(axes, record, "Joint torques")
+        span = 1.1 * float(np.nanmax(np.abs(values), initial=1.0))
+        if span > HIGH_TORQUE:
+            for limit in (-100.0, 100.0):
+                ax.axhline(limit, color=style.BLACK, ls="--", lw=1.0)
+        ax.set_ylim(-span, span)
+        name = f"arm {arm}: " if len(shares) > 1 else ""
+        ax.set_ylabel(f"{name}torque [% of limit]")
+    style.time_axis(axes, record, "Joint torques")
     return made
+
+
+def _torque_shares(task: Task, record: Record) -> dict[int, Array]:
+    """Torques (N, J) [% of the limit] of each arm whose limits are known."""
+    shares = {}
+    for i, robot in enumerate(task.robots):
+        torque = record.arrays.get(f"joint_torque_{i}")
+        if torque is None:
+            continue
+        facts = robot_facts(robot)
+        if facts is not None and facts.size == torque.shape[1]:
+            shares[i] = 100.0 * torque / facts.effort_limit
+    return shares
 
 
 def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     """Return the speed of the tracking point and the object's yaw rate."""
     made, (top, bottom) = style.figure(2, 4.4)
     time = record.arrays["time"]
-    twist = record.arrays["object_twist"]
-    arm = (
-        series.tracked_poses(task, record)[:, :2] - record.arrays["object_pose"][:, :2]
-    )
-    planned = _by_stretch(
-        plan,
-        record,
-        lambda p: (
-            p.profile.cruise * series.path_length(p.path) / (p.path.length or 1.0)
-        ),
-    )
-    speed = np.hypot(
-        twist[:, 0] - twist[:, 2] * arm[:, 1], twist[:, 1] + twist[:, 2] * arm[:, 0]
-    )
-    top.plot(*_thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
-    top.plot(
-        *_thin(time, 1e3 * planned),
-        color=style.ORANGE,
-        ls="--",
-        lw=1.1,
-        label="planned cruise",
-    )
-    bottom.plot(*_thin(time, np.degrees(twist[:, 2])), color=style.BLUE, label="object")
+    vx, vy, w = record.arrays["object_twist"].T
+    tracked = series.tracked_poses(task, record)[:, :2]
+    x, y = (tracked - record.arrays["object_pose"][:, :2]).T
+    speed = np.hypot(vx - w * y, vy + w * x)
+    planned = _by_stretch(plan, record, _cruise)
+    top.plot(*style.thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
+    top.plot(*style.thin(time, 1e3 * planned), label="planned cruise", **TOLERANCE)
+    yaw_rate = style.thin(time, np.degrees(w))
+    bottom.plot(*yaw_rate, color=style.BLUE, label="object")
     top.set_ylabel("speed [mm/s]")
     bottom.set_ylabel("yaw rate [deg/s]")
     top.set_ylim(bottom=0.0)
-    _time_axis([top, bottom], record, "Speeds")
+    style.time_axis([top, bottom], record, "Speeds")
     return made
+
+
+def _cruise(stretch: Segment) -> float:
+    """Planned speed [m/s] of the tracking point; its path may be longer than 0 m."""
+    path = stretch.path
+    return stretch.profile.cruise * series.path_length(path) / (path.length or 1.0)
 
 
 def comparison_plot(
     runs: Sequence[tuple[str, Record, Task, Plan]], *, title: str = ""
 ) -> Figure:
-    """Return position and yaw error of several runs over the time since their motion
-    began.
-    """
+    """Return the errors of several runs over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
-    for (label, record, _, _), color, dash in zip(
-        runs,
-        (c for _ in runs for c in style.CYCLE),
-        (d for d in ("-", "--", ":", "-.") for _ in style.CYCLE),
-        strict=False,
-    ):
+    looks = ((c, dash) for dash in ("-", "--", ":", "-.") for c in style.CYCLE)
+    for (label, record, _, _), (color, dash) in zip(runs, looks, strict=False):
         if series.ticks(record) < 2:
             continue
-        time, position, yaw = timed_errors(record)
+        time, position, yaw = series.timed_errors(record)
         start = time[np.argmax(series.in_phase(record, "move"))]
-        top.plot(
-            *_thin(time - start, 1e3 * position), color=color, ls=dash, label=label
-        )
-        bottom.plot(
-            *_thin(time - start, np.degrees(yaw)), color=color, ls=dash, label=label
-        )
+        look: dict[str, Any] = {"color": color, "ls": dash, "label": label}
+        top.plot(*style.thin(time - start, 1e3 * position), **look)
+        bottom.plot(*style.thin(time - start, np.degrees(yaw)), **look)
     top.set_ylabel("position error [mm]")
     bottom.set_ylabel("yaw error [deg]")
     bottom.set_xlabel("time since the motion began [s]")
@@ -313,43 +294,17 @@ def comparison_plot(
     return made
 
 
-def timed_errors(record: Record) -> tuple[Array, Array, Array]:
-    """Return time [s], position error [m] and signed yaw error [rad] against the
-    reference at the same time.
-
-    All (N,), NaN outside phase "move", where there is no reference to be held against.
-    """
-    offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
-    move = series.in_phase(record, "move")
-    position = np.where(move, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
-    return (
-        record.arrays["time"],
-        position,
-        np.where(move, series.wrap_angles(offset[:, 2]), np.nan),
-    )
-
-
-def _thin(time: Array, values: Array) -> tuple[Array, Array]:
-    step = max(1, len(time) // MOST_POINTS)
-    return time[::step], values[::step]
-
-
 def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
-    sampled, bottom = _thin(time, low)
-    ax.fill_between(
-        sampled,
-        bottom,
-        _thin(time, high)[1],
-        color=style.GREEN,
-        alpha=0.14,
-        lw=0,
-        label=label,
-    )
+    sampled, bottom = style.thin(time, low)
+    _, top = style.thin(time, high)
+    look: dict[str, Any] = {"color": style.GREEN, "alpha": 0.14, "lw": 0}
+    ax.fill_between(sampled, bottom, top, label=label, **look)
 
 
 def _by_stretch(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
-    """Return at every tick (N,) of the move its stretch's value; NaN in a second
-    attempt, not in the plan.
+    """Return at every tick (N,) of the move the value of its stretch.
+
+    NaN in a second attempt, which is not in the plan.
     """
     number = record.arrays["stretch"]
     out = np.full(series.ticks(record), np.nan)
@@ -359,11 +314,3 @@ def _by_stretch(plan: Plan, record: Record, value: Callable[[Segment], float]) -
         ):
             out[(number == i) & series.in_phase(record, "move")] = value(stretch)
     return out
-
-
-def _time_axis(axes: Sequence[Axes], record: Record, title: str) -> None:
-    for i, ax in enumerate(axes):
-        style.shade_phases(ax, record, label=i == 0)
-        style.legend(ax)
-    style.title(axes[0], title, pad=18)
-    axes[-1].set_xlabel("time [s]")

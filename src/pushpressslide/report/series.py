@@ -1,23 +1,24 @@
-"""What follows from a record: poses, contact forces in the contact's axes, travel along
-the surface.
+"""Time series that follow from a record.
+
+Poses, contact forces in the contact's axes, errors, travel along the surface.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 CONTACT_FORCE = 0.1
@@ -33,8 +34,9 @@ def wrap_angles(angles: Array) -> Array:
 
 
 def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
-    """Return X_AC (N, 3) of poses X_AB (N, 3) and X_BC, one or (N, 3); the yaw is not
-    wrapped.
+    """Return X_AC (N, 3) of poses X_AB (N, 3) and X_BC, one or (N, 3).
+
+    The yaw is not wrapped.
     """
     dx, dy, turn = (X_BC.x, X_BC.y, X_BC.yaw) if isinstance(X_BC, Pose2) else X_BC.T
     c = np.cos(poses[:, 2])
@@ -45,9 +47,7 @@ def compose(poses: Array, X_BC: Pose2 | Array) -> Array:
 
 
 def planar_poses(positions: Array) -> Array:
-    """Return (N, 3) x, y [m], yaw [rad] of (N, 7) quaternions (w, x, y, z) and
-    positions.
-    """
+    """Return x, y [m], yaw [rad] (N, 3) of quaternions (w, x, y, z) and positions (N, 7)."""
     w, x, y, z = (positions[:, i] for i in range(4))
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.stack([positions[:, 4], positions[:, 5], yaw], axis=1)
@@ -65,8 +65,9 @@ def in_phase(record: Record, *names: str) -> Mask:
 
 
 def contact_phase(record: Record) -> Mask:
-    """Return which ticks (N,) lie from the first to the last of phase "move" of a
-    grasp, regained contacts included.
+    """Return which ticks (N,) lie between first and last tick of a grasp's phase "move".
+
+    Regained contacts are included.
     """
     mask = np.zeros(ticks(record), dtype=bool)
     move = in_phase(record, "move")
@@ -75,34 +76,32 @@ def contact_phase(record: Record) -> Mask:
         np.diff(in_phase(record, "release").astype(np.int8), prepend=0) < 0
     )
     for i in np.unique(number):
-        (at,) = np.nonzero(move & (number == i))
-        if len(at):
-            mask[at[0] : at[-1] + 1] = True
+        (moving,) = np.nonzero(move & (number == i))
+        if len(moving):
+            mask[moving[0] : moving[-1] + 1] = True
     return mask
 
 
 def by_grasp(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
     """Return the plan of each grasp that was begun, and what was recorded of it."""
-    of = []
+    begun = []
     leg = record.arrays["leg"]
     for grasp in plan.by_placement:
-        at = np.isin(leg, [stretch.leg for stretch in grasp.segments])
-        if at.any():
+        own = np.isin(leg, [stretch.leg for stretch in grasp.segments])
+        if own.any():
             rows = {
-                k: v[at] for k, v in record.arrays.items() if not k.startswith("plan_")
+                k: v[own] for k, v in record.arrays.items() if not k.startswith("plan_")
             }
             stretch = np.isin(record.arrays["plan_stretch"], rows["stretch"])
             rows |= {
                 k: record.arrays[k][stretch] for k in ("plan_path", "plan_stretch")
             }
-            of.append((grasp, replace(record, arrays=rows)))
-    return of
+            begun.append((grasp, replace(record, arrays=rows)))
+    return begun
 
 
 def tracked_poses(task: Task, record: Record) -> Array:
-    """Return X_WV (N, 3): the tracking point, as planned for the stretch of each tick,
-    and its heading.
-    """
+    """Return X_WV (N, 3): the tracking point of each tick's stretch, and its heading."""
     return compose(
         compose(record.arrays["object_pose"], task.object.X_GB),
         record.arrays["vehicle_frame"],
@@ -110,30 +109,74 @@ def tracked_poses(task: Task, record: Record) -> Array:
 
 
 def stretch_paths(record: Record) -> list[Array]:
-    """Return the reference path of each stretch of the plan: (K, 3) poses of V in the
-    world.
-    """
+    """Return the reference path of each stretch of the plan, as poses X_WV (K, 3)."""
     path = record.arrays["plan_path"]
-    of = record.arrays["plan_stretch"]
-    return [path[of == i] for i in range(1 + int(of.max(initial=-1)))]
+    number = record.arrays["plan_stretch"]
+    return [path[number == i] for i in range(1 + int(number.max(initial=-1)))]
 
 
 def path_errors(task: Task, record: Record) -> Array:
-    """Return the distance [m] (N,) of the tracking point to the path of the stretch
-    that it is on.
-    """
+    """Return the distance [m] (N,) of the tracking point to the path of its stretch."""
     tracked = tracked_poses(task, record)[:, :2]
     out = np.empty(ticks(record))
     for i, path in enumerate(stretch_paths(record)):
-        at = record.arrays["stretch"] == i
-        out[at] = distance_to_polyline(tracked[at], path[:, :2])
+        own = record.arrays["stretch"] == i
+        out[own] = distance_to_polyline(tracked[own], path[:, :2])
     return out
 
 
-def path_length(path: MotionPath) -> float:
-    """Return the way [m] of the tracking point along a path; a turn on the spot is
-    none.
+def timed_errors(record: Record) -> tuple[Array, Array, Array]:
+    """Return time [s], position error [m] and signed yaw error [rad], all (N,).
+
+    The errors are against the reference at the same time. They are NaN outside phase
+    "move", where there is no reference.
     """
+    offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
+    move = in_phase(record, "move")
+    position = np.where(move, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
+    return (
+        record.arrays["time"],
+        position,
+        np.where(move, wrap_angles(offset[:, 2]), np.nan),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Series over the ticks (M,) of phase "move" alone."""
+
+    position_error: Array  # [m] to the reference at the same time
+    yaw_error: Array  # [rad] signed, to the reference at the same time
+    path_error: Array  # [m] of the tracking point to the path
+    tracking_error: Array  # (M, 3) along [m], left [m], heading [rad]: the law's own
+    tracked: Array  # (M, 2) [m] tracking point in the world
+    stretch: Array  # index of the stretch of the plan
+
+    @property
+    def path_length(self) -> float:
+        """Length [m] of the tracking point's path, summed over the stretches."""
+        return sum(
+            float(travel(self.tracked[self.stretch == i])[-1])
+            for i in np.unique(self.stretch)
+        )
+
+
+def motion(task: Task, record: Record) -> Motion:
+    """Return the series of phase "move"."""
+    move = in_phase(record, "move")
+    _, position_error, yaw_error = timed_errors(record)
+    return Motion(
+        position_error[move],
+        yaw_error[move],
+        path_errors(task, record)[move],
+        record.arrays["tracking_error"][move],
+        tracked_poses(task, record)[move, :2],
+        record.arrays["stretch"][move],
+    )
+
+
+def path_length(path: MotionPath) -> float:
+    """Return the length [m] of the tracking point's path; 0 for a turn on the spot."""
     if isinstance(path, ArcPath):
         return path.length
     return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in path.pieces)
@@ -142,8 +185,7 @@ def path_length(path: MotionPath) -> float:
 def contact_forces(
     plan: Plan, record: Record, name: str = "measured_force"
 ) -> tuple[Array, Array]:
-    """Return the normal (N, C) and the two tangential components (N, C, 2) [N] of
-    forces ON the object.
+    """Return normal (N, C) and tangential (N, C, 2) components [N] of forces ON the object.
 
     For C contacts, each of its own arm. Side contact: along the face's inward normal;
     to the left of it, and up. Top contact: down; x and y in B. ``name`` is the record's
@@ -161,11 +203,12 @@ def contact_forces(
         x = c * wx + s * wy
         y = -s * wx + c * wy
         if contact.kind == "top":
-            normals[:, i], tangents[:, i, 0], tangents[:, i, 1] = -z, x, y
+            normals[:, i] = -z
+            tangents[:, i] = np.stack([x, y], axis=1)
         else:
             n = contact.normal
             normals[:, i] = n[0] * x + n[1] * y
-            tangents[:, i, 0], tangents[:, i, 1] = -n[1] * x + n[0] * y, z
+            tangents[:, i] = np.stack([-n[1] * x + n[0] * y, z], axis=1)
     return normals, tangents
 
 
@@ -186,47 +229,44 @@ def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
     y = -s * dx + c * dy  # in G; B has the same axes
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
-    n = contact.normal
-    along = -n[1] * x + n[0] * y
-    if isinstance(task.object.shape, Cylinder):
-        inward = -(n[0] * x + n[1] * y)
-        along = task.object.shape.radius * np.arctan2(along, inward)
+    body = task.object
+    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    along = side.coordinates(x, y)
     return np.stack([along, tip[:, 2]], axis=1)
 
 
 def travel(points: Array, play: float = 0.0) -> Array:
-    """Return the way (N,) that ``points`` (N, k) have gone so far, less jitter within
-    ``play`` [same unit].
+    """Return the distance (N,) that ``points`` (N, k) have travelled so far.
 
-    A follower is dragged along like a stone on a string of length ``play``: what stays
-    within that distance moves it not at all, however often; a long way counts but for
-    ``play``, a reversal but for twice that.
+    Jitter within ``play`` [same unit] does not count. A follower is dragged along on
+    a string of length ``play``. Motion within that length does not move it. A long
+    motion loses ``play``, a reversal twice that.
     """
-    way = np.zeros(len(points))
+    distance = np.zeros(len(points))
     if len(points) == 0:
-        return way
+        return distance
     if play <= 0.0:
-        way[1:] = np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))
-        return way
+        distance[1:] = np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))
+        return distance
     follower = np.array(points[0], dtype=np.float64)
     total = 0.0
     for i in range(1, len(points)):
         gap = points[i] - follower
-        distance = float(np.sqrt(gap @ gap))
-        if distance > play:
-            follower += (1.0 - play / distance) * gap
-            total += distance - play
-        way[i] = total
-    return way
+        lead = float(np.sqrt(gap @ gap))
+        if lead > play:
+            follower += (1.0 - play / lead) * gap
+            total += lead - play
+        distance[i] = total
+    return distance
 
 
 def slip(plan: Plan, record: Record, index: int) -> Array:
-    """Return the cumulative slip [m] (N,) of contact ``index`` along the surface, in
-    phase "move" while its tip touches.
+    """Return the cumulative slip [m] (N,) of contact ``index`` along the surface.
 
-    Each stretch of unbroken contact is taken by itself: where the tip lands after a
-    loss is no slip. Jitter below ``SLIP_PLAY`` is not summed (see ``travel``). A tip
-    that rolls counts as one that slips.
+    Slip counts in phase "move" while the tip touches. Each stretch of unbroken contact
+    is taken by itself: where the tip lands after a loss is no slip. Jitter below
+    ``SLIP_PLAY`` is not summed (see ``travel``). A tip that rolls counts as one that
+    slips.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
@@ -237,16 +277,15 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
         np.diff(np.concatenate([[False], touching, [False]]).astype(np.int8))
     )
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        way = before + travel(points[start:stop], SLIP_PLAY)
-        out[start:stop], out[stop:] = way, way[-1]
-        before = float(way[-1])
+        slipped = before + travel(points[start:stop], SLIP_PLAY)
+        out[start:stop] = slipped
+        out[stop:] = slipped[-1]
+        before = float(slipped[-1])
     return out
 
 
 def distance_to_polyline(points: Array, line: Array) -> Array:
-    """Return the distance [m] (N,) of ``points`` (N, 2) to the nearest point of a
-    polyline (K, 2), K >= 2.
-    """
+    """Return the distance [m] (N,) of ``points`` (N, 2) to a polyline (K, 2), K >= 2."""
     start = line[:-1]
     span = np.diff(line, axis=0)
     squared = np.maximum(np.einsum("kd,kd->k", span, span), 1e-24)

@@ -1,15 +1,18 @@
-"""One look for every figure: colours that the colour-blind can tell apart (Okabe, Ito
-2008), sizes, PNG.
+"""One look for every figure: colours, sizes, legends, time axes, PNG.
+
+The colour-blind can tell the colours apart (Okabe and Ito, 2008).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from io import BytesIO
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.record import Record
 
@@ -37,6 +40,7 @@ PHASE_COLORS = {
 }
 DPI = 110
 WIDTH = 8.0  # [inch] of every figure
+MOST_POINTS = 20000  # of a curve; more than a figure can show
 
 SETTINGS = {
     "font.size": 9.5,
@@ -55,8 +59,9 @@ SETTINGS = {
 def figure(
     rows: int = 1, height: float = 4.0, *, share_x: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``rows`` panels, ``height`` [inch] in all; touches no global
-    state.
+    """Return a figure of ``rows`` panels and its axes; touches no global state.
+
+    ``height`` [inch] is that of the whole figure.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -102,14 +107,28 @@ def legend(axes: Axes, **options: Any) -> None:
         )
 
 
-def shade_phases(axes: Axes, record: Record, *, label: bool = False) -> None:
-    """Tint the time of each phase, and mark where a stretch of the plan begins after
-    another; ``label`` also names the phases along the top.
+def thin(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return every n-th sample of a curve, at most about ``MOST_POINTS``."""
+    step = max(1, len(time) // MOST_POINTS)
+    return time[::step], values[::step]
+
+
+def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
+    """Give panels one above the other phases, legends, a time axis and a title."""
+    for i, ax in enumerate(axes):
+        _shade_phases(ax, record, label=i == 0)
+        legend(ax)
+    title(axes[0], text, pad=18)
+    axes[-1].set_xlabel("time [s]")
+
+
+def _shade_phases(axes: Axes, record: Record, *, label: bool) -> None:
+    """Tint the time of each phase and mark where another stretch of the plan begins.
+
+    ``label`` also names the phases along the top.
     """
     time = record.arrays["time"]
     phase = record.arrays["phase"]
-    if not len(time):
-        return
     edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(phase)]
     span = float(time[-1] - time[0]) or 1.0
     for first, stop in pairwise(edges):

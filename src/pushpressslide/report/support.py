@@ -1,19 +1,15 @@
-"""How the object lies on its support in a run: its tilt, its gap, its fall into an
-opening, and how deep.
-"""
+"""How the object lies on its support: tilt, gap, fall into an opening, depth in it."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.report import series
-
-Array = NDArray[np.float64]
 
 FIELDS = (
     "max_tilt_deg",
@@ -28,9 +24,11 @@ ENTERED = 0.003
 
 
 def support_figures(task: Task, record: Record) -> dict[str, float | None]:
-    """Return the largest tilt [deg], the largest gap [m] before the object goes in, how
-    far [m] and how fast [m/s] its middle falls on the way in, and the depth [m] at the
-    end in the opening that the goal lies in; None where they do not apply.
+    """Return tilt, gap, fall and depth of the object; None where they do not apply.
+
+    The largest tilt [deg]; the largest gap [m] before the object enters the opening;
+    how far [m] and how fast [m/s] its middle falls from then on; its depth [m] in the
+    opening at the end.
     """
     out: dict[str, float | None] = dict.fromkeys(FIELDS)
     positions = record.arrays.get("object_pose_3d")
@@ -54,8 +52,9 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
 
 
 def seat_error(task: Task, record: Record) -> float:
-    """Return how far [m] the object ends from the back of the opening that the goal
-    lies in; 0 without one, or where the engine does not tell.
+    """Return how far [m] the object ends from the back of its goal's opening.
+
+    0 without an opening, or if the engine does not record the depth.
     """
     positions = record.arrays.get("object_pose_3d")
     opening = task.support.opening
@@ -65,8 +64,10 @@ def seat_error(task: Task, record: Record) -> float:
 
 
 def _gap(task: Task, positions: Array) -> Array:
-    """Distance (N,) [m] of the object's middle from where it is on the support, out of
-    it, by positions (N, 7).
+    """Distance (N,) [m] of the object's middle off its place on the support.
+
+    ``positions`` (N, 7) are quaternions and positions; away from the support is
+    positive.
     """
     frame = task.support.frame
     out = np.array(frame.direction((0.0, 0.0, 1.0)))

@@ -1,6 +1,4 @@
-"""The page of the virtual-axle experiment: one table of measured, predicted and the
-paper's; its plots.
-"""
+"""The page of the virtual-axle experiment: measured, predicted, the paper's."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
 from pushpressslide.report.axle_figures import directions_figure
 from pushpressslide.report.page import document, image
-from pushpressslide.report.page_tables import table
+from pushpressslide.report.page_tables import group_row, table
 
 COLUMNS = (
     "force",
@@ -48,9 +46,7 @@ CHECK_COLUMNS = ("changed", "measured", "predicted", "error")
 
 
 def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
-    """Write ``out``/report.html, table.md and axles.png from a result; return the
-    page's path.
-    """
+    """Write ``out``/report.html, table.md and axles.png; return the page's path."""
     png = style.png(directions_figure(result))
     write_whole(out / "axles.png", png)
     write_whole(out / "table.md", markdown(result))
@@ -59,19 +55,25 @@ def write_virtual_axle(result: Mapping[str, Any], out: Path) -> Path:
 
 
 def page_body(result: Mapping[str, Any], png: bytes, heading: str) -> str:
-    """Return verdict, figure ``png`` and tables as HTML, under headings of the level
-    ``heading``.
+    """Return verdict, figure ``png`` and tables as HTML.
+
+    ``heading`` is the tag of their headings.
     """
     tolerance = 1e3 * result["tolerance"]
 
     def judged(row: Sequence[str]) -> str:
-        return "" if not row[4] else "ok" if abs(float(row[4])) <= tolerance else "no"
+        """CSS class of a probe's error of the prediction [mm]; empty if not run."""
+        if not row[4]:
+            return ""
+        return "ok" if abs(float(row[4])) <= tolerance else "no"
 
     def titled(text: str) -> str:
+        """A heading."""
         return f"<{heading}>{text}</{heading}>"
 
+    css = "good" if _all_within(result) else "bad"
     parts = [
-        f'<p class="verdict {"good" if _all_within(result) else "bad"}">{escape(verdict(result))}</p>',
+        f'<p class="verdict {css}">{escape(verdict(result))}</p>',
         image(
             png,
             "axle over force angle",
@@ -110,9 +112,7 @@ def markdown(result: Mapping[str, Any]) -> str:
 
 
 def verdict(result: Mapping[str, Any]) -> str:
-    """Say in how many probes measured and predicted agree, and how far off each formula
-    is.
-    """
+    """Say how many probes agree with the prediction, and the errors of each formula."""
     s = result["summary"]
     skipped = s["probes"] - s["measured"]
     text = (
@@ -145,18 +145,19 @@ def _error(row: Mapping[str, Any], key: str) -> str:
 
 
 def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the cells of every probe, each with the title of its group: one height and
-    one press.
+    """Yield the cells of every probe with the title of its group.
+
+    A group is one height and one press.
     """
     settings = {(c["height"], c["load"]): c for c in result["curves"]}
     for row in result["rows"]:
-        at = settings[row["height"], row["load"]]
+        curve = settings[row["height"], row["load"]]
         title = (
             f"Contact {1e3 * row['height']:.0f} mm high, pressed with {row['load']:g} "
             "N: centre of pressure "
-            f"{_mm(at['cop'])} mm, d {_mm(at['lever'])} mm; the paper's formula "
-            f"{1e3 * at['paper']:.0f} mm, "
-            f"added up as it prints it {1e3 * at['paper_printed']:.0f} mm away"
+            f"{_mm(curve['cop'])} mm, d {_mm(curve['lever'])} mm; the paper's formula "
+            f"{1e3 * curve['paper']:.0f} mm, "
+            f"added up as it prints it {1e3 * curve['paper_printed']:.0f} mm away"
         )
         cells = [f"{row['angle']:g}°", row["direction"]]
         if row["measured"] is None:
@@ -173,28 +174,29 @@ def _probe_rows(result: Mapping[str, Any]) -> Iterator[tuple[str, list[str]]]:
 
 
 def _figure_rows(result: Mapping[str, Any]) -> list[list[str]]:
-    def shown(value: float | None, unit: str, decimals: int) -> str:
-        return "" if value is None else f"{value:.{decimals}f} {unit}".rstrip()
+    rows = []
+    for figure in result["paper_figures"]:
+        exact = ".4f" if figure["unit"] == "m²" else ".3f"
+        texts = [
+            _with_unit(figure[key], form, figure["unit"])
+            for key, form in (("paper", "g"), ("recomputed", exact), ("exact", exact))
+        ]
+        rows.append([figure["what"], figure["note"], *texts])
+    return rows
 
-    out = []
-    for row in result["paper_figures"]:
-        unit = row["unit"]
-        decimals = 4 if unit == "m²" else 3
-        paper = "" if row["paper"] is None else f"{row['paper']:g} {unit}".rstrip()
-        figures = (shown(row[key], unit, decimals) for key in ("recomputed", "exact"))
-        out.append([row["what"], row["note"], paper, *figures])
-    return out
+
+def _with_unit(value: float | None, form: str, unit: str) -> str:
+    """A figure in the given format; empty for None."""
+    if value is None:
+        return ""
+    return f"{value:{form}} {unit}".rstrip()
 
 
 def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     """The probes that were done again, each below the one of the table that it varies."""
-    at = {
+    probes = {
         (row["angle"], row["load"], row["height"], row["variant"]): row
-        for row in result["rows"]
-    }
-    at |= {
-        (row["angle"], row["load"], row["height"], row["variant"]): row
-        for row in result["checks"]
+        for row in (*result["rows"], *result["checks"])
     }
     cases = dict.fromkeys(
         (row["angle"], row["load"], row["height"]) for row in result["checks"]
@@ -204,7 +206,7 @@ def _check_rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
     for case in cases:
         title = f"{case[0]:g}°, pressed with {case[1]:g} N, contact {1e3 * case[2]:.0f} mm high"
         for variant in ("", *variants):
-            row = at[*case, variant]
+            row = probes[*case, variant]
             cells = [variant or "nothing"]
             if row["measured"] is None:
                 cells += [row["skipped"], "", ""]
@@ -238,8 +240,9 @@ def _html(
     numbers: int,
     judge: Callable[[Sequence[str]], str] | None = None,
 ) -> str:
-    """Return rows of (title of the group, cells) as an HTML table, the last ``numbers``
-    columns to the right.
+    """Return rows of (title of the group, cells) as an HTML table.
+
+    The last ``numbers`` columns are set to the right.
 
     ``judge`` gives the class of a row's fifth cell.
     """
@@ -247,12 +250,10 @@ def _html(
     marks = []
     for title, group in groupby(rows, key=lambda pair: pair[0]):
         if title:
-            lines.append(
-                [f'<th colspan="{len(head)}" scope="rowgroup">{escape(title)}</th>']
-            )
+            lines.append(group_row(title, len(head)))
             marks.append(' class="group"')
         for _, row in group:
-            css = ["n" if i >= len(head) - numbers else "" for i in range(len(row))]
+            css = [""] * (len(head) - numbers) + ["n"] * numbers
             if judge is not None:
                 css[4] += f" {judge(row)}"
             lines.append(

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.robots.inverse import (
     ANGLE_TOLERANCE,
     POSITION_TOLERANCE,
@@ -21,7 +22,6 @@ from pushpressslide.robots.inverse import (
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 
-Array = NDArray[np.float64]
 ContinuationStatus = Literal["ok", "unreachable", "joint_limit", "jump"]
 
 NULL_RATE = 3.0  # [rad] of elbow motion away from the limits per metre of the tip's way
@@ -96,11 +96,10 @@ def continuations(
     joint_margin: float = 0.0,
     largest_step: float = 0.3,
 ) -> tuple[Continuation, ...]:
-    """Return b joint paths at once, for tool yaws (b, k) and starts (b, n); positions
-    (k, 3) or (b, k, 3); one attitude or b.
+    """Return b joint paths at once: several yaw offsets or elbows at the cost of one.
 
-    For trying several tool yaw offsets or elbows, at hardly more cost than one. Else as
-    ``continuation``.
+    For tool yaws (b, k) and starts (b, n); positions (k, 3) or (b, k, 3); one attitude
+    or b. Else as ``continuation``.
     """
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
@@ -111,54 +110,8 @@ def continuations(
         R = np.stack(
             [held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)]
         )
-    way = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(
-        np.diff(yaws, axis=1)
-    )
-    lower = kin.facts.lower
-    upper = kin.facts.upper
-    q = np.clip(
-        np.broadcast_to(np.asarray(q_starts, dtype=np.float64), (b, kin.facts.size)),
-        lower,
-        upper,
-    )
-    path = np.empty((b, k, kin.facts.size))
-    distance = np.empty((b, k))
-    angle = np.empty((b, k))
-    for i in range(k):
-        # The elbow moves once per sample, in proportion to the tip's way, so that
-        # sampling does not matter.
-        free = (
-            limit_gradient(kin, q) * (NULL_RATE * way[:, i - 1, None])
-            if i
-            else np.zeros_like(q)
-        )
-        open_ = np.arange(b)
-        for step in range(ITERATIONS if i else START_ITERATIONS):
-            e, J = task_error(
-                kin, q[open_], p[open_, i], R[open_, i], R[open_, i, :, 2]
-            )
-            off_by = (
-                np.linalg.norm(e[:, :3], axis=-1),
-                np.linalg.norm(e[:, 3:], axis=-1),
-            )
-            angle[open_, i], distance[open_, i] = off_by
-            if step:
-                far = (off_by[0] >= 0.1 * ANGLE_TOLERANCE) | (
-                    off_by[1] >= 0.1 * POSITION_TOLERANCE
-                )
-                open_ = open_[far]
-                e = e[far]
-                J = J[far]
-                if len(open_) == 0:
-                    break
-            dq = damped_step(
-                J, e, free if step == 0 else np.zeros((len(open_), q.shape[1]))
-            )
-            dq *= START_STEP / np.maximum(
-                np.abs(dq).max(axis=-1, keepdims=True), START_STEP
-            )
-            q[open_] = np.clip(q[open_] + dq, lower, upper)
-        path[:, i] = q
+    starts = np.asarray(q_starts, dtype=np.float64)
+    path, distance, angle = _followed(kin, p, yaws, R, starts)
     margins = kin.joint_margin(path)
     conditions = np.linalg.cond(kin.jacobian(path))
     off = (distance > POSITION_TOLERANCE) | (angle > ANGLE_TOLERANCE)
@@ -167,20 +120,95 @@ def continuations(
     jumps[:, 1:] = np.abs(np.diff(path, axis=1)).max(axis=-1) > largest_step
     out = []
     for j in range(b):
-        failed = np.flatnonzero(off[j] | tight[j] | jumps[j])
-        at = int(failed[0]) if len(failed) else None
-        status: ContinuationStatus = "ok"
-        if at is not None:
-            status = (
-                "joint_limit"
-                if tight[j, at]
-                else "unreachable"
-                if off[j, at]
-                else "jump"
-            )
+        status, failed_at = _verdict(off[j], tight[j], jumps[j])
         out.append(
             Continuation(
-                path[j], distance[j], angle[j], margins[j], conditions[j], status, at
+                path[j],
+                distance[j],
+                angle[j],
+                margins[j],
+                conditions[j],
+                status,
+                failed_at,
             )
         )
     return tuple(out)
+
+
+def _followed(
+    kin: ArmKinematics, p: Array, yaws: Array, R: Array, q_starts: Array
+) -> tuple[Array, Array, Array]:
+    """Return joint paths (b, k, n) and what they miss by: (b, k) [m] and (b, k) [rad].
+
+    Targets: p (b, k, 3), yaws (b, k) and the same as rotations R (b, k, 3, 3).
+    """
+    b, k = yaws.shape
+    travel = np.linalg.norm(np.diff(p, axis=1), axis=-1) + YAW_ARM * np.abs(
+        np.diff(yaws, axis=1)
+    )
+    size = kin.facts.size
+    q = np.clip(np.broadcast_to(q_starts, (b, size)), kin.facts.lower, kin.facts.upper)
+    path = np.empty((b, k, size))
+    distance = np.empty((b, k))
+    angle = np.empty((b, k))
+    for i in range(k):
+        # The elbow moves once per sample, in proportion to the tip's way, so that
+        # sampling does not matter.
+        elbow = np.zeros_like(q)
+        iterations = START_ITERATIONS
+        if i:
+            elbow = limit_gradient(kin, q) * (NULL_RATE * travel[:, i - 1, None])
+            iterations = ITERATIONS
+        distance[:, i], angle[:, i] = _reach_sample(
+            kin, q, p[:, i], R[:, i], elbow, iterations
+        )
+        path[:, i] = q
+    return path, distance, angle
+
+
+def _reach_sample(
+    kin: ArmKinematics, q: Array, p: Array, R: Array, elbow: Array, iterations: int
+) -> tuple[Array, Array]:
+    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3).
+
+    Returns what they miss by: (b,) [m] and (b,) [rad]. ``elbow`` (b, n) [rad] is the
+    motion that the first step adds in the null space.
+    """
+    distance = np.empty(len(q))
+    angle = np.empty(len(q))
+    active = np.arange(len(q))
+    for step in range(iterations):
+        e, J = task_error(kin, q[active], p[active], R[active], R[active, :, 2])
+        turn = np.linalg.norm(e[:, :3], axis=-1)
+        miss = np.linalg.norm(e[:, 3:], axis=-1)
+        angle[active] = turn
+        distance[active] = miss
+        if step:
+            elbow = np.zeros_like(q)
+            far = (turn >= 0.1 * ANGLE_TOLERANCE) | (miss >= 0.1 * POSITION_TOLERANCE)
+            active = active[far]
+            e = e[far]
+            J = J[far]
+            if len(active) == 0:
+                break
+        dq = damped_step(J, e, elbow[active])
+        dq *= START_STEP / np.maximum(
+            np.abs(dq).max(axis=-1, keepdims=True), START_STEP
+        )
+        q[active] = np.clip(q[active] + dq, kin.facts.lower, kin.facts.upper)
+    return distance, angle
+
+
+def _verdict(
+    off: NDArray[np.bool_], tight: NDArray[np.bool_], jumps: NDArray[np.bool_]
+) -> tuple[ContinuationStatus, int | None]:
+    """Return the status of one path, and its first sample (of k) that is not ok."""
+    failed = np.flatnonzero(off | tight | jumps)
+    if len(failed) == 0:
+        return "ok", None
+    first = int(failed[0])
+    if tight[first]:
+        return "joint_limit", first
+    if off[first]:
+        return "unreachable", first
+    return "jump", first

@@ -16,9 +16,9 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import MissingFrameError, PushPressSlideError
 from pushpressslide.robots.facts import (
     JointFacts,
     JointKind,
@@ -26,7 +26,6 @@ from pushpressslide.robots.facts import (
     rotation_from_rpy,
 )
 
-Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 KINDS: dict[str, JointKind] = {
     "revolute": "revolute",
@@ -34,6 +33,9 @@ KINDS: dict[str, JointKind] = {
     "prismatic": "prismatic",
     "fixed": "fixed",
 }
+MISSING_TIP_FRAME = (
+    "a model given by path needs tip_frame, the name of the frame at the tip's centre"
+)
 TURNS = 2.0 * math.pi  # [rad] limit taken for a joint that turns without end
 
 
@@ -43,6 +45,16 @@ class _Frame:
     parent: str
     xyz: Triple
     rpy: Triple
+
+
+@dataclass(frozen=True)
+class _Description:
+    """What a file describes."""
+
+    name: str | None
+    joints: list[JointFacts]
+    frames: list[_Frame]
+    links: list[str]
 
 
 def read_description(model: str, tip_frame: str | None) -> RobotFacts:
@@ -69,57 +81,14 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     except (ElementTree.ParseError, UnicodeDecodeError) as error:
         raise PushPressSlideError(f"it is not XML ({error})") from error
     if tip_frame is None:
-        raise PushPressSlideError(
-            "a model given by path needs tip_frame, the name of the frame at the tip's "
-            "centre"
-        )
+        raise PushPressSlideError(MISSING_TIP_FRAME)
     try:
-        if path.suffix.lower() == ".urdf":
-            joints, frames, links = _urdf(root)
-        else:
-            joints, frames, links = _sdf(root)
-        return _facts(root, path, joints, frames, links, tip_frame)
+        read = _urdf if path.suffix.lower() == ".urdf" else _sdf
+        description = read(root)
+        chain = _chain(description, tip_frame)
     except (ValueError, AttributeError, KeyError, TypeError) as error:
         raise PushPressSlideError(f"it cannot be read ({error})") from error
-
-
-def _facts(
-    root: Element,
-    path: Path,
-    joints: list[JointFacts],
-    frames: list[_Frame],
-    links: list[str],
-    tip_frame: str,
-) -> RobotFacts:
-    by_child = {joint.child: joint for joint in joints}
-    chain: list[JointFacts] = []
-    link = tip_frame
-    for frame in frames:
-        if frame.name == tip_frame:
-            chain.append(
-                JointFacts(
-                    f"{tip_frame}_mount",
-                    "fixed",
-                    frame.parent,
-                    tip_frame,
-                    frame.xyz,
-                    frame.rpy,
-                )
-            )
-            link = frame.parent
-    if link not in links:
-        known = ", ".join([*links, *(frame.name for frame in frames)])
-        raise PushPressSlideError(
-            f"it has no frame {tip_frame!r}; there are {known[:300]}"
-        )
-    while (
-        link in by_child
-        and by_child[link].parent != "world"
-        and len(chain) <= len(joints)
-    ):
-        chain.append(by_child[link])
-        link = by_child[link].parent
-    chain.reverse()
+    link = chain[0].parent if chain else tip_frame
     moving = [joint for joint in chain if joint.kind != "fixed"]
     if not moving:
         raise PushPressSlideError(
@@ -127,8 +96,39 @@ def _facts(
         )
     home = tuple(0.5 * (joint.lower + joint.upper) for joint in moving)
     return RobotFacts(
-        root.get("name") or path.stem, (), tuple(chain), link, tip_frame, home
+        description.name or path.stem, (), tuple(chain), link, tip_frame, home
     )
+
+
+def _chain(description: _Description, tip_frame: str) -> list[JointFacts]:
+    """Return the joints from the root link to the tip frame."""
+    chain: list[JointFacts] = []
+    link = tip_frame
+    for frame in description.frames:
+        if frame.name == tip_frame:
+            mount = f"{tip_frame}_mount"
+            chain.append(
+                JointFacts(
+                    mount, "fixed", frame.parent, tip_frame, frame.xyz, frame.rpy
+                )
+            )
+            link = frame.parent
+    if link not in description.links:
+        names = [*description.links, *(frame.name for frame in description.frames)]
+        known = ", ".join(names)
+        raise MissingFrameError(
+            f"it has no frame {tip_frame!r}; there are {known[:300]}"
+        )
+    by_child = {joint.child: joint for joint in description.joints}
+    longest = len(description.joints)  # a longer chain goes round in a circle
+    while link in by_child and len(chain) <= longest:
+        joint = by_child[link]
+        if joint.parent == "world":
+            break
+        chain.append(joint)
+        link = joint.parent
+    chain.reverse()
+    return chain
 
 
 def _triple(text: str | None, default: Triple = (0.0, 0.0, 0.0)) -> Triple:
@@ -148,6 +148,7 @@ def _kind(name: str, kind: str) -> JointKind:
 
 def _limits(kind: str, values: dict[str, str | None]) -> dict[str, float]:
     def value(key: str, default: float) -> float:
+        """Return a limit, or what stands for one that is not given."""
         text = values.get(key)
         return default if text is None else float(text)
 
@@ -165,50 +166,50 @@ def _limits(kind: str, values: dict[str, str | None]) -> dict[str, float]:
     return {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
 
 
-def _urdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
-    joints = []
-    for joint in root.findall("joint"):
-        name = joint.attrib["name"]
-        kind = joint.attrib["type"]
-        parent = joint.find("parent")
-        child = joint.find("child")
-        origin = joint.find("origin")
-        if parent is None or child is None:
-            raise ValueError(f"joint {name!r} lacks its parent or child")
-        xyz, rpy = (
-            _triple(None if origin is None else origin.get(key))
-            for key in ("xyz", "rpy")
-        )
-        axis = joint.find("axis")
-        limit = joint.find("limit")
-        limits = (
-            _limits(kind, {} if limit is None else dict(limit.attrib))
-            if kind != "fixed"
-            else {}
-        )
-        a = _triple(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0))
-        joints.append(
-            JointFacts(
-                name,
-                _kind(name, kind),
-                parent.attrib["link"],
-                child.attrib["link"],
-                xyz,
-                rpy,
-                _unit(a),
-                **limits,
-            )
-        )
+def _urdf(root: Element) -> _Description:
     frames = [
         _Frame(
-            f.attrib["name"],
-            f.attrib["link"],
-            _triple(f.get("xyz")),
-            _triple(f.get("rpy")),
+            frame.attrib["name"],
+            frame.attrib["link"],
+            _triple(frame.get("xyz")),
+            _triple(frame.get("rpy")),
         )
-        for f in root.findall("frame")
+        for frame in root.findall("frame")
     ]
-    return joints, frames, [link.attrib["name"] for link in root.findall("link")]
+    return _Description(
+        root.get("name"),
+        [_urdf_joint(joint) for joint in root.findall("joint")],
+        frames,
+        [link.attrib["name"] for link in root.findall("link")],
+    )
+
+
+def _urdf_joint(joint: Element) -> JointFacts:
+    name = joint.attrib["name"]
+    kind = joint.attrib["type"]
+    parent = joint.find("parent")
+    child = joint.find("child")
+    if parent is None or child is None:
+        raise ValueError(f"joint {name!r} lacks its parent or child")
+    limits = {}
+    if kind != "fixed":
+        limits = _limits(kind, _attributes(joint.find("limit")))
+    origin = _attributes(joint.find("origin"))
+    axis = _attributes(joint.find("axis"))
+    return JointFacts(
+        name,
+        _kind(name, kind),
+        parent.attrib["link"],
+        child.attrib["link"],
+        _triple(origin.get("xyz")),
+        _triple(origin.get("rpy")),
+        _unit(_triple(axis.get("xyz"), (1.0, 0.0, 0.0))),
+        **limits,
+    )
+
+
+def _attributes(element: Element | None) -> dict[str, str | None]:
+    return {} if element is None else dict(element.attrib)
 
 
 def _unit(axis: Triple) -> Triple:
@@ -240,65 +241,67 @@ def _rpy(R: Array) -> Triple:
     return (math.atan2(R[2, 1], R[2, 2]), pitch, math.atan2(R[1, 0], R[0, 0]))
 
 
-def _sdf(root: Element) -> tuple[list[JointFacts], list[_Frame], list[str]]:
+def _sdf(root: Element) -> _Description:
     model = root if root.tag == "model" else root.find("model")
     if model is None:
         raise PushPressSlideError("its SDF holds no model")
-    root.set("name", model.get("name") or "")
     poses = {link.attrib["name"]: _pose(link) for link in model.findall("link")}
-    joints = []
-    for joint in model.findall("joint"):
-        name = joint.attrib["name"]
-        kind = joint.attrib["type"]
-        parent = (joint.findtext("parent") or "").strip()
-        child = (joint.findtext("child") or "").strip()
-        R_MC, p_MC = poses[child]
-        R_MP, p_MP = poses.get(parent, (np.eye(3), np.zeros(3)))
-        if joint.find("pose") is not None:
-            raise PushPressSlideError(
-                f"its joint {name!r} stands off its child link; give it as URDF"
-            )
-        axis = joint.find("axis")
-        limits = {}
-        a = np.array([0.0, 0.0, 1.0])
-        if kind != "fixed" and axis is not None:
-            xyz = axis.find("xyz")
-            a = np.array(_triple(None if xyz is None else xyz.text, (0.0, 0.0, 1.0)))
-            if xyz is not None and xyz.get("expressed_in") == "__model__":
-                a = R_MC.T @ a
-            keys = ("lower", "upper", "effort", "velocity")
-            limits = _limits(kind, {key: axis.findtext(f"limit/{key}") for key in keys})
-        p = R_MP.T @ (p_MC - p_MP)
-        xyz_PC: Triple = (float(p[0]), float(p[1]), float(p[2]))
-        unit = _unit((float(a[0]), float(a[1]), float(a[2])))
-        joints.append(
-            JointFacts(
-                name,
-                _kind(name, kind),
-                parent,
-                child,
-                xyz_PC,
-                _rpy(R_MP.T @ R_MC),
-                unit,
-                **limits,
-            )
+    return _Description(
+        model.get("name"),
+        [_sdf_joint(joint, poses) for joint in model.findall("joint")],
+        [_sdf_frame(frame) for frame in model.findall("frame")],
+        list(poses),
+    )
+
+
+def _sdf_joint(joint: Element, poses: dict[str, tuple[Array, Array]]) -> JointFacts:
+    """Return a joint between two links, whose poses in the model are given."""
+    name = joint.attrib["name"]
+    kind = joint.attrib["type"]
+    parent = (joint.findtext("parent") or "").strip()
+    child = (joint.findtext("child") or "").strip()
+    R_MC, p_MC = poses[child]
+    R_MP, p_MP = poses.get(parent, (np.eye(3), np.zeros(3)))
+    if joint.find("pose") is not None:
+        raise PushPressSlideError(
+            f"its joint {name!r} stands off its child link; give it as URDF"
         )
-    frames = []
-    for frame in model.findall("frame"):
-        attached = frame.get("attached_to") or ""
-        pose = frame.find("pose")
-        given = [
-            float(x)
-            for x in (
-                (pose.text if pose is not None else None) or "0 0 0 0 0 0"
-            ).split()
-        ]
-        frames.append(
-            _Frame(
-                frame.attrib["name"],
-                attached,
-                (given[0], given[1], given[2]),
-                (given[3], given[4], given[5]),
-            )
-        )
-    return joints, frames, list(poses)
+    axis = joint.find("axis")
+    limits = {}
+    direction = np.array([0.0, 0.0, 1.0])
+    if kind != "fixed" and axis is not None:
+        direction = _sdf_axis(axis, R_MC)
+        keys = ("lower", "upper", "effort", "velocity")
+        limits = _limits(kind, {key: axis.findtext(f"limit/{key}") for key in keys})
+    return JointFacts(
+        name,
+        _kind(name, kind),
+        parent,
+        child,
+        _floats(R_MP.T @ (p_MC - p_MP)),
+        _rpy(R_MP.T @ R_MC),
+        _unit(_floats(direction)),
+        **limits,
+    )
+
+
+def _sdf_axis(axis: Element, R_MC: Array) -> Array:
+    """Return the axis (3,) in the child link's frame."""
+    xyz = axis.find("xyz")
+    if xyz is None:
+        return np.array([0.0, 0.0, 1.0])
+    direction = np.array(_triple(xyz.text, (0.0, 0.0, 1.0)))
+    if xyz.get("expressed_in") == "__model__":
+        direction = R_MC.T @ direction
+    return direction
+
+
+def _sdf_frame(frame: Element) -> _Frame:
+    numbers = (frame.findtext("pose") or "0 0 0 0 0 0").split()
+    x, y, z, roll, pitch, yaw = (float(number) for number in numbers[:6])
+    attached = frame.get("attached_to") or ""
+    return _Frame(frame.attrib["name"], attached, (x, y, z), (roll, pitch, yaw))
+
+
+def _floats(v: Array) -> Triple:
+    return (float(v[0]), float(v[1]), float(v[2]))

@@ -11,11 +11,10 @@ from typing import Any, Literal
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 
-Array = NDArray[np.float64]
 JointKind = Literal["revolute", "prismatic", "fixed"]
 
 MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")
@@ -34,11 +33,13 @@ def exact_angle(angle: float) -> float:
 
 
 def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
-    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it; entries of quarter
-    turns are exact.
+    """Return R (3, 3) = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it.
+
+    Entries of quarter turns are exact.
     """
 
     def cos_sin(angle: float) -> tuple[float, float]:
+        """Return cosine and sine, exact at quarter turns."""
         c = math.cos(angle)
         s = math.sin(angle)
         return (round(c) if abs(c - round(c)) < 1e-15 else c), (
@@ -162,8 +163,9 @@ class RobotFacts:
 
     @cached_property
     def torque_rate_limit(self) -> Array:
-        """Limits of the torque's rate (n,) [N m/s]; infinite where the maker states
-        none.
+        """Limits of the torque's rate (n,) [N m/s].
+
+        Infinite where the maker states none.
         """
         return np.array([j.torque_rate for j in self.moving])
 

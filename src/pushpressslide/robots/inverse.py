@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 POSITION_TOLERANCE = 1e-6  # [m] of a solution
 ANGLE_TOLERANCE = 1e-6  # [rad]
@@ -34,6 +33,35 @@ class IkSolution:
     angle_residual: Array  # (m,) [rad]
     joint_margin: Array  # (m,) [rad] least distance to a joint limit
     converged: NDArray[np.bool_]  # (m,) target met and the wanted margin kept
+
+
+@dataclass(frozen=True)
+class IkSearch:
+    """How long to look for a posture."""
+
+    iterations: int = 60
+    # take the first posture found for a target, its margin as it is
+    first_found: bool = False
+
+
+THOROUGH = IkSearch()
+
+
+@dataclass(frozen=True)
+class _Targets:
+    """Where k tips are to be; without rotations any turn about the axis will do."""
+
+    positions: Array  # (k, 3) [m]
+    axes: Array  # (k, 3) unit vectors of the tool
+    rotations: Array | None  # R_WT (k, 3, 3)
+
+    def __getitem__(self, rows: NDArray[np.intp]) -> _Targets:
+        rotations = None if self.rotations is None else self.rotations[rows]
+        return _Targets(self.positions[rows], self.axes[rows], rotations)
+
+    def error(self, kin: ArmKinematics, q: Array) -> tuple[Array, Array]:
+        """Return ``task_error`` of postures (k, n)."""
+        return task_error(kin, q, self.positions, self.rotations, self.axes)
 
 
 def orientation_error(R: Array, R_wanted: Array) -> Array:
@@ -87,8 +115,9 @@ def axis_error(z: Array, z_wanted: Array) -> Array:
 
 
 def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array:
-    """Return the gradient (..., n) of the smooth least joint margin; it fades out at
-    ``relevant`` [rad].
+    """Return the gradient (..., n) of the smooth least joint margin.
+
+    It fades out at ``relevant`` [rad].
     """
     below = q - kin.facts.lower
     above = kin.facts.upper - q
@@ -135,14 +164,12 @@ def damped_step(J: Array, e: Array, secondary: Array) -> Array:
 
 
 def default_seeds(kin: ArmKinematics, p: Array) -> Array:
-    """Return starting postures (m, s, n) for targets p (m, 3): turned towards them,
-    elbow and wrist varied.
+    """Return starting postures (m, s, n) for targets p (m, 3).
 
-    A robot read from a file has no ready posture: its starts are spread over the joint
-    ranges.
+    They are turned towards the targets, with elbow and wrist varied. A robot read from
+    a file has no ready posture: its starts are spread over the joint ranges.
     """
     facts = kin.facts
-    home = kin.facts.home
     m = len(p)
     n = facts.size
     rng = np.random.default_rng(0)
@@ -154,17 +181,7 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
             np.broadcast_to(random, (m, count, n)), facts.lower, facts.upper
         )
         return spread
-    structured = np.tile(home, (STRUCTURED_SEEDS, 1))
-    if n == 7 and facts.moving[0].kind == "revolute":
-        for i, (elbow, wrist) in enumerate(
-            (a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)
-        ):
-            structured[i, 0] += elbow
-            structured[i, 2] -= elbow
-            structured[i, 6] += wrist
-        for i, side in ((-2, 1.0), (-1, -1.0)):  # for places close to the base
-            structured[i] += (0.0, 0.8, 0.0, -0.4, 2.6 * side, 2.0, 1.4 * side)
-    seeds = np.concatenate([structured, random[:RANDOM_SEEDS]])
+    seeds = np.concatenate([_structured_seeds(kin), random[:RANDOM_SEEDS]])
     out: Array = np.broadcast_to(seeds, (m, *seeds.shape)).copy()
     if facts.moving[0].kind == "revolute":
         azimuth = (
@@ -177,6 +194,22 @@ def default_seeds(kin: ArmKinematics, p: Array) -> Array:
     return out
 
 
+def _structured_seeds(kin: ArmKinematics) -> Array:
+    """Return the home posture (STRUCTURED_SEEDS, n), varied where there are 7 joints."""
+    facts = kin.facts
+    structured = np.tile(facts.home, (STRUCTURED_SEEDS, 1))
+    if facts.size == 7 and facts.moving[0].kind == "revolute":
+        for i, (elbow, wrist) in enumerate(
+            (a, b) for a in (0.0, 0.7, -0.7) for b in (0.0, 1.4, -1.4)
+        ):
+            structured[i, 0] += elbow
+            structured[i, 2] -= elbow
+            structured[i, 6] += wrist
+        for i, side in ((-2, 1.0), (-1, -1.0)):  # for places close to the base
+            structured[i] += (0.0, 0.8, 0.0, -0.4, 2.6 * side, 2.0, 1.4 * side)
+    return structured
+
+
 def solve_ik(
     kin: ArmKinematics,
     target_p: Array,
@@ -184,74 +217,22 @@ def solve_ik(
     tool_yaw: Array | float | None = None,
     q_seed: Array | None = None,
     joint_margin: float = 0.0,
-    iterations: int = 60,
-    best_margin: bool = True,
+    search: IkSearch = THOROUGH,
 ) -> IkSolution:
-    """Return for each target the posture with the largest joint margin, from several
-    starts.
+    """Return for each target the posture with the largest joint margin.
 
     target_p: (3,) or (m, 3) [m] of the tip's centre in the world; attitude: one, with
     tool_yaw [rad] scalar or (m,), None: free; or of each target its own, as axes (m, 3)
     or rotations R_WT (m, 3, 3). q_seed: (n,), (s, n) or (m, s, n), None:
-    ``default_seeds``; joint_margin: [rad] to keep from every limit; best_margin False
-    takes the first posture found for a target, without improving its margin.
+    ``default_seeds``; joint_margin: [rad] to keep from every limit.
     """
     p = np.atleast_2d(np.asarray(target_p, dtype=np.float64))
     m = len(p)
-    n = kin.facts.size
-    if q_seed is None:
-        seeds = default_seeds(kin, p)
-    else:
-        given = np.asarray(q_seed, dtype=np.float64)
-        seeds = np.broadcast_to(
-            given if given.ndim > 1 else given[None],
-            (m, *np.atleast_2d(given).shape[-2:]),
-        )
+    seeds = default_seeds(kin, p) if q_seed is None else _seeds(q_seed, m)
     s = seeds.shape[1]
-    q = seeds.reshape(m * s, n).copy()
-    P = np.repeat(p, s, axis=0)
-    R = None
-    if isinstance(attitude, ToolAttitude):
-        axis = np.broadcast_to(attitude.axis, (m * s, 3))
-        if tool_yaw is not None:
-            yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
-            R = np.repeat(attitude.rotation(yaws), s, axis=0)
-    elif attitude.ndim == 3:
-        axis = np.repeat(attitude[..., 2], s, axis=0)
-        R = np.repeat(attitude, s, axis=0)
-    else:
-        axis = np.repeat(attitude, s, axis=0)
-    room = 0.5 * (kin.facts.upper - kin.facts.lower)
-    inset = np.minimum(joint_margin, 0.99 * room)
-    lower = kin.facts.lower + inset
-    upper = kin.facts.upper - inset
-    climbing = max(iterations - POLISHING, 0) if best_margin else 0
-    e, J = task_error(kin, q, P, R, axis)
-    errors = e
-    open_ = np.arange(m * s)
-    for i in range(iterations):
-        if not best_margin:
-            met = np.repeat(_solved(errors).reshape(m, s).any(axis=1), s)
-            keep = ~met[open_]
-            if not keep.any():
-                break
-            open_ = open_[keep]
-            e = e[keep]
-            J = J[keep]
-        free = (
-            0.15 * limit_gradient(kin, q[open_])
-            if i < climbing
-            else np.zeros((len(open_), n))
-        )
-        dq = damped_step(J, e, free)
-        dq *= LARGEST_STEP / np.maximum(
-            np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP
-        )
-        q[open_] = np.clip(q[open_] + dq, lower, upper)
-        e, J = task_error(
-            kin, q[open_], P[open_], None if R is None else R[open_], axis[open_]
-        )
-        errors[open_] = e
+    starts = seeds.reshape(m * s, kin.facts.size).copy()
+    targets = _targets(p, attitude, tool_yaw, s)
+    q, errors = _descent(kin, targets, starts, joint_margin, search, s)
     angle = np.linalg.norm(errors[:, :3], axis=-1)
     distance = np.linalg.norm(errors[:, 3:], axis=-1)
     margin = kin.joint_margin(q)
@@ -259,6 +240,79 @@ def solve_ik(
     score = np.where(ok, margin, -10.0 - angle - distance).reshape(m, s)
     best = np.arange(m) * s + score.argmax(axis=1)
     return IkSolution(q[best], distance[best], angle[best], margin[best], ok[best])
+
+
+def _seeds(q_seed: Array, m: int) -> Array:
+    """Return given starts (n,), (s, n) or (m, s, n) as (m, s, n)."""
+    given = np.asarray(q_seed, dtype=np.float64)
+    return np.broadcast_to(
+        given if given.ndim > 1 else given[None],
+        (m, *np.atleast_2d(given).shape[-2:]),
+    )
+
+
+def _targets(
+    p: Array,
+    attitude: ToolAttitude | Array,
+    tool_yaw: Array | float | None,
+    starts: int,
+) -> _Targets:
+    """Return the targets of ``solve_ik``, each as often as it has starts."""
+    m = len(p)
+    R = None
+    if isinstance(attitude, ToolAttitude):
+        axes = np.broadcast_to(attitude.axis, (m * starts, 3))
+        if tool_yaw is not None:
+            yaws = np.broadcast_to(np.asarray(tool_yaw, dtype=np.float64), (m,))
+            R = np.repeat(attitude.rotation(yaws), starts, axis=0)
+    elif attitude.ndim == 3:
+        axes = np.repeat(attitude[..., 2], starts, axis=0)
+        R = np.repeat(attitude, starts, axis=0)
+    else:
+        axes = np.repeat(attitude, starts, axis=0)
+    return _Targets(np.repeat(p, starts, axis=0), axes, R)
+
+
+def _descent(
+    kin: ArmKinematics,
+    targets: _Targets,
+    q: Array,
+    joint_margin: float,
+    search: IkSearch,
+    starts: int,
+) -> tuple[Array, Array]:
+    """Return postures (k, n) and their errors (k, 6) after damped steps from ``q``.
+
+    ``starts`` rows in turn belong to one target.
+    """
+    room = 0.5 * (kin.facts.upper - kin.facts.lower)
+    inset = np.minimum(joint_margin, 0.99 * room)
+    lower = kin.facts.lower + inset
+    upper = kin.facts.upper - inset
+    climbing = 0 if search.first_found else max(search.iterations - POLISHING, 0)
+    e, J = targets.error(kin, q)
+    errors = e
+    active = np.arange(len(q))
+    for i in range(search.iterations):
+        if search.first_found:
+            met = np.repeat(_solved(errors).reshape(-1, starts).any(axis=1), starts)
+            unmet = ~met[active]
+            if not unmet.any():
+                break
+            active = active[unmet]
+            e = e[unmet]
+            J = J[unmet]
+        free = np.zeros((len(active), kin.facts.size))
+        if i < climbing:
+            free = 0.15 * limit_gradient(kin, q[active])
+        dq = damped_step(J, e, free)
+        dq *= LARGEST_STEP / np.maximum(
+            np.abs(dq).max(axis=-1, keepdims=True), LARGEST_STEP
+        )
+        q[active] = np.clip(q[active] + dq, lower, upper)
+        e, J = targets[active].error(kin, q[active])
+        errors[active] = e
+    return q, errors
 
 
 def _solved(e: Array) -> NDArray[np.bool_]:

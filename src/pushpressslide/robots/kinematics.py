@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import (
     MODELS,
@@ -22,8 +22,6 @@ from pushpressslide.robots.facts import (
     rotation_from_rpy,
 )
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 
 def _skew(a: Array) -> Array:
@@ -83,10 +81,11 @@ class ArmKinematics:
 
     @cached_property
     def span(self) -> tuple[Array, float, float]:
-        """The shoulder (3,) [m] in the world, a fixed point of the first axis; how far
-        [m] along the tool the tip is from the wrist, a point of the last axis; and the
-        most [m] that wrist and shoulder can be apart, whatever the joints' limits:
-        infinite for an arm with slides, or a tool beside its last axis.
+        """The shoulder (3,) [m] in the world, a fixed point of the first axis.
+
+        How far [m] along the tool the tip is from the wrist, a point of the last axis;
+        and the most [m] that wrist and shoulder can be apart, whatever the joints'
+        limits: infinite for an arm with slides, or a tool beside its last axis.
         """
         (constant, _, cosine, _), tip, axes, slides = self._chain
         T = (constant + cosine)[:, 0]
@@ -193,8 +192,9 @@ class ArmKinematics:
         return attitude.yaw(self.tip_pose(q)[0])
 
     def joint_margin(self, q: Array) -> Array:
-        """Return the least distance (...) [rad; m of slides] of a joint to its limits;
-        negative outside.
+        """Return the least distance (...) [rad; m of slides] of a joint to its limits.
+
+        Negative outside.
         """
         q = np.asarray(q, dtype=np.float64)
         out: Array = np.minimum(q - self.facts.lower, self.facts.upper - q).min(axis=-1)

@@ -10,17 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.inverse import (
     STRUCTURED_SEEDS,
+    IkSearch,
     IkSolution,
     default_seeds,
     solve_ik,
 )
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
-
-Array = NDArray[np.float64]
 
 REACH_MARGIN = 0.02
 """[rad] that every joint keeps from its limits for a point to count as within reach."""
@@ -30,13 +30,14 @@ QUICK_SEEDS = [0, 1, 2, 3, 6]
 other elbows.
 """
 
-QUICK_ITERATIONS = 30
+QUICK = IkSearch(iterations=30)
 # [m] by which the first look stays short of a point for which there is no second one
 HOPELESS = 0.08
 # [m] that an arm is less than stretched, beyond which the first look tells little
 FOLDED = 0.2
 FIRST_SEEDS = [0, 3, 6]
-FIRST_ITERATIONS = 12  # of the first look at a point, which most within reach pass
+# of the first look at a point, which most within reach pass
+FIRST = IkSearch(iterations=12, first_found=True)
 LONG_SEARCHES = 8  # points at most; bounds the time for a task that is hopeless
 
 
@@ -49,6 +50,18 @@ class Reach:
     joint_margin: Array
     miss: Array  # (m,) [m] distance by which the tip stays short of the point
     q: Array  # (m, n) posture of that margin
+
+    def replaced(self, rows: NDArray[np.intp], other: Reach) -> Reach:
+        """Return the same with ``rows`` as in ``other``, which has only those."""
+        ok = self.ok.copy()
+        joint_margin = self.joint_margin.copy()
+        miss = self.miss.copy()
+        q = self.q.copy()
+        ok[rows] = other.ok
+        joint_margin[rows] = other.joint_margin
+        miss[rows] = other.miss
+        q[rows] = other.q
+        return Reach(ok, joint_margin, miss, q)
 
 
 def reachable(
@@ -77,37 +90,17 @@ def reachable(
         tool_yaw,
         seeds[:, QUICK_SEEDS],
         joint_margin,
-        QUICK_ITERATIONS,
+        QUICK,
     )
     missed = np.flatnonzero(~first.converged)
     if quick or len(missed) == 0:
         return _reach(first)
-    doubtful = missed[
-        np.argsort(first.position_residual[missed] + first.angle_residual[missed])
-    ][:LONG_SEARCHES]
-    yaw = (
-        tool_yaw
-        if tool_yaw is None or np.ndim(tool_yaw) == 0
-        else np.asarray(tool_yaw)[doubtful]
-    )
-    full = solve_ik(kin, p[doubtful], attitude, yaw, seeds[doubtful], joint_margin)
-    fields = (
-        first.q,
-        first.position_residual,
-        first.angle_residual,
-        first.joint_margin,
-        first.converged,
-    )
-    better = (
-        full.q,
-        full.position_residual,
-        full.angle_residual,
-        full.joint_margin,
-        full.converged,
-    )
-    for old, new in zip(fields, better, strict=True):
-        old[doubtful] = new
-    return _reach(first)
+    miss = first.position_residual[missed] + first.angle_residual[missed]
+    doubtful = missed[np.argsort(miss)][:LONG_SEARCHES]
+    if tool_yaw is not None and np.ndim(tool_yaw) > 0:
+        tool_yaw = np.asarray(tool_yaw)[doubtful]
+    full = solve_ik(kin, p[doubtful], attitude, tool_yaw, seeds[doubtful], joint_margin)
+    return _reach(first).replaced(doubtful, _reach(full))
 
 
 def _reach(solution: IkSolution) -> Reach:
@@ -159,47 +152,69 @@ def held_somehow_problem(
     p = np.array(points, dtype=np.float64).reshape(-1, 3)
     far = np.hypot(p[:, 0] - robot.base[0], p[:, 1] - robot.base[1])
     hardest = sorted({0, len(p) - 1, int(np.argmin(far)), int(np.argmax(far))})
+    course = _Course(kin, p, hardest)
     first = _held(*holds[0], len(p))
-    places = hardest
-    short = _short(kin, p[hardest], first[hardest])
-    found = Reach(
-        short <= 0.0,
-        np.zeros_like(short),
-        short,
-        np.zeros((len(hardest), kin.facts.size)),
-    )
+    places, found = course.first_search(first)
     if found.ok.all():
-        found = _look(kin, p[hardest], first[hardest])
-    if found.ok.all():
-        found = _all_along(kin, p, first, hardest, found)
-        places = list(range(len(p)))
-        if found.ok.all():
-            return None
-    worst = places[_worst(found)]
+        return None
     others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
-    held = [
-        one
-        for one in (first, *others)
-        if (_short(kin, p[hardest], one[hardest]) <= 0.0).all()
-    ]
-    if not held:
-        return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
-    axes = np.array([_axes(one)[worst] for one in held])
-    there = np.tile(p[worst], (len(held), 1))
-    able = _look(kin, there, axes)
-    for patient in (False, True):
-        if patient:
-            able = _retried(kin, there, axes, able, each=True)
-        for one in (one for one, ok in zip(held, able.ok, strict=True) if ok):
-            seen = _look(kin, p[hardest], one[hardest])
-            if patient:
-                seen = _retried(kin, p[hardest], one[hardest], seen)
-            if seen.ok.all() and _all_along(kin, p, one, hardest, seen).ok.all():
-                return None
-    # where it was thought worst it will do after all
-    if held[0] is first and able.ok[0]:
-        found = _retried(kin, p[places], first[places], found)
+    held = [one for one in (first, *others) if (course.short(one) <= 0.0).all()]
+    if held:
+        worst = places[_worst(found)]
+        axes = np.array([_axes(one)[worst] for one in held])
+        there = np.tile(p[worst], (len(held), 1))
+        able = _look(kin, there, axes)
+        if any(course.reached(held[i]) for i in np.flatnonzero(able.ok)):
+            return None
+        able = _retried(kin, there, axes, able, each=True)
+        if any(course.reached(held[i], patient=True) for i in np.flatnonzero(able.ok)):
+            return None
+        # where it was thought worst it will do after all
+        if held[0] is first and able.ok[0]:
+            found = _retried(kin, p[places], first[places], found)
     return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
+
+
+@dataclass(frozen=True)
+class _Course:
+    """Points that one arm is to reach, however the tool is held."""
+
+    kin: ArmKinematics
+    p: Array  # (m, 3) [m]
+    hardest: list[int]  # indices of the places that are looked at first
+
+    def short(self, held: Array) -> Array:
+        """Return ``_short`` of the hardest places."""
+        return _short(self.kin, self.p[self.hardest], held[self.hardest])
+
+    def first_search(self, held: Array) -> tuple[list[int], Reach]:
+        """Return the places that were looked at, and what is reached of them.
+
+        All places, if nothing is in the way at the hardest ones.
+        """
+        short = self.short(held)
+        postures = np.zeros((len(self.hardest), self.kin.facts.size))
+        found = Reach(short <= 0.0, np.zeros_like(short), short, postures)
+        if found.ok.all():
+            found = self._look(held)
+        if not found.ok.all():
+            return self.hardest, found
+        everywhere = _all_along(self.kin, self.p, held, self.hardest, found)
+        return list(range(len(self.p))), everywhere
+
+    def reached(self, held: Array, *, patient: bool = False) -> bool:
+        """Return whether all points are reached; ``patient``: by a second search."""
+        found = self._look(held)
+        if patient:
+            hardest = self.hardest
+            found = _retried(self.kin, self.p[hardest], held[hardest], found)
+        if not found.ok.all():
+            return False
+        everywhere = _all_along(self.kin, self.p, held, self.hardest, found)
+        return bool(everywhere.ok.all())
+
+    def _look(self, held: Array) -> Reach:
+        return _look(self.kin, self.p[self.hardest], held[self.hardest])
 
 
 def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
@@ -224,9 +239,7 @@ def _look(kin: ArmKinematics, p: Array, held: Array) -> Reach:
     rotations (m, 3, 3).
     """
     starts = default_seeds(kin, p)[:, FIRST_SEEDS]
-    return _reach(
-        solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False)
-    )
+    return _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST))
 
 
 def _short(kin: ArmKinematics, p: Array, held: Array) -> Array:
@@ -246,9 +259,7 @@ def _all_along(
     """
     nearest = np.linalg.norm(p[:, None] - p[known], axis=-1).argmin(axis=1)
     starts = there.q[nearest][:, None]
-    found = _reach(
-        solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST_ITERATIONS, False)
-    )
+    found = _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST))
     return _retried(kin, p, held, found)
 
 
@@ -267,12 +278,7 @@ def _retried(
         better = _reach(
             solve_ik(kin, p[again], held[again], None, starts, REACH_MARGIN)
         )
-        for old, new in (
-            (found.q, better.q),
-            (found.miss, better.miss),
-            (found.ok, better.ok),
-        ):
-            old[again] = new
+        return found.replaced(again, better)
     return found
 
 

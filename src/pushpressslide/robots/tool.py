@@ -14,12 +14,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.support_frame import WORLD_AXES, Matrix3
-
-Array = NDArray[np.float64]
 
 # that are tried: tilts, and the sides to which a tool that turns with the object leans
 SIDES = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # [rad]
@@ -62,7 +60,7 @@ class ToolAttitude:
         out: Array = np.array(self.axes) @ np.array(axis_S)
         return out
 
-    def rotation(self, tool_yaw: NDArray[np.float64] | float) -> Array:
+    def rotation(self, tool_yaw: Array | float) -> Array:
         """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)
         if self.turns:
@@ -86,8 +84,9 @@ class ToolAttitude:
         return self._in_world(R_ST)
 
     def _in_world(self, R_ST: Array) -> Array:
-        """Turn the x and z axes of T, given in S, into the world; its y axis follows,
-        whatever S's hand.
+        """Turn the x and z axes of T, given in S, into the world.
+
+        Its y axis follows, whatever S's hand.
         """
         if self.axes is WORLD_AXES:
             return R_ST

@@ -115,8 +115,9 @@ def _filters(facts: RobotFacts) -> list[str]:
 
 
 def urdf_text(facts: RobotFacts, collision: bool = False) -> str:
-    """Return the robot's URDF, base to flange, without a tip; ``collision`` adds
-    capsules for clearances.
+    """Return the robot's URDF, base to flange, without a tip.
+
+    ``collision`` adds capsules for clearances.
     """
     body = [_link(facts, link, collision) for link in facts.links] + [
         _joint(joint) for joint in facts.joints

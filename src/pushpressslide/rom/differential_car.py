@@ -63,11 +63,10 @@ class DifferentialCar:
         return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[0] * u[1])
 
     def normals(self, curvature: float, max_force: float) -> tuple[float, float]:
-        """Return left and right normal force [N], on the limit surface; outside the
-        limits one is < 0.
+        """Return left and right normal force [N], on the limit surface.
 
-        F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2 kappa F; ``max_force`` [N] is
-        mu_s N.
+        Outside the limits one is < 0. F = mu_s N / sqrt(1 + (rho kappa)^2), tau = rho^2
+        kappa F; ``max_force`` [N] is mu_s N.
         """
         force = max_force / math.hypot(1.0, self.rho * curvature)
         torque = self.rho * self.rho * curvature * force

@@ -97,7 +97,7 @@ class UnicycleDrive(PressedDrive):
     @property
     def gain(self) -> float:
         """Effective wheelbase [m], signed."""
-        return self.car.reach
+        return self.car.effective_wheelbase
 
     @property
     def right(self) -> float:
@@ -112,7 +112,7 @@ class UnicycleDrive(PressedDrive):
     @property
     def stiffness(self) -> float:
         """(d / rho)^2."""
-        return self.car.lever / self.car.reach
+        return self.car.lever / self.car.effective_wheelbase
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,8 +45,9 @@ class Holonomic:
     def input_bounds(
         self,
     ) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (vx, vy [m/s], w [rad/s]) one by one; the speed is
-        bounded as a vector too.
+        """Bounds of the inputs (vx, vy [m/s], w [rad/s]) one by one.
+
+        The speed is bounded as a vector too.
         """
         v = self.max_speed
         w = self.max_turn_rate

@@ -72,7 +72,7 @@ class RearSteerCar:
         return math.atan2(cross(n, e), n[0] * e[0] + n[1] * e[1])
 
     @property
-    def wheelbase(self) -> float:
+    def effective_wheelbase(self) -> float:
         """Distance rho^2/D [m] from the centre of pressure to the VFA."""
         return self.rho * self.rho / self.lever
 
@@ -80,7 +80,7 @@ class RearSteerCar:
     def X_BV(self) -> Pose2:
         """Pose of the vehicle frame in the body frame."""
         e = self.axis
-        length = self.wheelbase
+        length = self.effective_wheelbase
         return Pose2(
             self.cop[0] + length * e[0],
             self.cop[1] + length * e[1],
@@ -99,16 +99,18 @@ class RearSteerCar:
 
     @property
     def curvature_limits(self) -> tuple[float, float]:
-        """Least and greatest curvature [1/m] of the VFA's path; they need not have zero
-        between them.
+        """Least and greatest curvature [1/m] of the VFA's path.
+
+        They need not have zero between them.
         """
         low, high = self.steering_limits
         return self.curvature(high), self.curvature(low)
 
     @property
     def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m], to the better side; infinite if the car can only
-        go straight.
+        """Smallest turning radius [m], to the better side.
+
+        Infinite if the car can only go straight.
         """
         largest = max(abs(k) for k in self.curvature_limits)
         return 1.0 / largest if largest > 0.0 else math.inf
@@ -120,13 +122,14 @@ class RearSteerCar:
 
     def curvature(self, steering: float) -> float:
         """Return kappa = -(D/rho^2) tan(steering) [1/m], positive to the left."""
-        return -math.tan(steering) / self.wheelbase
+        return -math.tan(steering) / self.effective_wheelbase
 
     def steering(self, curvature: float) -> float:
-        """Return the steering [rad] that gives ``curvature`` [1/m]; not limited to the
-        cone.
+        """Return the steering [rad] that gives ``curvature`` [1/m].
+
+        Not limited to the cone.
         """
-        return -math.atan(self.wheelbase * curvature)
+        return -math.atan(self.effective_wheelbase * curvature)
 
     def xdot(
         self, x: tuple[float, float, float], u: tuple[float, float]
@@ -142,10 +145,9 @@ class RearSteerCar:
         )
 
     def force(self, steering: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface; ``max_force`` [N] is
-        mu_s N.
+        """Return the contact force [N] in B, on the limit surface.
 
-        |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
+        ``max_force`` [N] is mu_s N. |f| = mu_s N / sqrt(1 + (D sin(steering) / rho)^2).
         """
         c = math.cos(steering)
         s = math.sin(steering)

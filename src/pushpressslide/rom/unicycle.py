@@ -54,8 +54,8 @@ class Unicycle:
         )
 
     @property
-    def reach(self) -> float:
-        """Signed tan(force angle) per curvature [m]: rho^2 / d."""
+    def effective_wheelbase(self) -> float:
+        """Signed tan(force angle) per curvature [m], rho^2 / d."""
         return self.rho * self.rho / self.lever
 
     @property
@@ -64,7 +64,7 @@ class Unicycle:
         e.
         """
         e = self.axis
-        ahead = self.shift - self.reach
+        ahead = self.shift - self.effective_wheelbase
         return Pose2(
             self.cop[0] + ahead * e[0],
             self.cop[1] + ahead * e[1],
@@ -74,7 +74,7 @@ class Unicycle:
     @property
     def length(self) -> float:
         """Distance from the axle to the contact [m], the shift left out."""
-        return abs(self.lever + self.reach)
+        return abs(self.lever + self.effective_wheelbase)
 
     @property
     def minimum_turning_radius(self) -> float:
@@ -97,16 +97,15 @@ class Unicycle:
         return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[1])
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
-        """Return the contact force [N] in B, on the limit surface, for a motion of V;
-        zero for none.
+        """Return the contact force [N] in B, on the limit surface, for a motion of V.
 
-        f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d sin(phi)/rho)^2);
-        ``max_force`` [N] is mu_s N.
+        Zero for none. f ~ v e + (rho^2/d) w t with |f| = mu_s N / sqrt(1 + (d
+        sin(phi)/rho)^2); ``max_force`` [N] is mu_s N.
         """
         e = self.axis
         d = self.lever
         along = speed
-        across = self.reach * turn_rate
+        across = self.effective_wheelbase * turn_rate
         size = math.hypot(along, across)
         if size == 0.0:
             return (0.0, 0.0)
@@ -117,7 +116,7 @@ class Unicycle:
         """Return the velocity [m/s] in B of the contact point: v e + (d + rho^2/d) w t."""
         e = self.axis
         d = self.lever
-        across = (d + self.reach - self.shift) * turn_rate
+        across = (d + self.effective_wheelbase - self.shift) * turn_rate
         return (speed * e[0] - across * e[1], speed * e[1] + across * e[0])
 
     def least_friction_force(self, force_angle: float, max_force: float) -> float:

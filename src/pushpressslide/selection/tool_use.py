@@ -11,7 +11,7 @@ from typing import Any
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Cylinder, ObjectModel, Obstacle, Task, ToolUse
+from pushpressslide.core.task import ObjectModel, Obstacle, Task, ToolUse
 
 ASIDE = 0.002
 # [m], [rad] of a tool's way from the straight push, while it pushes
@@ -44,16 +44,16 @@ def tool_use(
         )
     shape = tool.shape
     face = d["tool"]["face"]
-    if isinstance(shape, Cylinder):
+    if not shape.corners:
         raise TaskError(
             source,
             "goal.body",
             name,
             "allowed: object; a cylinder has no flat face to push with",
         )
-    if face >= len(shape.footprint):
+    if face >= len(shape.corners):
         raise TaskError(
-            source, "tool.face", face, f"allowed: 0 to {len(shape.footprint) - 1}"
+            source, "tool.face", face, f"allowed: 0 to {len(shape.corners) - 1}"
         )
     way = math.dist(body.pose.position, target.position)
     if way == 0.0:
@@ -92,7 +92,7 @@ def tool_use(
             "allowed: up to "
             f"{math.degrees(SQUARE):g} deg",
         )
-    corners = shape.footprint
+    corners = shape.corners
     ax, ay = corners[face]
     bx, by = corners[(face + 1) % len(corners)]
     middle = (0.5 * (ax + bx), 0.5 * (ay + by))
@@ -112,9 +112,9 @@ def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     """
     tool = task.tool
     goal = task.goal
-    if tool is None or isinstance(task.object.shape, Cylinder):
+    if tool is None or not task.object.shape.corners:
         return None
-    corners = task.object.shape.footprint
+    corners = task.object.shape.corners
     ax, ay = corners[tool.face]
     bx, by = corners[(tool.face + 1) % len(corners)]
     nx, ny = goal.rotate((by - ay, ax - bx))

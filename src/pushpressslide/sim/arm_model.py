@@ -1,19 +1,15 @@
-"""Kinematics and dynamics of one arm for its controller: a plant of its own, so that
-the controller knows only its robot.
-"""
+"""Kinematics and dynamics of one arm for its controller, in a plant of its own."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.execution.arm import ArmState
 from pushpressslide.sim.robot_models import add_robot
-
-Array = NDArray[np.float64]
 
 
 class ArmModel:
@@ -24,8 +20,10 @@ class ArmModel:
         plant = MultibodyPlant(0.0)
         self.instance = add_robot(plant, robot, 0, models=models)
         plant.Finalize()
-        self._plant, self._context = plant, plant.CreateDefaultContext()
-        self._tip, self._world = self.instance.tip_frame, plant.world_frame()
+        self._plant = plant
+        self._context = plant.CreateDefaultContext()
+        self._tip = self.instance.tip_frame
+        self._world = plant.world_frame()
         self.size = plant.num_positions(self.instance.model_instance)
 
     def state(self, q: Array, v: Array) -> ArmState:

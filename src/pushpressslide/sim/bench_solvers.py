@@ -1,5 +1,6 @@
-"""The allocation problems put to Drake's solvers, for the benchmarks: one program each,
-of which a call changes the wrench and, for presses, the radii of the discs.
+"""Allocation problems for Drake's solvers, as opponents in the benchmarks.
+
+Each is one program; a call changes its wrench and, for presses, the radii of its discs.
 """
 
 from __future__ import annotations
@@ -7,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.solvers import ClarabelSolver, MathematicalProgram, OsqpSolver, ScsSolver
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
+
 PUSH_SOLVERS = {"OSQP": OsqpSolver, "Clarabel": ClarabelSolver, "SCS": ScsSolver}
 PRESS_SOLVERS = {"Clarabel": ClarabelSolver, "SCS": ScsSolver}
 
@@ -18,8 +19,10 @@ PRESS_SOLVERS = {"Clarabel": ClarabelSolver, "SCS": ScsSolver}
 def drake_pushes(
     name: str, grasp: Array, cones: Array, cost: Array
 ) -> Callable[[Array], Array | None]:
-    """Return a solver of: least f^T H f with G f the wrench and C f >= 0; ``name`` in
-    PUSH_SOLVERS.
+    """Return a solver for the least f^T H f with G f = wrench and C f >= 0.
+
+    G (3, 4) is ``grasp``, C (4, 4) ``cones``, H (4, 4) ``cost``; ``name`` is a key of
+    PUSH_SOLVERS. The solver returns None where it fails.
     """
     program = MathematicalProgram()
     solver = PUSH_SOLVERS[name]()
@@ -31,6 +34,7 @@ def drake_pushes(
     program.AddQuadraticCost(2.0 * cost, np.zeros(4), forces)
 
     def solve(wrench: Array) -> Array | None:
+        """Return the forces (4,), or None."""
         balance.UpdateCoefficients(grasp, wrench)
         result = solver.Solve(program)
         return np.asarray(result.GetSolution(forces)) if result.is_success() else None
@@ -41,8 +45,10 @@ def drake_pushes(
 def drake_presses(
     name: str, grasp: Array, friction: float
 ) -> Callable[[Array, Array], Array | None]:
-    """Return a solver of: least f^T f with G f the wrench, inside the discs; ``name``
-    in PRESS_SOLVERS.
+    """Return a solver for the least f^T f with G f = wrench and each force in its disc.
+
+    G (3, 4) is ``grasp``; the disc's radius is ``friction`` times the normal force;
+    ``name`` is a key of PRESS_SOLVERS. The solver returns None where it fails.
     """
     program = MathematicalProgram()
     solver = PRESS_SOLVERS[name]()
@@ -62,6 +68,7 @@ def drake_presses(
         )
 
     def solve(wrench: Array, normals: Array) -> Array | None:
+        """Return the forces (4,), or None."""
         balance.UpdateCoefficients(grasp, wrench)
         for row, disc, normal in zip(rows, discs, normals, strict=True):
             disc.UpdateCoefficients(row, np.array([friction * normal, 0.0, 0.0]))

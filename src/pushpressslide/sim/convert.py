@@ -1,8 +1,8 @@
-"""Between this package's planar data and Drake's spatial data; the only place where the
-two meet.
+"""Conversion between planar data and Drake's spatial data; the only place where it is
+done.
 
-Drake's world is the world; planar data are about the support's frame
-(core/support_frame.py), on a table the same.
+Drake's world is the world. Planar data refer to the support's frame
+(core/support_frame.py), which is the world on a table.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def rigid_transform(
 ) -> RigidTransform:
     """Return the spatial pose, in the world, of a planar pose at height ``z`` [m].
 
-    Its x and y axes are those of the planar pose; its z axis is the height's on a
-    table, and points into a wall.
+    Its x and y axes are those of the planar pose; its z axis points up on a table and
+    into a wall.
     """
     c = math.cos(pose.yaw)
     s = math.sin(pose.yaw)
@@ -38,8 +38,8 @@ def rigid_transform(
 
 
 def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
-    """Return the planar pose of a spatial one: its origin's x, y and the yaw of its x
-    axis.
+    """Return the planar pose of a spatial pose: x and y of its origin, and the yaw of
+    its x axis.
     """
     px, py, pz = X.translation()
     ax, ay, az = X.rotation().col(0)

@@ -10,12 +10,12 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.control.controller import Commands, Controller
 from pushpressslide.control.recording import Recorder
 from pushpressslide.control.sensing import Sensor
 from pushpressslide.control.state import ControllerState
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import ControlLog, Measurement, TipState
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.record import ReasonCode, Record
@@ -27,8 +27,6 @@ from pushpressslide.sim.joints.approach import led_in
 from pushpressslide.sim.joints.joint_path import ArmPath
 from pushpressslide.sim.joints.placements import all_joint_paths
 from pushpressslide.sim.station import Station
-
-Array = NDArray[np.float64]
 
 FORCE_OVERRUN = 1.5  # times limits.normal_force, for FORCE_TIME, ends the run
 FORCE_TIME = 0.05  # [s]

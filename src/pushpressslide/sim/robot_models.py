@@ -1,5 +1,5 @@
-"""Robots in a MultibodyPlant: generated, Drake's own, or from a URDF or SDF, each with
-a tip for contact.
+"""Robots in a MultibodyPlant, each with a tip for contact: generated, Drake's own, or
+from a URDF or SDF file.
 """
 
 from __future__ import annotations
@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from pydrake.geometry import (
     Capsule,
@@ -21,6 +20,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     Frame,
+    Joint,
     ModelInstanceIndex,
     RigidBody,
     SpatialInertia,
@@ -34,10 +34,8 @@ from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import MODELS, TIP_MASS, RobotFacts, load_facts
 from pushpressslide.robots.urdf import urdf_text
 
-ModelSource = Literal["generated", "drake_models"]
-
 DRAKE_MODELS_VARIABLE = "PUSHPRESSSLIDE_DRAKE_MODELS"
-"""Environment variable with a folder that holds a copy of Drake's models; without it
+"""Environment variable with the folder of a copy of Drake's models; if it is not set,
 Drake downloads them.
 """
 
@@ -54,27 +52,47 @@ PEDESTAL = (0.35, 0.37, 0.40, 1.0)
 
 @dataclass(frozen=True)
 class RobotInstance:
-    """One robot as it stands in a plant; positions, velocities and actuators run from
-    the base to the tip.
+    """One robot in a plant; positions, velocities and actuators are ordered from the
+    base to the tip.
     """
 
     name: str  # of the model instance
     facts: RobotFacts
     model_instance: ModelInstanceIndex
     base_frame: Frame
-    tip_body: RigidBody  # its own body, so that the force at its joint can be measured
+    tip_body: RigidBody  # a separate body, so that the force at its joint is measured
     tip_frame: Frame  # T: origin at the sphere's centre, z out of the flange
     tip_joint_name: str  # weld from the flange to the tip; its child frame is T
-    tip_geometry: (
-        GeometryId | None
-    )  # the sphere that touches, named "tip_sphere"; None if it was not asked for
+    # the sphere that touches, named "tip_sphere"; None without collision shapes
+    tip_geometry: GeometryId | None
 
     @property
     def base_links(self) -> tuple[str, ...]:
-        """Names of the base link and of the one that turns on it: near the support
-        wherever the arm is.
+        """Names of the base link and of the link that turns on it, which are near the
+        support in every posture.
         """
         return (self.facts.base, self.facts.moving[0].child)
+
+    def joints(self, plant: MultibodyPlant) -> list[Joint]:
+        """Return the moving joints, from the base to the tip."""
+        return [
+            plant.GetJointByName(fact.name, self.model_instance)
+            for fact in self.facts.moving
+        ]
+
+
+@dataclass(frozen=True)
+class _ModelField:
+    """The field of a task that names a robot's model, for errors."""
+
+    source: str
+    index: int
+    model: str
+
+    def error(self, advice: str) -> TaskError:
+        """Return the error that this model cannot be used."""
+        field = f"robots[{self.index}].model"
+        return TaskError(self.source, field, self.model, advice)
 
 
 def add_robot(
@@ -85,56 +103,37 @@ def add_robot(
     tip_properties: ProximityProperties | None = None,
     collision: bool = False,
     models: str = "generated",
-    drake_models: Path | None = None,
     source: str = "task",
 ) -> RobotInstance:
-    """Add a task's robot number ``index`` to a plant not yet finalized, its base welded
-    where the task says.
+    """Add a task's robot number ``index`` to a plant that is not finalized, with its
+    base welded at its place.
 
-    tip_properties: the tip's sphere touches with these; None: it does not touch.
+    tip_properties: contact properties of the tip's sphere; None: it does not touch.
     collision: also registers capsules around the links (generated models), without
     hydroelastic properties, for distance queries in a plant that is not simulated.
-    models: "generated" or "drake_models"; drake_models: folder of a local copy of the
-    latter. source: the task file, for messages. Raises TaskError if the model, its file
-    or its tip frame cannot be used.
+    models: "generated" or "drake_models". source: the task file, for messages.
+
+    Raises TaskError if the model, its file or its tip frame cannot be used.
     """
-    field = f"robots[{index}]"
-    own = robot.model in MODELS
-    try:
-        facts = (
-            load_facts(robot.model)
-            if own
-            else read_description(robot.model, robot.tip_frame)
-        )
-    except PushPressSlideError as error:
-        raise TaskError(source, f"{field}.model", robot.model, str(error)) from error
-    if models not in ("generated", "drake_models"):
-        raise TaskError(source, "models", models, "choose generated or drake_models")
-    parser = Parser(plant, model_name_prefix=f"robot_{index}")
-    parser.SetAutoRenaming(True)
-    if own and models == "drake_models" and robot.model in DRAKE_MODELS:
-        instance = _add_drake_model(parser, robot.model, drake_models, source)
-    elif own:
-        (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
-    else:
-        instance = _add_file(plant, parser, Path(robot.model), facts, source, field)
+    field = _ModelField(source, index, robot.model)
+    facts = _facts(robot, field)
+    instance = _add_model(plant, field, facts, models, collision)
     base = plant.GetFrameByName(facts.base, instance)
     X_WBase = RigidTransform(RollPitchYaw(0.0, 0.0, robot.base_yaw), robot.base)
     plant.WeldFrames(plant.world_frame(), base, X_WBase)
-    length = robot.tip_length if own else 0.0
-    flange, X_FlangeF = _flange(plant, instance, facts)
-    X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
-    tip = plant.AddRigidBody(
-        "tip",
-        instance,
-        _tip_inertia(length, robot.tip_radius) if own else SpatialInertia.Zero(),
-    )
-    plant.AddJoint(WeldJoint(TIP_JOINT, flange, tip.body_frame(), X_FT))
+    length = 0.0  # a model given by file contains its tip
+    inertia = SpatialInertia.Zero()
+    if robot.model in MODELS:
+        length = robot.tip_length
+        inertia = _tip_inertia(length, robot.tip_radius)
+    tip = _add_tip(plant, instance, facts, length, inertia)
     geometry = None
     if plant.geometry_source_is_registered():
-        geometry = _add_tip_shapes(
-            plant, tip, length, robot.tip_radius, tip_properties, collision
-        )
+        if collision and tip_properties is None:
+            tip_properties = ProximityProperties()
+        if length > 0.0:
+            _add_rod(plant, tip, length, collision)
+        geometry = _add_sphere(plant, tip, robot.tip_radius, tip_properties)
         _add_pedestal(plant, robot, facts, index)
     name = plant.GetModelInstanceName(instance)
     return RobotInstance(
@@ -142,161 +141,190 @@ def add_robot(
     )
 
 
-def _add_drake_model(
-    parser: Parser, model: str, folder: Path | None, source: str
+def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
+    """Return the facts of a generated model, or those that its file states."""
+    try:
+        if robot.model in MODELS:
+            return load_facts(robot.model)
+        return read_description(robot.model, robot.tip_frame)
+    except PushPressSlideError as error:
+        raise field.error(str(error)) from error
+
+
+def _add_model(
+    plant: MultibodyPlant,
+    field: _ModelField,
+    facts: RobotFacts,
+    models: str,
+    collision: bool,
 ) -> ModelInstanceIndex:
-    local = folder or (
-        Path(os.environ[DRAKE_MODELS_VARIABLE])
-        if os.environ.get(DRAKE_MODELS_VARIABLE)
-        else None
-    )
+    """Add the links and joints of a model, from its source."""
+    if models not in ("generated", "drake_models"):
+        advice = "choose generated or drake_models"
+        raise TaskError(field.source, "models", models, advice)
+    parser = Parser(plant, model_name_prefix=f"robot_{field.index}")
+    parser.SetAutoRenaming(True)
+    if field.model not in MODELS:
+        return _add_file(plant, parser, facts, field)
+    if models == "drake_models" and field.model in DRAKE_MODELS:
+        return _add_drake_model(parser, field)
+    (instance,) = parser.AddModelsFromString(urdf_text(facts, collision), "urdf")
+    return instance
+
+
+def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
+    """Add one of Drake's own models, from a local copy if there is one."""
+    folder = os.environ.get(DRAKE_MODELS_VARIABLE)
     packages = parser.package_map()
-    if local is not None:
-        if not (local / "package.xml").is_file():
-            raise TaskError(
-                source,
-                "drake_models",
-                str(local),
-                "name a folder with Drake's models (it has a package.xml)",
-            )
+    if folder:
+        if not (Path(folder) / "package.xml").is_file():
+            advice = "name a folder with Drake's models (it has a package.xml)"
+            raise TaskError(field.source, "drake_models", folder, advice)
         if packages.Contains("drake_models"):
             packages.Remove("drake_models")
-        packages.Add("drake_models", str(local))
+        packages.Add("drake_models", folder)
     try:
-        (instance,) = parser.AddModelsFromUrl(DRAKE_MODELS[model])
+        (instance,) = parser.AddModelsFromUrl(DRAKE_MODELS[field.model])
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[0][:160]
         advice = f"Drake's model could not be loaded ({reason}); use generated or set {DRAKE_MODELS_VARIABLE}"
-        raise TaskError(source, "models", "drake_models", advice) from error
+        raise TaskError(field.source, "models", "drake_models", advice) from error
     return instance
 
 
 def _add_file(
-    plant: MultibodyPlant,
-    parser: Parser,
-    path: Path,
-    facts: RobotFacts,
-    source: str,
-    field: str,
+    plant: MultibodyPlant, parser: Parser, facts: RobotFacts, field: _ModelField
 ) -> ModelInstanceIndex:
-    for folder in path.resolve().parents:
-        if (folder / "package.xml").is_file():
-            if not parser.package_map().Contains(folder.name):
-                parser.package_map().Add(folder.name, str(folder))
-            break
+    """Add the one model of a file, with an actuator at each of its joints."""
+    path = Path(field.model)
+    packages = parser.package_map()
+    folders = path.resolve().parents
+    package = next((f for f in folders if (f / "package.xml").is_file()), None)
+    if package is not None and not packages.Contains(package.name):
+        packages.Add(package.name, str(package))
     try:
         instances = parser.AddModels(str(path))
     except RuntimeError as error:
         reason = " ".join(str(error).split())[:200]
-        raise TaskError(
-            source, f"{field}.model", str(path), f"Drake cannot load it: {reason}"
-        ) from error
+        raise field.error(f"Drake cannot load it: {reason}") from error
     if len(instances) != 1:
-        raise TaskError(
-            source,
-            f"{field}.model",
-            str(path),
-            f"give a file with one model, not {len(instances)}",
-        )
+        raise field.error(f"give a file with one model, not {len(instances)}")
     instance = instances[0]
-    wanted = {joint.name for joint in facts.moving}
-    for joint_index in plant.GetJointIndices(instance):
-        joint = plant.get_joint(joint_index)
-        if joint.num_velocities() and joint.name() not in wanted:
-            advice = f"its joint {joint.name()!r} does not lead to the tip frame; make it fixed"
-            raise TaskError(source, f"{field}.model", str(path), advice)
-        if joint.parent_body() == plant.world_body():
-            advice = (
-                f"its joint {joint.name()!r} holds it in the world; leave its base free"
-            )
-            raise TaskError(source, f"{field}.model", str(path), advice)
+    _check_joints(plant, instance, facts, field)
     actuators = [plant.get_joint_actuator(a) for a in plant.GetJointActuatorIndices()]
     driven = {a.joint().name() for a in actuators if a.model_instance() == instance}
     for fact in facts.moving:
         if fact.name not in driven:
-            plant.AddJointActuator(
-                fact.name, plant.GetJointByName(fact.name, instance), fact.effort
-            )
+            joint = plant.GetJointByName(fact.name, instance)
+            plant.AddJointActuator(fact.name, joint, fact.effort)
     return instance
+
+
+def _check_joints(
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    facts: RobotFacts,
+    field: _ModelField,
+) -> None:
+    """Raise TaskError for a joint beside the chain to the tip, or one that holds the
+    base.
+    """
+    wanted = {joint.name for joint in facts.moving}
+    for joint_index in plant.GetJointIndices(instance):
+        joint = plant.get_joint(joint_index)
+        name = joint.name()
+        if joint.num_velocities() and name not in wanted:
+            raise field.error(
+                f"its joint {name!r} does not lead to the tip frame; make it fixed"
+            )
+        if joint.parent_body() == plant.world_body():
+            raise field.error(
+                f"its joint {name!r} holds it in the world; leave its base free"
+            )
 
 
 def _flange(
     plant: MultibodyPlant, instance: ModelInstanceIndex, facts: RobotFacts
 ) -> tuple[Frame, RigidTransform]:
-    """Return the flange's frame; where the model has none, its link's frame and the
-    flange's pose in it.
+    """Return the flange's frame, or its parent link's frame where the model has none,
+    and the flange's pose in it.
     """
     if plant.HasFrameNamed(facts.flange, instance):
         return plant.GetFrameByName(facts.flange, instance), RigidTransform()
     joint = next(j for j in facts.joints if j.child == facts.flange)
-    return plant.GetFrameByName(joint.parent, instance), RigidTransform(
-        RollPitchYaw(*joint.rpy), joint.xyz
-    )
+    parent = plant.GetFrameByName(joint.parent, instance)
+    return parent, RigidTransform(RollPitchYaw(*joint.rpy), joint.xyz)
+
+
+def _add_tip(
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    facts: RobotFacts,
+    length: float,
+    inertia: SpatialInertia,
+) -> RigidBody:
+    """Weld the tip's body to the flange, ``length`` [m] before it."""
+    flange, X_FlangeF = _flange(plant, instance, facts)
+    X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
+    tip = plant.AddRigidBody("tip", instance, inertia)
+    plant.AddJoint(WeldJoint(TIP_JOINT, flange, tip.body_frame(), X_FT))
+    return tip
 
 
 def _tip_inertia(length: float, radius: float) -> SpatialInertia:
-    """Return the inertia about the sphere's centre, tip axes: two thirds of the mass
-    are in the rod.
+    """Return the inertia about the sphere's centre in tip axes; the rod has two thirds
+    of the mass.
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
-    rod_inertia = SpatialInertia(
-        rod,
-        [0.0, 0.0, -0.5 * length],
-        UnitInertia.SolidCylinder(
-            ROD_RADIUS, length, [0.0, 0.0, 1.0]
-        ).ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length]),
-    )
-    rod_inertia += SpatialInertia.SolidSphereWithMass(ball, radius)
-    return rod_inertia
+    cylinder = UnitInertia.SolidCylinder(ROD_RADIUS, length, [0.0, 0.0, 1.0])
+    unit = cylinder.ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length])
+    inertia = SpatialInertia(rod, [0.0, 0.0, -0.5 * length], unit)
+    inertia += SpatialInertia.SolidSphereWithMass(ball, radius)
+    return inertia
 
 
-def _add_tip_shapes(
+def _add_rod(
+    plant: MultibodyPlant, tip: RigidBody, length: float, collision: bool
+) -> None:
+    """Draw the rod and its collar; with ``collision`` the rod is a capsule, too."""
+    X_TRod = RigidTransform([0.0, 0.0, -0.5 * length])
+    rod = Cylinder(ROD_RADIUS, length)
+    plant.RegisterVisualGeometry(tip, X_TRod, rod, "tip_rod_visual", STEEL)
+    X_TCollar = RigidTransform([0.0, 0.0, 0.006 - length])
+    collar = Cylinder(3.0 * ROD_RADIUS, 0.012)
+    plant.RegisterVisualGeometry(tip, X_TCollar, collar, "tip_collar_visual", STEEL)
+    if collision:
+        capsule = Capsule(ROD_RADIUS, length)
+        properties = ProximityProperties()
+        plant.RegisterCollisionGeometry(tip, X_TRod, capsule, "tip_rod", properties)
+
+
+def _add_sphere(
     plant: MultibodyPlant,
     tip: RigidBody,
-    length: float,
     radius: float,
     properties: ProximityProperties | None,
-    collision: bool,
 ) -> GeometryId | None:
-    if length > 0.0:
-        X_TRod = RigidTransform([0.0, 0.0, -0.5 * length])
-        plant.RegisterVisualGeometry(
-            tip, X_TRod, Cylinder(ROD_RADIUS, length), "tip_rod_visual", STEEL
-        )
-        collar = RigidTransform([0.0, 0.0, 0.006 - length])
-        plant.RegisterVisualGeometry(
-            tip, collar, Cylinder(3.0 * ROD_RADIUS, 0.012), "tip_collar_visual", STEEL
-        )
-        if collision:
-            plant.RegisterCollisionGeometry(
-                tip,
-                X_TRod,
-                Capsule(ROD_RADIUS, length),
-                "tip_rod",
-                ProximityProperties(),
-            )
-    plant.RegisterVisualGeometry(
-        tip, RigidTransform(), Sphere(radius), "tip_visual", RUBBER
-    )
-    if properties is None and not collision:
+    """Draw the tip's sphere, and let it touch if it has contact properties."""
+    X = RigidTransform()
+    sphere = Sphere(radius)
+    plant.RegisterVisualGeometry(tip, X, sphere, "tip_visual", RUBBER)
+    if properties is None:
         return None
-    chosen = properties or ProximityProperties()
-    return plant.RegisterCollisionGeometry(
-        tip, RigidTransform(), Sphere(radius), "tip_sphere", chosen
-    )
+    return plant.RegisterCollisionGeometry(tip, X, sphere, "tip_sphere", properties)
 
 
 def _add_pedestal(
     plant: MultibodyPlant, robot: Robot, facts: RobotFacts, index: int
 ) -> None:
+    """Draw a column under a base that stands above the floor."""
     x, y, z = robot.base
     if z <= 0.0 or facts.base_radius <= 0.0:
         return
     column = Cylinder(facts.base_radius, z)
     foot = Cylinder(1.5 * facts.base_radius, min(0.02, z))
-    for shape, name in ((column, "column"), (foot, "foot")):
+    for shape, part in ((column, "column"), (foot, "foot")):
         X = RigidTransform([x, y, 0.5 * shape.length()])
-        plant.RegisterVisualGeometry(
-            plant.world_body(), X, shape, f"pedestal_{index}_{name}", PEDESTAL
-        )
+        name = f"pedestal_{index}_{part}"
+        plant.RegisterVisualGeometry(plant.world_body(), X, shape, name, PEDESTAL)

@@ -3,9 +3,8 @@ controller reads or writes.
 
 Inputs   joint_torque_<i>    (n,) [N m]
 Outputs  joint_state_<i>     (2 n,) positions, velocities
-         contact_force_<i>   (3,) [N] of tip i ON what it touches, world axes: force
-         sensor in the tip's
-                             mount, less the tip's weight
+         contact_force_<i>   (3,) [N] of tip i ON what it touches, in world axes; from a
+                             force sensor in the tip's mount, less the tip's weight
 """
 
 from __future__ import annotations
@@ -13,39 +12,33 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance
-from pushpressslide.sim.scenes import Scene, build_scene, rest_height
+from pushpressslide.sim.scenes import build_scene, rest_height
 
 if TYPE_CHECKING:
     from pushpressslide.sim.view.live import LiveView
 
-Array = NDArray[np.float64]
-
 
 class ContactForceSensor(LeafSystem):
-    """Turns the reaction force in the tip's mount into the force of the tip on what it
-    touches.
-    """
+    """Computes the force of a tip on what it touches from the reaction in its mount."""
 
     def __init__(self, plant: MultibodyPlant, robot: RobotInstance) -> None:
         """Read joint and body indices off the finalized plant."""
         super().__init__()
         joint = plant.GetJointByName(robot.tip_joint_name, robot.model_instance)
         # reaction forces are listed by ordinal: the joint's place among all joints
-        self._joint, self._tip = (
-            plant.GetJointIndices().index(joint.index()),
-            int(robot.tip_body.index()),
-        )
+        self._joint = plant.GetJointIndices().index(joint.index())
+        self._tip = int(robot.tip_body.index())
         self._weight = (
             robot.tip_body.default_mass() * plant.gravity_field().gravity_vector()
         )
@@ -63,13 +56,25 @@ class ContactForceSensor(LeafSystem):
     def _calc(self, context: Context, output: Any) -> None:
         reaction = self._reactions.Eval(context)[self._joint].translational()
         R_WT = self._poses.Eval(context)[self._tip].rotation().matrix()
-        # mount on tip + weight + contact on tip = 0 at slow speeds; the tip's own
-        # inertia is small
+        # at slow speeds, mount on tip + weight + contact on tip = 0; the tip's inertia
+        # is neglected
         output.SetFromVector(R_WT @ (self._R_TJ @ reaction) + self._weight)
 
 
+def add_force_sensor(
+    builder: DiagramBuilder, plant: MultibodyPlant, robot: RobotInstance
+) -> ContactForceSensor:
+    """Add and connect the force sensor of a robot's tip."""
+    sensor = builder.AddSystem(ContactForceSensor(plant, robot))
+    reactions = plant.get_reaction_forces_output_port()
+    builder.Connect(reactions, sensor.GetInputPort("reaction_forces"))
+    poses = plant.get_body_poses_output_port()
+    builder.Connect(poses, sensor.GetInputPort("body_poses"))
+    return sensor
+
+
 class Station:
-    """A built scene, its simulator, and direct reading and writing of its ports."""
+    """A built scene with its simulator, and direct access to its ports."""
 
     def __init__(
         self,
@@ -79,58 +84,45 @@ class Station:
         time_step: float | None = None,
         view: LiveView | None = None,
     ) -> None:
-        """Build the scene of ``plan``'s task with the object at its TRUE start;
-        ``view`` shows it.
+        """Build the scene of ``plan``'s task with the object at its TRUE start.
+
+        ``view`` shows the scene while it is simulated.
         """
-        self.scene: Scene = build_scene(plan, models=models, time_step=time_step)
-        builder = self.scene.builder
-        plant = self.scene.plant
-        self.plant = plant
-        for i, robot in enumerate(self.scene.robots):
-            instance = robot.model_instance
-            builder.ExportInput(
-                plant.get_actuation_input_port(instance), f"joint_torque_{i}"
-            )
-            builder.ExportOutput(
-                plant.get_state_output_port(instance), f"joint_state_{i}"
-            )
-            sensor = builder.AddSystem(ContactForceSensor(plant, robot))
-            builder.Connect(
-                plant.get_reaction_forces_output_port(),
-                sensor.GetInputPort("reaction_forces"),
-            )
-            builder.Connect(
-                plant.get_body_poses_output_port(), sensor.GetInputPort("body_poses")
-            )
-            builder.ExportOutput(sensor.GetOutputPort("force"), f"contact_force_{i}")
+        self.scene = build_scene(plan, models=models, time_step=time_step)
+        self.plant = self.scene.plant
+        self._export_ports()
         if view is not None:
-            view.connect(builder, self.scene)
-        self.diagram = builder.Build()
+            view.connect(self.scene.builder, self.scene)
+        self.diagram = self.scene.builder.Build()
         self.diagram.set_name("station")
         self.simulator = Simulator(self.diagram)
         if view is not None:
             view.pace(self.simulator)
         self.context = self.simulator.get_mutable_context()
-        self.plant_context = plant.GetMyMutableContextFromRoot(self.context)
-        plant.SetFreeBodyPose(
-            self.plant_context,
-            self.scene.object,
-            rigid_transform(
-                plan.task.true_start,
-                rest_height(plan.task.object),
-                plan.task.support.frame,
-            ),
+        self.plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
+        task = plan.task
+        X_WG = rigid_transform(
+            task.true_start, rest_height(task.object), task.support.frame
         )
-        self._torques = [
-            self.diagram.GetInputPort(f"joint_torque_{i}")
-            for i in range(len(self.scene.robots))
-        ]
+        self.plant.SetFreeBodyPose(self.plant_context, self.scene.object, X_WG)
+        arms = range(len(self.scene.robots))
+        self._torques = [self.diagram.GetInputPort(f"joint_torque_{i}") for i in arms]
+        self._forces = [self.diagram.GetOutputPort(f"contact_force_{i}") for i in arms]
         for port in self._torques:
             port.FixValue(self.context, np.zeros(port.size()))
-        self._forces = [
-            self.diagram.GetOutputPort(f"contact_force_{i}")
-            for i in range(len(self.scene.robots))
-        ]
+
+    def _export_ports(self) -> None:
+        """Add a force sensor to each robot, and name the diagram's ports."""
+        builder = self.scene.builder
+        plant = self.plant
+        for i, robot in enumerate(self.scene.robots):
+            instance = robot.model_instance
+            torque = plant.get_actuation_input_port(instance)
+            builder.ExportInput(torque, f"joint_torque_{i}")
+            state = plant.get_state_output_port(instance)
+            builder.ExportOutput(state, f"joint_state_{i}")
+            sensor = add_force_sensor(builder, plant, robot)
+            builder.ExportOutput(sensor.GetOutputPort("force"), f"contact_force_{i}")
 
     def state_vector(self) -> Array:
         """Return a copy of the plant's discrete state: all positions, then all

@@ -1,11 +1,14 @@
-"""Meshes made in memory, hydroelastic properties, and surface frictions that give the
-asked-for friction of each PAIR.
+"""Meshes in memory, hydroelastic properties, and the friction of each surface.
+
+A task names the friction of PAIRS of surfaces; Drake combines two surface frictions a
+and b to 2 a b / (a + b).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
@@ -24,11 +27,16 @@ from pydrake.multibody.plant import CoulombFriction
 
 from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.support_frame import TABLE
 
-# [Pa] stiff enough for sub-0.1 mm indentation at the loads of a 3 kg object
+# [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
-DISSIPATION = 5.0  # [s/m] Hunt-Crossley; kills the bounce of the first touch
-OBJECT_FRICTION = 1.0  # of the object's own surface; its partners' follow from it
+DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
+OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
+# friction of a pair over that of the smoother surface; 2 is the theoretical limit
+ROUGHEST = 1.99
+Tile = tuple[int, ...]
+Bounds = tuple[float, float, float, float]
 
 
 def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
@@ -40,6 +48,51 @@ def partner_friction(pair: float, own: float = OBJECT_FRICTION) -> float:
     if not 0.0 < pair < 2.0 * own:
         raise ValueError(f"pair friction {pair} is not in (0, {2.0 * own})")
     return pair * own / (2.0 * own - pair)
+
+
+@dataclass(frozen=True)
+class SurfaceFrictions:
+    """Friction of each surface, from which Drake makes those of the pairs."""
+
+    object: float
+    support: float
+    tip: float
+
+    @classmethod
+    def of_task(cls, task: model.Task) -> SurfaceFrictions:
+        """Return the surface frictions that give a task's pairs."""
+        own = object_friction(task)
+        support = partner_friction(task.support.friction, own)
+        return cls(own, support, partner_friction(task.contact_friction, own))
+
+    def obstacle(self, pair: float) -> float:
+        """Return the surface friction of an obstacle with friction ``pair`` against the
+        support.
+
+        If no obstacle is rough enough, because the pairs of tip, object, support and
+        obstacle exclude each other, the result is a very rough surface.
+        """
+        if pair < ROUGHEST * self.support:
+            return partner_friction(pair, self.support)
+        return 200.0 * self.support
+
+
+def object_friction(task: model.Task) -> float:
+    """Return the friction of the object's own surface, from which those of its partners
+    follow.
+
+    It is OBJECT_FRICTION, unless a movable obstacle has more friction on the support
+    than the support's surface could then give. In that case it lies between the least
+    value that allows the tips' pair with the object and the largest one that leaves the
+    support rough enough.
+    """
+    pairs = [o.friction for o in task.obstacles if o.movable]
+    support = task.support.friction
+    if not pairs or max(pairs) <= max(support, ROUGHEST * partner_friction(support)):
+        return OBJECT_FRICTION
+    least = 0.51 * max(task.contact_friction, support)
+    rough = 0.5 * max(pairs)
+    return math.sqrt(least * max(least, support * rough / (2.0 * rough - support)))
 
 
 def rigid_properties(
@@ -76,7 +129,7 @@ def compliant_properties(friction: float, resolution: float) -> ProximityPropert
 
 
 def _obj_mesh(
-    vertices: list[tuple[float, float, float]], faces: list[tuple[int, ...]], name: str
+    vertices: Sequence[Vector3], faces: Sequence[Tile], name: str
 ) -> InMemoryMesh:
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     lines += ["f " + " ".join(str(i + 1) for i in face) for face in faces]
@@ -84,120 +137,128 @@ def _obj_mesh(
 
 
 def support_grid(
-    bounds: tuple[float, float, float, float],
-    tile: float,
-    support: model.Support | None = None,
+    bounds: Bounds, tile: float, support: model.Support | None = None
 ) -> Mesh:
-    """Return the support's surface as a triangle mesh in the world, facing out, that
-    covers x_min, x_max, y_min, y_max [m] of its frame; an opening's sides and back
-    belong to it.
+    """Return the support's surface as a triangle mesh in the world, facing outwards.
 
-    Friction acts at the centroids of the contact polygons, so that ``tile`` [m], the
-    edge of a grid cell, decides how well torsion is resolved: a third of the object's
-    width gives about 1 %.
+    It covers ``bounds``, which are x_min, x_max, y_min, y_max [m] in the support's
+    frame, and the sides and the back of an opening. Friction acts at the centroids of
+    the contact polygons, so that the edge ``tile`` [m] of a grid cell decides how well
+    torsion is resolved: a third of the object's width gives about 1 %.
     """
     support = support or model.Support()
-    opening = support.opening
-    x_min, x_max, y_min, y_max = bounds
-    vertices: list[Vector3] = []
-    faces: list[tuple[int, ...]] = []
+    frame = support.frame
+    surface = _TiledSurface()
+    if support.opening is not None:
+        _tile_opening(surface, bounds, tile, support.opening)
+    else:
+        _tile_plane(surface, bounds, tile)
+        if frame != TABLE:
+            # Drake's convex hull of a plane that is not level must not be flat
+            x_min, x_max, y_min, _ = bounds
+            surface.add([x_min, x_max], [-tile, 0.0], lambda x, z: (x, y_min, z))
+    faces = surface.faces
+    if frame.handedness < 0.0:
+        # left-handed axes turn a face inside out
+        faces = [face[::-1] for face in faces]
+    vertices = [frame.point(v) for v in surface.vertices]
+    return Mesh(_obj_mesh(vertices, faces, "support_grid.obj"))
 
-    def patch(
-        us: list[float], vs: list[float], at: Callable[[float, float], Vector3]
+
+class _TiledSurface:
+    """Vertices and triangles of a surface, added patch by patch."""
+
+    def __init__(self) -> None:
+        self.vertices: list[Vector3] = []
+        self.faces: list[Tile] = []
+
+    def add(
+        self,
+        us: Sequence[float],
+        vs: Sequence[float],
+        place: Callable[[float, float], Vector3],
     ) -> None:
         """Add the tiles between the lines ``us`` and ``vs``; seen from outside, v is to
         the left of u.
         """
-        first = len(vertices)
+        first = len(self.vertices)
         n = len(us)
-        vertices.extend(at(u, v) for v in vs for u in us)
+        self.vertices.extend(place(u, v) for v in vs for u in us)
         for j in range(len(vs) - 1):
             for i in range(n - 1):
                 a = first + j * n + i
                 b = a + 1
                 c = a + n + 1
                 d = a + n
-                # alternate the diagonal, so that the grid has no handedness
-                faces.extend(
-                    [(a, b, c), (a, c, d)]
-                    if (i + j) % 2 == 0
-                    else [(a, b, d), (b, c, d)]
-                )
+                # the diagonal alternates, so that the grid has no handedness
+                if (i + j) % 2 == 0:
+                    self.faces += [(a, b, c), (a, c, d)]
+                else:
+                    self.faces += [(a, b, d), (b, c, d)]
 
-    if opening is None:
-        nx = max(1, math.ceil((x_max - x_min) / tile))
-        ny = max(1, math.ceil((y_max - y_min) / tile))
-        xs = [x_min + i * tile for i in range(nx + 1)]
-        ys = [y_min + j * tile for j in range(ny + 1)]
-        patch(xs, ys, lambda x, y: (x, y, 0.0))
-        # its lower edge too: Drake's convex hull of it must not be flat
-        if support.kind == "wall":
-            patch([x_min, x_max], [-tile, 0.0], lambda x, z: (x, y_min, z))
-    else:
-        w, h = opening.size
-        cx, cy = opening.center
-        back = -opening.depth
-        left = cx - 0.5 * w
-        right = cx + 0.5 * w
-        low = cy - 0.5 * h
-        high = cy + 0.5 * h
-        x_min = min(x_min, left)
-        x_max = max(x_max, right)
-        y_min = min(y_min, low)
-        y_max = max(y_max, high)
-        inner_x = _lines(left, right, tile)
-        inner_y = _lines(low, high, tile)
-        inwards = _lines(back, 0.0, tile)
-        around = (
-            ((x_min, left), (y_min, y_max)),
-            ((right, x_max), (y_min, y_max)),
-            ((left, right), (y_min, low)),
-            ((left, right), (high, y_max)),
-        )
-        for (a, b), (c, d) in around:
-            if a < b and c < d:
-                patch(_lines(a, b, tile), _lines(c, d, tile), lambda x, y: (x, y, 0.0))
-        patch(inner_x, inner_y, lambda x, y: (x, y, back))
-        patch(inwards, inner_y, lambda z, y: (right, y, z))
-        patch(inner_y, inwards, lambda y, z: (left, y, z))
-        patch(inwards, inner_x, lambda z, x: (x, low, z))
-        patch(inner_x, inwards, lambda x, z: (x, high, z))
-    frame = support.frame
-    if (
-        sum(
-            a * b
-            for a, b in zip(
-                frame.spin_axis, frame.direction((0.0, 0.0, 1.0)), strict=True
-            )
-        )
-        < 0.0
-    ):
-        # left-handed axes turn a face inside out
-        faces = [face[::-1] for face in faces]
-    return Mesh(
-        _obj_mesh([frame.point(v) for v in vertices], faces, "support_grid.obj")
+
+def _tile_plane(surface: _TiledSurface, bounds: Bounds, tile: float) -> None:
+    """Add a plane in whole tiles."""
+    x_min, x_max, y_min, y_max = bounds
+    nx = max(1, math.ceil((x_max - x_min) / tile))
+    ny = max(1, math.ceil((y_max - y_min) / tile))
+    xs = [x_min + i * tile for i in range(nx + 1)]
+    ys = [y_min + j * tile for j in range(ny + 1)]
+    surface.add(xs, ys, lambda x, y: (x, y, 0.0))
+
+
+def _tile_opening(
+    surface: _TiledSurface, bounds: Bounds, tile: float, opening: model.Opening
+) -> None:
+    """Add the plane around an opening, then its back and its four sides."""
+    x_min, x_max, y_min, y_max = bounds
+    left, right, low, high = opening.edges
+    back = -opening.depth
+    x_min = min(x_min, left)
+    x_max = max(x_max, right)
+    y_min = min(y_min, low)
+    y_max = max(y_max, high)
+    around = (
+        ((x_min, left), (y_min, y_max)),
+        ((right, x_max), (y_min, y_max)),
+        ((left, right), (y_min, low)),
+        ((left, right), (high, y_max)),
     )
+    for (a, b), (c, d) in around:
+        if a < b and c < d:
+            xs = _lines(a, b, tile)
+            ys = _lines(c, d, tile)
+            surface.add(xs, ys, lambda x, y: (x, y, 0.0))
+    xs = _lines(left, right, tile)
+    ys = _lines(low, high, tile)
+    zs = _lines(back, 0.0, tile)
+    surface.add(xs, ys, lambda x, y: (x, y, back))
+    surface.add(zs, ys, lambda z, y: (right, y, z))
+    surface.add(ys, zs, lambda y, z: (left, y, z))
+    surface.add(zs, xs, lambda z, x: (x, low, z))
+    surface.add(xs, zs, lambda x, z: (x, high, z))
 
 
 def _lines(first: float, last: float, tile: float) -> list[float]:
-    """Places from ``first`` to ``last``, at most ``tile`` apart."""
+    """Return places from ``first`` to ``last``, at most ``tile`` apart."""
     count = max(1, math.ceil((last - first) / tile - 1e-9))
     return [first + (last - first) * i / count for i in range(count + 1)]
 
 
 def object_shape(shape: model.Shape) -> DrakeShape:
-    """Return Drake's shape of an object, its frame at G's origin in the plane and at
-    half height.
+    """Return Drake's shape of an object.
+
+    Its frame is at G's origin in the plane, and at half height.
     """
     if isinstance(shape, model.Box):
         return Box(*shape.size)
     if isinstance(shape, model.Cylinder):
         return Cylinder(shape.radius, shape.height)
-    n = len(shape.polygon)
+    n = len(shape.corners)
     half = 0.5 * shape.height
-    vertices = [(x, y, -half) for x, y in shape.polygon] + [
-        (x, y, half) for x, y in shape.polygon
+    vertices = [(x, y, -half) for x, y in shape.corners] + [
+        (x, y, half) for x, y in shape.corners
     ]
-    faces: list[tuple[int, ...]] = [tuple(reversed(range(n))), tuple(range(n, 2 * n))]
+    faces: list[Tile] = [tuple(reversed(range(n))), tuple(range(n, 2 * n))]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     return Convex(_obj_mesh(vertices, faces, "prism.obj"), 1.0)

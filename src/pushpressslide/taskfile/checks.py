@@ -5,20 +5,31 @@ poses within reach.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from pushpressslide.core.control import Vector3
-from pushpressslide.core.errors import PushPressSlideError, Shown, TaskError
+from pushpressslide.core.errors import (
+    MissingFrameError,
+    PushPressSlideError,
+    Shown,
+    TaskError,
+)
 from pushpressslide.core.footprint import (
     around,
     carried,
-    distance_outside,
     overlap_area,
 )
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Cylinder, Obstacle, Robot, Shape, Task
-from pushpressslide.taskfile.reader import nearest
+from pushpressslide.core.task import (
+    Box,
+    Obstacle,
+    Opening,
+    Robot,
+    Shape,
+    Task,
+)
+from pushpressslide.taskfile.place import Fault, nearest, refuse
 
 if TYPE_CHECKING:
     from pushpressslide.robots.kinematics import ArmKinematics
@@ -45,163 +56,119 @@ def check(task: Task) -> None:
     Raises:
         TaskError: the first field that does not fit the others.
     """
-    _check_motion(task)
-    _check_modes(task)
-    _check_goal(task)
-    _check_workspace(task)
+    refuse(task.source, _motion_faults(task))
+    refuse(task.source, _mode_faults(task))
+    refuse(task.source, _goal_faults(task))
+    refuse(task.source, _workspace_faults(task))
     check_reach(task)
-    _check_bodies(task)
+    refuse(task.source, _base_faults(task))
+    refuse(task.source, _object_faults(task))
+    refuse(task.source, _obstacle_faults(task))
 
 
-def mode_library() -> Mapping[str, Any]:
-    """Return the modes of the library by name."""
-    from pushpressslide.modes import MODES
-
-    return MODES
-
-
-def _check_motion(task: Task) -> None:
+def _motion_faults(task: Task) -> Iterator[Fault]:
     shape = task.object.shape
     motion = task.motion
+    face = motion.face
+    height = motion.contact_height
     if motion.time_step > motion.control_period:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
-        raise TaskError(task.source, "motion.time_step", motion.time_step, allowed)
-    if motion.face is not None:
-        if isinstance(shape, Cylinder):
-            raise TaskError(
-                task.source,
-                "motion.face",
-                motion.face,
-                "a cylinder has no edges; allowed: null",
-            )
-        edges = len(shape.footprint)
-        if motion.face >= edges:
-            raise TaskError(
-                task.source,
-                "motion.face",
-                motion.face,
-                f"allowed: null or 0 to {edges - 1}",
-            )
-    if motion.contact_height is not None and motion.contact_height >= shape.height:
+        yield "motion.time_step", motion.time_step, allowed
+    if face is not None:
+        if not shape.corners:
+            yield "motion.face", face, "a cylinder has no edges; allowed: null"
+        elif face >= len(shape.corners):
+            allowed = f"allowed: null or 0 to {len(shape.corners) - 1}"
+            yield "motion.face", face, allowed
+    if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
-        raise TaskError(
-            task.source, "motion.contact_height", motion.contact_height, allowed
-        )
+        yield "motion.contact_height", height, allowed
 
 
-def check_wall(task: Task) -> None:
-    """Check what a wall asks of a task: an object lies on a ledge, a loose body falls
-    off, what is in the opening stays there.
-
-    Raises TaskError.
+def wall_faults(task: Task) -> Iterator[Fault]:
+    """Yield what a wall does not allow: a body that would fall, and a start or goal
+    that does not suit its opening.
     """
     if task.support.kind == "table":
         return
     for i, obstacle in enumerate(task.obstacles):
         if obstacle.movable:
-            raise TaskError(
-                task.source,
-                f"obstacles[{i}].movable",
-                True,
-                "on a wall it would fall; allowed: false",
-            )
+            reason = "on a wall it would fall; allowed: false"
+            yield f"obstacles[{i}].movable", True, reason
     if not carried(task, task.start):
-        allowed = (
+        reason = (
             "it would fall before the arms press it; allowed: on a ledge, a fixed "
             "obstacle right below it"
         )
-        raise TaskError(task.source, "start", _at(task.start), allowed)
-    opening = task.support.opening
+        yield "start", _shown(task.start), reason
+    if task.support.opening is not None:
+        yield from _opening_faults(task, task.support.opening)
+
+
+def _opening_faults(task: Task, opening: Opening) -> Iterator[Fault]:
     shape = task.object.shape
-    if opening is None:
-        return
     if opening.depth >= shape.height:
         allowed = f"allowed: less than the object's height of {shape.height:g} m"
-        raise TaskError(task.source, "support.opening.depth", opening.depth, allowed)
+        yield "support.opening.depth", opening.depth, allowed
     if opening.holds(task.start, shape):
-        raise TaskError(
-            task.source,
-            "start",
-            _at(task.start),
-            "it lies in support.opening; allowed: outside",
-        )
+        reason = "it lies in support.opening; allowed: outside"
+        yield "start", _shown(task.start), reason
     off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
-    if not task.enters and all(
-        d < 0.5 * size for d, size in zip(off, opening.size, strict=True)
-    ):
-        allowed = "allowed: outside support.opening, or where the object's outline is within it"
-        raise TaskError(task.source, "goal", _at(task.goal), allowed)
+    within = all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True))
+    if within and not task.enters:
+        allowed = "outside support.opening, or where the object's outline is within it"
+        yield "goal", _shown(task.goal), f"allowed: {allowed}"
 
 
-def _arms(count: int) -> str:
-    return f"{count} robot" if count == 1 else f"{count} robots"
+def _count(arms: int) -> str:
+    return f"{arms} robot" if arms == 1 else f"{arms} robots"
 
 
-def _check_modes(task: Task) -> None:
-    modes = mode_library()
+def _mode_faults(task: Task) -> Iterator[Fault]:
+    from pushpressslide.modes import MODES
+
     count = len(task.robots)
-    if task.modes is None:
-        if all(mode.arms != count for mode in modes.values()):
-            needed = ", ".join(f"{name} {mode.arms}" for name, mode in modes.items())
-            raise TaskError(
-                task.source,
-                "robots",
-                Shown(_arms(count)),
-                f"no mode uses that many; robots by mode: {needed}",
-            )
-        return
-    for i, name in enumerate(task.modes):
-        if name not in modes:
-            raise TaskError(
-                task.source,
-                f"modes[{i}]",
-                name,
-                f"unknown mode; {nearest(name, modes)}",
-            )
-        if modes[name].arms != count:
-            allowed = (
-                f"allowed: {_arms(modes[name].arms)}, the number that mode {name} uses"
-            )
-            raise TaskError(task.source, "robots", Shown(_arms(count)), allowed)
-        if name in task.modes[:i]:
-            raise TaskError(
-                task.source,
-                f"modes[{i}]",
-                name,
-                "it is listed twice; allowed: each mode once",
-            )
+    robots = Shown(_count(count))
+    if task.modes is None and all(mode.arms != count for mode in MODES.values()):
+        needed = ", ".join(f"{name} {mode.arms}" for name, mode in MODES.items())
+        yield "robots", robots, f"no mode uses that many; robots by mode: {needed}"
+    names = task.modes or ()
+    for i, name in enumerate(names):
+        field = f"modes[{i}]"
+        if name not in MODES:
+            yield field, name, f"unknown mode; {nearest(name, MODES)}"
+        elif MODES[name].arms != count:
+            allowed = f"{_count(MODES[name].arms)}, the number that mode {name} uses"
+            yield "robots", robots, f"allowed: {allowed}"
+        elif name in names[:i]:
+            yield field, name, "it is listed twice; allowed: each mode once"
 
 
-def _check_goal(task: Task) -> None:
-    """Check that there is something to do."""
+def _goal_faults(task: Task) -> Iterator[Fault]:
+    """Yield a goal at which the object is already."""
     off = task.start.inverse().compose(task.goal)
-    way = math.hypot(off.x, off.y)
+    distance = math.hypot(off.x, off.y)
     turn = abs(math.remainder(off.yaw, math.tau))
-    if (
-        task.legs
-        or task.tool is not None
-        or way > task.tolerance.position
-        or turn > task.tolerance.yaw
-    ):
-        return
-    value = Shown(f"{way * 1e3:.1f} mm and {math.degrees(turn):.2f} deg from the start")
-    allowed = (
-        f"allowed: beyond tolerance, {task.tolerance.position * 1e3:g} mm or "
-        f"{math.degrees(task.tolerance.yaw):g} deg; the object is there already"
-    )
-    raise TaskError(task.source, "goal", value, allowed)
+    tolerance = task.tolerance
+    there = distance <= tolerance.position and turn <= tolerance.yaw
+    if there and not task.legs and task.tool is None:
+        moved = f"{distance * 1e3:.1f} mm and {math.degrees(turn):.2f} deg"
+        allowed = (
+            f"allowed: beyond tolerance, {tolerance.position * 1e3:g} mm or "
+            f"{math.degrees(tolerance.yaw):g} deg; the object is there already"
+        )
+        yield "goal", Shown(f"{moved} from the start"), allowed
 
 
-def _check_workspace(task: Task) -> None:
+def _workspace_faults(task: Task) -> Iterator[Fault]:
     if task.limits.workspace is None:
         return
     x_min, x_max, y_min, y_max = task.limits.workspace
+    allowed = f"x in [{x_min:g}, {x_max:g}], y in [{y_min:g}, {y_max:g}]"
     for name, pose in (("start", task.start), ("goal", task.goal)):
         if not (x_min <= pose.x <= x_max and y_min <= pose.y <= y_max):
-            allowed = f"allowed: x in [{x_min:g}, {x_max:g}], y in [{y_min:g}, {y_max:g}] (limits.workspace)"
-            raise TaskError(
-                task.source, name, Shown(f"x {pose.x:g}, y {pose.y:g}"), allowed
-            )
+            value = Shown(f"x {pose.x:g}, y {pose.y:g}")
+            yield name, value, f"allowed: {allowed} (limits.workspace)"
 
 
 def check_reach(task: Task) -> None:
@@ -237,16 +204,16 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
     from pushpressslide.robots.kinematics import arm_kinematics
 
     robot = task.robots[i]
+    field = f"robots[{i}]"
     try:
         return arm_kinematics(robot)
-    except PushPressSlideError as error:
-        field = "model"
-        value = robot.model
-        if str(error).startswith("it has no frame"):
-            field = "tip_frame"
-            value = str(robot.tip_frame)
+    except MissingFrameError as error:
         raise TaskError(
-            task.source, f"robots[{i}].{field}", value, str(error)
+            task.source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
+        ) from error
+    except PushPressSlideError as error:
+        raise TaskError(
+            task.source, f"{field}.model", robot.model, str(error)
         ) from error
 
 
@@ -280,66 +247,66 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     return least
 
 
-def _box(obstacle: Obstacle) -> Box:
-    return Box(obstacle.size)
-
-
-def _check_bodies(task: Task) -> None:
-    arms = [
+def _bases(task: Task) -> list[tuple[str, Vector3]]:
+    """Return the fields and places of the bases that no body may enter."""
+    return [
         (f"robots[{i}].base", base)
         for i, (robot, base) in enumerate(zip(task.robots, task.bases, strict=True))
         if robot.model != "hand"
     ]
-    if len(arms) == 2 and math.dist(arms[0][1], arms[1][1]) < 2.0 * BASE_RADIUS:
-        where = Shown(f"{math.dist(arms[0][1], arms[1][1]):.3f} m from the other base")
-        raise TaskError(
-            task.source,
-            "robots[1].base",
-            where,
-            f"allowed: bases {2.0 * BASE_RADIUS:g} m or more apart",
-        )
-    object_poses = [("start", task.start), ("goal", task.goal)]
+
+
+def _base_faults(task: Task) -> Iterator[Fault]:
+    bases = [base[:2] for _, base in _bases(task)]
+    apart = 2.0 * BASE_RADIUS
+    if len(bases) == 2 and math.dist(*bases) < apart:
+        value = Shown(f"{math.dist(*bases):.3f} m from the other base")
+        yield "robots[1].base", value, f"allowed: bases {apart:g} m or more apart"
+
+
+def _object_faults(task: Task) -> Iterator[Fault]:
+    shape = task.object.shape
+    poses = {"start": task.start, "goal": task.goal}
     if task.true_start != task.start:
-        object_poses.append(("start_error", task.true_start))
-    for name, pose in object_poses:
-        for field, base in arms:
-            _check_base(task, name, task.object.shape, pose, field, base)
-        pushed = task.tool.body if task.tool is not None and name == "goal" else None
+        poses["start_error"] = task.true_start
+    for name, pose in poses.items():
+        yield from _near_bases(task, name, shape, pose)
         for obstacle in task.obstacles:
-            if obstacle.name != pushed:
-                _check_apart(task, name, task.object.shape, pose, obstacle)
+            pushed = task.tool is not None and obstacle.name == task.tool.body
+            if not (pushed and name == "goal"):
+                yield from _overlap(name, shape, pose, obstacle)
+
+
+def _obstacle_faults(task: Task) -> Iterator[Fault]:
     for i, obstacle in enumerate(task.obstacles):
         field = f"obstacles[{i}].pose"
-        for base_field, base in arms:
-            _check_base(task, field, _box(obstacle), obstacle.pose, base_field, base)
+        box = Box(obstacle.size)
+        yield from _near_bases(task, field, box, obstacle.pose)
         for other in task.obstacles[:i]:
-            _check_apart(task, field, _box(obstacle), obstacle.pose, other)
+            yield from _overlap(field, box, obstacle.pose, other)
+        if task.tool is None or task.tool.body != obstacle.name:
+            continue
         for other in task.obstacles:
-            if task.tool is not None and obstacle.name == task.tool.body != other.name:
-                _check_apart(task, "goal", _box(obstacle), task.tool.goal, other)
+            if other is not obstacle:
+                yield from _overlap("goal", box, task.tool.goal, other)
 
 
-def _at(pose: Pose2) -> Shown:
+def _shown(pose: Pose2) -> Shown:
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 
-def _check_base(
-    task: Task, name: str, shape: Shape, X_WG: Pose2, base_field: str, base: Vector3
-) -> None:
-    if base[2] >= shape.height:
-        return
-    gap = distance_outside(shape, X_WG.unapply((base[0], base[1])))
-    if gap < BASE_RADIUS:
-        allowed = (
-            f"allowed: {BASE_RADIUS:g} m or more from {base_field}, here {gap:.3f} m"
-        )
-        raise TaskError(task.source, name, _at(X_WG), allowed)
+def _near_bases(task: Task, name: str, shape: Shape, X_WG: Pose2) -> Iterator[Fault]:
+    for field, (x, y, height) in _bases(task):
+        gap = shape.distance(X_WG.unapply((x, y)))
+        if height < shape.height and gap < BASE_RADIUS:
+            allowed = f"{BASE_RADIUS:g} m or more from {field}, here {gap:.3f} m"
+            yield name, _shown(X_WG), f"allowed: {allowed}"
 
 
-def _check_apart(
-    task: Task, name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle
-) -> None:
-    area = overlap_area(shape, X_WG, _box(obstacle), obstacle.pose)
+def _overlap(
+    name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle
+) -> Iterator[Fault]:
+    area = overlap_area(shape, X_WG, Box(obstacle.size), obstacle.pose)
     if area > MAX_OVERLAP:
-        allowed = f"allowed: no overlap with obstacle {obstacle.name!r}, here {area * 1e4:.2f} cm^2"
-        raise TaskError(task.source, name, _at(X_WG), allowed)
+        there = f"overlap with obstacle {obstacle.name!r}, here {area * 1e4:.2f} cm^2"
+        yield name, _shown(X_WG), f"allowed: no {there}"

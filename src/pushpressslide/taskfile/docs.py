@@ -7,45 +7,39 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
-from pushpressslide.taskfile.field import REQUIRED, Field
-from pushpressslide.taskfile.schema import MOTION, SCHEMA
+from pushpressslide.core.entry import REQUIRED
+from pushpressslide.taskfile.kinds import Field
+from pushpressslide.taskfile.schema import SCHEMA
 
 BEGIN = "<!-- fields: begin (generated) -->"
 END = "<!-- fields: end -->"
 
 
-def _rows(field: Field, path: str) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, what is allowed, default and meaning of every field below ``field``."""
-    for key, inner in (field.fields or {}).items():
-        name = f"{path}.{key}" if path else key
-        if inner.default is REQUIRED:
-            default = "required"
-        elif inner.fields and inner.default in ({}, []):
-            default = "optional"
-        else:
-            default = f"`{json.dumps(inner.default)}`"
-        words = (
-            inner.allowed.split(" with the fields")[0]
-            if inner.fields
-            else inner.allowed
-        )
-        words += " or null" if inner.fields and inner.default is None else ""
-        yield name, words, default, inner.help
-        if not (path and inner.fields is MOTION):  # in a leg: the same fields again
-            yield from _rows(inner, name + ("[i]" if inner.kind == "sections" else ""))
+def _rows(fields: Mapping[str, Field], path: str) -> Iterator[str]:
+    """Yield the row of every field: name, what is allowed, default and meaning."""
+    for key, field in fields.items():
+        name = path + key
+        inner = field.kind.fields or {}
+        words = field.kind.words.replace(f" with the fields {', '.join(inner)}", "")
+        yield f"| `{name}` | {words} | {_default(field.absent)} | {field.meaning} |"
+        if not (path and key == "motion"):  # in a leg: the same fields again
+            yield from _rows(inner, name + ("[i]." if "list" in words else "."))
+
+
+def _default(default: Any) -> str:
+    if default in ({}, []):
+        return "optional"
+    return "required" if default is REQUIRED else f"`{json.dumps(default)}`"
 
 
 def field_table() -> str:
     """Return the Markdown table of every field of a task file."""
     lines = ["| field | allowed | default | meaning |", "|---|---|---|---|"]
-    lines += [
-        f"| `{name}` | {words} | {default} | {help} |"
-        for name, words, default, help in _rows(SCHEMA, "")
-    ]
-    return "\n".join(lines)
+    return "\n".join([*lines, *_rows(SCHEMA.fields or {}, "")])
 
 
 def with_table(page: str) -> str:

@@ -2,65 +2,64 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
-from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Leg, Motion
+from pushpressslide.core.task import Leg
+from pushpressslide.taskfile.place import Fault
 
 
 def inherited(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the file's plain data with the task's ``motion`` in each leg that does not
-    have it otherwise; what is no section is left to the reader.
+    """Return the file's plain data with the task's ``motion`` in each leg.
+
+    What a leg says itself stays. What is no section is left to the reader.
     """
     motion = data.get("motion") or {}
     legs = data.get("legs")
     if not (isinstance(motion, dict) and isinstance(legs, list)):
         return dict(data)
-    full = []
-    for leg in legs:
-        own = (leg.get("motion") or {}) if isinstance(leg, dict) else None
-        full.append(
-            {**leg, "motion": {**motion, **own}} if isinstance(own, dict) else leg
-        )
-    return {**data, "legs": full}
+    return {**data, "legs": [_with_motion(leg, motion) for leg in legs]}
 
 
-def legs(d: Mapping[str, Any], goal: Pose2, source: str) -> tuple[Leg, ...]:
-    """Return the legs of read data ``d``, the last one to ``goal``.
+def _with_motion(leg: Any, motion: Mapping[str, Any]) -> Any:
+    if not isinstance(leg, dict):
+        return leg
+    own = leg.get("motion") or {}
+    if not isinstance(own, dict):
+        return leg
+    return {**leg, "motion": {**motion, **own}}
 
-    Raises TaskError beside ``modes`` or a tool, and for a leg without a pose that is
-    not the last, or with one that is.
+
+def legs_to(goal: Pose2, legs: tuple[Leg, ...] | None) -> tuple[Leg, ...]:
+    """Return the legs that the file gives, the last one to ``goal``."""
+    if legs is None:
+        return ()
+    return (*legs[:-1], replace(legs[-1], goal=goal))
+
+
+def leg_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield modes or a tool beside legs, a leg without an end or past the goal, and a
+    leg with another time step.
     """
-    items = d["legs"] or ()
-    for field in ("modes", "tool") if items else ():
-        given = d["modes"] if field == "modes" else d["goal"]["body"]
-        if given not in (None, "object"):
-            name = "modes" if field == "modes" else "goal.body"
-            raise TaskError(
-                source, name, given, "a task has legs or this; allowed: one of the two"
-            )
-    out = []
-    for i, leg in enumerate(items):
-        last = i == len(items) - 1
+    legs = plain["legs"] or []
+    beside = {"modes": plain["modes"], "goal.body": plain["goal"]["body"]}
+    for field, value in beside.items():
+        if legs and value not in (None, "object"):
+            yield field, value, "a task has legs or this; allowed: one of the two"
+    for i, leg in enumerate(legs):
+        field = f"legs[{i}]"
         pose = leg["pose"]
-        if (pose is None) != last:
-            allowed = (
-                "allowed: null for the last leg, which ends at the goal"
-                if last
-                else "it is missing"
-            )
-            raise TaskError(source, f"legs[{i}].pose", pose, allowed)
-        end = (
-            goal if last else Pose2(pose["x"], pose["y"], math.radians(pose["yaw_deg"]))
-        )
-        for field in ("control_period", "time_step"):
-            given = leg["motion"][field]
-            of_task = d["motion"][field]
-            if given != of_task:
-                allowed = f"allowed: motion.{field} of the task, {of_task:g} s"
-                raise TaskError(source, f"legs[{i}].motion.{field}", given, allowed)
-        out.append(Leg(leg["mode"], end, Motion(**leg["motion"])))
-    return tuple(out)
+        last = leg is legs[-1]
+        if last and pose is not None:
+            allowed = "allowed: null for the last leg, which ends at the goal"
+            yield f"{field}.pose", pose, allowed
+        if pose is None and not last:
+            yield f"{field}.pose", None, "it is missing"
+        for name in ("control_period", "time_step"):
+            value = leg["motion"][name]
+            period = plain["motion"][name]
+            if value != period:
+                allowed = f"allowed: motion.{name} of the task, {period:g} s"
+                yield f"{field}.motion.{name}", value, allowed

@@ -45,6 +45,14 @@ _Loader.add_implicit_resolver(
 )
 
 
+def _unusable(source: str, reason: str) -> TaskError:
+    return TaskError(source, "", source, reason)
+
+
+def _flat(message: object) -> str:
+    return " ".join(str(message).split())[:160]
+
+
 def parse_yaml(text: str, source: str) -> Any:
     """Return the plain data of one YAML document.
 
@@ -52,85 +60,59 @@ def parse_yaml(text: str, source: str) -> Any:
         TaskError: text that is not YAML, a duplicate key, a value that YAML cannot
         hold; with its line.
     """
+    line = ""
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        line = f"line {mark.line + 1}: " if mark is not None else ""
-        raise TaskError(
-            source,
-            "",
-            text,
-            f"{line}not valid YAML: {_flat(error.problem or 'syntax')}",
-        ) from None
+        fault = _flat(error.problem or "syntax")
+        line = f"line {mark.line + 1}: " if mark else ""
     except (yaml.YAMLError, ValueError) as error:
-        raise TaskError(source, "", text, f"not valid YAML: {_flat(error)}") from None
+        fault = _flat(error)
     except RecursionError:
-        raise TaskError(source, "", text, "not valid YAML: nested too deeply") from None
-
-
-def _flat(message: object) -> str:
-    return " ".join(str(message).split())[:160]
+        fault = "nested too deeply"
+    raise _unusable(source, f"{line}not valid YAML: {fault}")
 
 
 def read_yaml(path: Path) -> dict[Any, Any]:
     """Return the top-level mapping of a YAML file.
 
     Raises:
-        TaskError: a file that is missing, a directory, unreadable, too long, not UTF-8
-        text, empty, not
-            YAML, or whose top level is not a mapping.
+        TaskError: a file that cannot be read, is too long, is not UTF-8 text or not
+        YAML, and one whose top level is not a mapping.
     """
     source = str(path)
+    data = _content(path)
+    if len(data) > MAX_BYTES:
+        reason = f"longer than {MAX_BYTES} bytes; allowed: a YAML task file"
+        raise _unusable(source, reason)
+    try:
+        parsed = parse_yaml(data.decode("utf-8-sig"), source)
+    except UnicodeDecodeError as error:
+        reason = f"not UTF-8 text (byte {error.start}); allowed: a YAML file"
+        raise _unusable(source, reason) from None
+    if parsed is None:
+        reason = "the file is empty; allowed: a mapping with the fields of a task"
+        raise _unusable(source, reason)
+    if not isinstance(parsed, dict):
+        top = f"the top level is a {type(parsed).__name__}"
+        raise _unusable(source, f"{top}; allowed: a mapping with a task's fields")
+    return parsed
+
+
+def _content(path: Path) -> bytes:
+    """Return at most one byte more than is allowed."""
+    allowed = "allowed: the path of a YAML file"
     try:
         with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+            return file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise TaskError(
-            source, "", source, "no such file; allowed: the path of a YAML file"
-        ) from None
+        reason = f"no such file; {allowed}"
     except IsADirectoryError:
-        raise TaskError(
-            source, "", source, "it is a directory; allowed: the path of a YAML file"
-        ) from None
+        reason = f"it is a directory; {allowed}"
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise TaskError(
-            source, "", source, f"cannot be read ({_flat(reason)})"
-        ) from None
-    if len(data) > MAX_BYTES:
-        raise TaskError(
-            source,
-            "",
-            source,
-            f"longer than {MAX_BYTES} bytes; allowed: a YAML task file",
-        )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise TaskError(
-            source,
-            "",
-            source,
-            f"not UTF-8 text (byte {error.start}); allowed: a YAML file",
-        ) from None
-    parsed = parse_yaml(text, source)
-    if parsed is None:
-        raise TaskError(
-            source,
-            "",
-            source,
-            "the file is empty; allowed: a mapping with the fields of a task",
-        )
-    if not isinstance(parsed, dict):
-        raise TaskError(
-            source,
-            "",
-            source,
-            f"the top level is a {type(parsed).__name__}; allowed: a mapping with a "
-            "task's fields",
-        )
-    return parsed
+        reason = f"cannot be read ({_flat(getattr(error, 'strerror', None) or error)})"
+    raise _unusable(str(path), reason)
 
 
 def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
@@ -148,35 +130,28 @@ def apply_overrides(data: dict[Any, Any], overrides: Sequence[str]) -> None:
         path, equals, text = override.partition("=")
         keys = [key.strip() for key in path.split(".")]
         if not equals or not all(keys):
-            raise TaskError(
-                source,
-                "",
-                override,
-                "allowed: field.field=value, such as limits.time=30",
-            )
+            reason = "allowed: field.field=value, such as limits.time=30"
+            raise _unusable(source, reason)
         value = parse_yaml(text, source)
-        place: Any = data
-        for i, key in enumerate(keys):
-            last = i == len(keys) - 1
-            name = ".".join(keys[: i + 1])
-            if isinstance(place, list):
-                if not key.isdecimal() or int(key) >= len(place):
-                    raise TaskError(
-                        source,
-                        name,
-                        key,
-                        f"allowed: an index from 0 to {len(place) - 1}",
-                    )
-                index: Any = int(key)
-            elif isinstance(place, dict):
-                index = key
-                if not last and place.get(key) is None:
-                    place[key] = {}
-            else:
-                raise TaskError(
-                    source, name, key, f"{'.'.join(keys[:i])} is a value without fields"
-                )
-            if last:
-                place[index] = value
-            else:
-                place = place[index]
+        holder: Any = data
+        for i, key in enumerate(keys[:-1]):
+            index = _index(holder, keys[: i + 1], source)
+            if isinstance(holder, dict) and holder.get(key) is None:
+                holder[key] = {}
+            holder = holder[index]
+        holder[_index(holder, keys, source)] = value
+
+
+def _index(holder: Any, keys: Sequence[str], source: str) -> Any:
+    """Return the last of the keys as the index of its list or mapping."""
+    *outer, key = keys
+    name = ".".join(keys)
+    if isinstance(holder, dict):
+        return key
+    if not isinstance(holder, list):
+        reason = f"{'.'.join(outer)} is a value without fields"
+        raise TaskError(source, name, key, reason)
+    if not key.isdecimal() or int(key) >= len(holder):
+        allowed = f"allowed: an index from 0 to {len(holder) - 1}"
+        raise TaskError(source, name, key, allowed)
+    return int(key)

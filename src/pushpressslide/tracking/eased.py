@@ -17,8 +17,9 @@ SHARES = (1.0, 0.5, 0.2, 0.0)  # of the pull, that are tried
 
 
 class EasedTracker:
-    """The law with the largest share of its pull at which the contacts hold; without
-    where they never do.
+    """The law with the largest share of its pull at which the contacts hold.
+
+    Without where they never do.
     """
 
     def __init__(
@@ -33,8 +34,9 @@ class EasedTracker:
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
     ) -> Guidance:
-        """Return wrench and twist that follow ``path`` at ``speed`` [m/s]; ``grip`` in
-        (0, 1] eases too.
+        """Return wrench and twist that follow ``path`` at ``speed`` [m/s].
+
+        ``grip`` in (0, 1] eases too.
         """
         for share in SHARES:
             guidance = self._law.step(path, X_WB, progress, speed, share * grip)

@@ -53,10 +53,9 @@ class HolonomicTracker:
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
     ) -> Guidance:
-        """Return wrench and twist that follow ``path``, a TwistPath, at ``speed`` [m/s]
-        in its own metric.
+        """Return wrench and twist that follow ``path``, a TwistPath.
 
-        ``grip`` in (0, 1] eases the pull.
+        At ``speed`` [m/s] in its own metric; ``grip`` in (0, 1] eases the pull.
         """
         assert isinstance(path, TwistPath)
         X_WV = X_WB.compose(self._X_BV)
@@ -71,7 +70,6 @@ class HolonomicTracker:
         size = hypot(vx, vy)
         tx, ty = (vx / size, vy / size) if size > 0.0 else (1.0, 0.0)
         error = (tx * x + ty * y, tx * y - ty * x, turned)
-
         off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
         # [m] of error that is pulled at in proportion
         most = grip * self._share * self._decay

@@ -23,23 +23,24 @@ class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
     def __init__(
-        self, steer: Steering, car: RearSteerCar, reach: float, level: float
+        self, steer: Steering, car: RearSteerCar, axle: float, max_friction: float
     ) -> None:
-        """Bind the law to a car whose axle is ``reach`` [m] ahead of the CoM, pushed
-        with mu_s N = ``level`` [N].
+        """Bind the law to a car whose axle is ``axle`` [m] ahead of the CoM.
+
+        ``max_friction`` is mu_s N [N].
         """
         self._steer = steer
         ex, ey = car.axis
         stretch = 1.0 + (car.lever / car.rho) ** 2
         self._figures = (
-            reach,
+            axle,
             math.atan2(ey, ex),
             ex,
             ey,
-            level,
+            max_friction,
             stretch,
             -car.lever,
-            -1.0 / car.wheelbase,
+            -1.0 / car.effective_wheelbase,
         )
 
     def step(
@@ -49,19 +50,19 @@ class RearPushTracker:
         ``X_WB``.
         """
         assert isinstance(path, ArcPath)
-        reach, axis, ex, ey, level, stretch, arm, turning = self._figures
-        yaw = X_WB.yaw + axis
+        axle, heading_axis, ex, ey, max_friction, stretch, arm, turning = self._figures
+        yaw = X_WB.yaw + heading_axis
         progress, left, heading, curvature = path.nearest(
-            X_WB.x + reach * cos(yaw), X_WB.y + reach * sin(yaw), progress
+            X_WB.x + axle * cos(yaw), X_WB.y + axle * sin(yaw), progress
         )
         heading_error = remainder(heading - yaw, TURN)
         delta, saturated = self._steer(left, heading_error, curvature, grip)
         k = tan(delta)
         # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
-        along = level / sqrt(1.0 + stretch * k * k)
+        along = max_friction / sqrt(1.0 + stretch * k * k)
         across = along * k
         w = turning * speed * k
-        drift = reach * w  # the axle moves along e, the CoM is reach behind it
+        drift = axle * w  # the axle moves along e, the CoM is behind it
         return new(
             Guidance,
             (

@@ -2,7 +2,7 @@
 
 Errors are REFERENCE MINUS ACTUAL: theta_e = theta_ref - theta, e = n_left . (p_ref -
 p_vfa), positive when the path is to the left. Steering delta > 0 is a force to the left
-of the heading axis and turns the car to the right: w = -(v / wheelbase) tan(delta). Of
+of the heading axis and turns the car to the right: w = -(v / effective wheelbase) tan(delta). Of
 the four sign combinations only this one converges. (The paper's eq. 14 with errors
 taken actual minus reference is the unstable one.)
 """
@@ -16,27 +16,29 @@ Steering = Callable[[float, float, float, float], tuple[float, bool]]
 
 
 def rear_stanley(
-    wheelbase: float,
+    effective_wheelbase: float,
     steering_bounds: tuple[float, float],
     gain: float = 1.0,
     feed_forward: bool = True,
 ) -> Steering:
     """Return the law ``steer(left_error, heading_error, curvature, grip)`` of one car.
 
-    ``wheelbase`` [m] is from the CoP to the virtual front axle, rho^2 / d. ``gain`` is
-    k in units of the largest value without overshoot, v / (4 wheelbase): in these units
-    the law does not depend on the speed. ``feed_forward`` removes the steady offset on
+    ``effective_wheelbase`` [m] is from the CoP to the virtual front axle, rho^2 / d.
+    ``gain`` is k in units of the largest value without overshoot, v / (4
+    effective_wheelbase): in these units the law does not depend on the speed.
+    ``feed_forward`` removes the steady offset on
     a curve. ``left_error`` [m], ``heading_error`` [rad]: reference minus actual;
     ``curvature`` [1/m] of the path there; ``grip`` narrows ``steering_bounds`` [rad].
     The law gives the steering angle delta [rad] and whether it had to be clipped.
     """
-    slope = gain / (4.0 * wheelbase)  # k / v
-    length = wheelbase if feed_forward else 0.0
+    slope = gain / (4.0 * effective_wheelbase)  # k / v
+    length = effective_wheelbase if feed_forward else 0.0
     low, high = steering_bounds
 
     def steer(
         left_error: float, heading_error: float, curvature: float, grip: float
     ) -> tuple[float, bool]:
+        """Return the steering angle [rad], and whether it was clipped."""
         delta = -heading_error - atan(slope * left_error) - atan(length * curvature)
         if grip * low <= delta <= grip * high:
             return delta, False

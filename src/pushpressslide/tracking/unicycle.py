@@ -39,15 +39,14 @@ class UnicycleTracker:
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
     ) -> Guidance:
-        """Return wrench (about the centre of pressure) and twist that follow ``path``
-        at ``speed`` [m/s].
+        """Return the wrench (about the CoP) and the twist that follow ``path``.
 
-        ``grip`` has no part: a turn takes less of the press's friction than straight
+        At ``speed`` [m/s]. ``grip`` has no part: a turn takes less of the press's friction than straight
         sliding.
         """
         assert isinstance(path, ArcPath)
         qx, qy, axis, ex, ey = self._axle
-        planned, turning, gain, right, left_most = self._force
+        planned, turning, wheelbase, right, left_most = self._force
         rx, ry, inverse, cop, max_friction, stiffness = self._press
         yaw = X_WB.yaw
         c = cos(yaw)
@@ -59,10 +58,10 @@ class UnicycleTracker:
         turn, _ = self._curvature(
             (x, y, yaw + axis), left, heading_error, curvature, 1.0
         )
-        wanted = atan(gain * (turn - turning))
+        wanted = atan(wheelbase * (turn - turning))
         steering = min(max(wanted, right), left_most)
         if steering != wanted:
-            turn = turning + tan(steering) / gain
+            turn = turning + tan(steering) / wheelbase
         fx = cos(planned + steering)
         fy = sin(planned + steering)
         lever = rx * fy - ry * fx
@@ -104,7 +103,7 @@ class PivotTracker:
         wanted = path.pose(progress)
         along, left = X_WV.unrotate((wanted.x - X_WV.x, wanted.y - X_WV.y))
         w = speed * path.rate(progress)[2]
-        most = PIVOT_SHARE * abs(car.reach * w)
+        most = PIVOT_SHARE * abs(car.effective_wheelbase * w)
         v = min(max(PIVOT_GAIN * along, -most), most)
         fx, fy = car.force(v, w, self._max_friction)
         ex, ey = car.axis
@@ -113,7 +112,7 @@ class PivotTracker:
             progress,
             Wrench(fx, fy, d * (ex * fy - ey * fx), car.cop),
             Twist(v * ex + w * X_BV.y, v * ey - w * X_BV.x, w),
-            math.atan2(car.reach * w, v) if w else 0.0,
+            math.atan2(car.effective_wheelbase * w, v) if w else 0.0,
             (along, left, remainder(wanted.yaw - X_WV.yaw, TURN)),
             False,
         )

@@ -30,7 +30,7 @@ def made_up(value: float, success: bool = True, **figures: float) -> dict[str, o
         "text": "" if success else "30 mm off",
     }
     return {
-        **{key: value for _, key, *_ in FIGURES},
+        **{row.key: value for row in FIGURES},
         "success": success,
         "reason": reason,
         **figures,

@@ -29,7 +29,7 @@ def test_every_variant_is_a_shipped_task_with_overrides_that_load(
     name: str, variant: Variant
 ) -> None:
     load_task(variant.task, variant.overrides)
-    assert set(variant.paper) <= {key for _, key, *_ in FIGURES}
+    assert set(variant.paper) <= {row.key for row in FIGURES}
 
 
 @pytest.mark.parametrize("experiment", EXPERIMENTS.values(), ids=lambda e: e.name)
@@ -74,7 +74,7 @@ def test_an_unknown_experiment_is_refused_before_anything_runs(tmp_path: Path) -
 
 
 def made_up(time: float, success: bool = True) -> dict[str, object]:
-    figures = {key: time for _, key, *_ in FIGURES}
+    figures = {row.key: time for row in FIGURES}
     return {
         **figures,
         "success": success,

@@ -14,11 +14,11 @@ from itertools import accumulate
 
 import numpy as np
 
+from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.press_axle import GRAVITY
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.three_turns import words

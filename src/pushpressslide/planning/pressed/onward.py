@@ -14,8 +14,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
@@ -32,7 +32,6 @@ MOST = 0.1  # [m], by the same measure, that a length is changed by at a time
 WEAK = 0.03  # of the strongest effect that changes have: weaker ones are not used
 SMALL = 1e-6  # [m], [rad] of a difference quotient
 
-Array = NDArray[np.float64]
 Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
-
-Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi
 LARGEST = 1.9 * math.pi  # of one turn

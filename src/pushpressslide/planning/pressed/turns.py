@@ -20,12 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.dragging import RESOLUTION, DraggedBase
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
-
-Array = NDArray[np.float64]
 
 # half widths that the centre of pressure stays inside the base's edge
 TIPPING_ROOM = 0.2

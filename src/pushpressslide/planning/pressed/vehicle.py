@@ -146,7 +146,9 @@ def way_to(
     """Return the gentlest way of the vehicle frame from ``start`` to ``goal``, going
     back as little as needed.
     """
-    tightest = math.tan(PLANNED * vehicle.steepest) / abs(vehicle.car.reach)
+    tightest = math.tan(PLANNED * vehicle.steepest) / abs(
+        vehicle.car.effective_wheelbase
+    )
     curvatures = turns(vehicle.car, tightest)
     ways = []
     for back_up in back_ups:

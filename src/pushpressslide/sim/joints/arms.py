@@ -1,35 +1,46 @@
-"""The joint paths of all arms of a plan, so that two arms keep clear of each other."""
+"""Joint paths of all arms of a plan; two arms keep clear of each other."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.control.controller import RETREAT
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.sim.joints.arm_problem import ArmProblem
 from pushpressslide.sim.joints.clearance import LOOK
-from pushpressslide.sim.joints.joint_path import ArmPath, ArmSearch
+from pushpressslide.sim.joints.joint_path import ArmPath, Solution, path_of_move, search
 from pushpressslide.sim.joints.outline import Outline, least_distance
-from pushpressslide.sim.joints.postures import Miss, Move
+from pushpressslide.sim.joints.postures import Miss
 
-Array = NDArray[np.float64]
-Found = tuple[Move, JointPath]
+Pair = Sequence[Solution]  # one joint path of each arm
 
-# [m] least distance of the arms' capsules, which hold the real outline with 1 cm to
+# [m] least distance of the arms' capsules, which contain the real outline with 1 cm to
 # spare
 APART = 0.005
-SAMPLES = 60  # of an approach at which the distance is looked at
-GLANCE = 6  # of so many samples along the contacts one is looked at first
+SAMPLES = 60  # of an approach at which the distance is computed
+GLANCE = 6  # every sixth sample along the contacts is checked before all of them are
 RETREAT_SAMPLES = 7
-IN_TURN = 8  # pairs for which a way round the other arm is searched
+IN_TURN = 8  # most pairs for which one arm is led around the other
+
+
+@dataclass(frozen=True, order=True)
+class Conflict:
+    """Where two arms come too near to each other.
+
+    A conflict in a later stage of the motion is greater, then one of a larger distance.
+    """
+
+    stage: int  # 0: along the contacts; 1: in the approach
+    place: str
+    distance: float  # [m]
 
 
 def joint_paths(
@@ -39,41 +50,37 @@ def joint_paths(
     postures: tuple[Array, ...] | None = None,
     holding: frozenset[int] = frozenset(),
 ) -> tuple[ArmPath, ...]:
-    """Return each arm's joint path and how its tool is held; two arms keep clear of
-    each other, one waiting for the other where they would meet on their way to the
-    object.
+    """Return each arm's joint path and its tool's attitude; two arms keep clear of each
+    other, if need be by waiting in the approach.
 
-    ``postures``: where each arm (n,) [rad] is now, None: in its ready posture;
-    ``holding``: arms that already have their contact, and keep it. ``force`` takes the
-    best there is. Raises InfeasibleTaskError, with the figure that decides, where an
-    arm has no path, or two arms come too near to each other.
+    ``postures`` (n,) [rad] are where the arms are, None for their ready postures; the
+    arms in ``holding`` already have their contact, and keep it. ``force`` takes the
+    best paths there are. Raises InfeasibleTaskError, with the figure that decides,
+    where an arm has no path, or two arms come too near to each other.
     """
     starts = postures or (None,) * len(plan.task.robots)
-    searches = [
-        ArmSearch(
+    still = {arm: q for arm, q in enumerate(starts) if arm in holding and q is not None}
+    problems = [
+        ArmProblem(
             plan,
             arm,
             start,
-            holds=arm in holding,
-            others={
-                i: q
-                for i, q in enumerate(starts)
-                if i in holding and i != arm and q is not None
-            },
+            arm in holding,
+            {other: q for other, q in still.items() if other != arm},
         )
         for arm, start in enumerate(starts)
     ]
-    if len(searches) > 1:
-        return _Together(plan, searches, force).paths()
-    move, path = _first(searches[0], searches[0].paths(force=force))
-    return ((path, move.posture.attitude),)
+    if len(problems) > 1:
+        return _TwoArms(plan, problems, force).paths()
+    solution = next(search(problems[0], force=force)).best(problems[0])
+    return ((solution.path, solution.move.posture.attitude),)
 
 
 def drawn_back(
     plan: Plan, paths: tuple[ArmPath, ...], holding: frozenset[int] = frozenset()
 ) -> tuple[Array, ...]:
     """Return each arm's posture (n,) [rad] after a plan, its tip drawn back from the
-    contact; ``holding`` arms keep their contact.
+    contact; the arms in ``holding`` keep their contact.
     """
     last = plan.segments[-1]
     X_WB = last.path.end.compose(last.X_BV.inverse())
@@ -84,79 +91,75 @@ def drawn_back(
         if arm in contacts:
             kin = arm_kinematics(plan.task.robots[arm])
             R, p = kin.tip_pose(q)
-            back = np.linspace(
-                p,
-                p - RETREAT * np.array(contacts[arm].direction(X_WB)),
-                RETREAT_SAMPLES,
-            )
-            q = continuation(
-                kin, back, np.full(len(back), attitude.yaw(R)), q, attitude
-            ).q[-1]
+            away = p - RETREAT * np.array(contacts[arm].direction(X_WB))
+            back = np.linspace(p, away, RETREAT_SAMPLES)
+            yaws = np.full(len(back), attitude.yaw(R))
+            q = continuation(kin, back, yaws, q, attitude).q[-1]
         out.append(q)
     return tuple(out)
 
 
-def _first(search: ArmSearch, several: Iterator[Found]) -> Found:
-    for found in several:
-        return found
-    raise search.refusal()
-
-
-class _Together:
+class _TwoArms:
     """The search for two joint paths that keep apart."""
 
-    def __init__(self, plan: Plan, searches: list[ArmSearch], force: bool) -> None:
+    def __init__(self, plan: Plan, problems: list[ArmProblem], force: bool) -> None:
         self.plan = plan
-        self.searches = searches
+        self.problems = problems
         self.force = force
-        self.nearest = (0, "", -math.inf)
         self._outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
 
     def paths(self) -> tuple[ArmPath, ...]:
-        """Return the arms' own best paths where they keep apart, else the pair that
-        does with the best of the lesser joint margins.
+        """Return the first attempt without a conflict, else raise the greatest
+        conflict.
         """
-        several = [search.paths(force=self.force) for search in self.searches]
-        best = [
-            _first(search, found)
-            for search, found in zip(self.searches, several, strict=True)
-        ]
-        if self._along(best) >= APART or self.force:
-            done = self._waiting(best)
-            if done is not None:
-                return done
-        options = [[first, *found] for first, found in zip(best, several, strict=True)]
-        pairs = sorted(
-            product(*options), key=lambda pair: -min(move.margin for move, _ in pair)
-        )
-        apart = []
-        for pair in pairs:
-            if self._along(pair) >= APART:
-                done = self._waiting(pair)
-                if done is not None:
-                    return done
-                apart.append(pair)
-        for pair in apart[:IN_TURN]:
-            done = self._in_turn(pair)
-            if done is not None:
-                return done
+        conflicts = []
+        for attempt in self._attempts():
+            if not isinstance(attempt, Conflict):
+                return attempt
+            conflicts.append(attempt)
         task = self.plan.task
-        _, where, nearest = self.nearest
+        worst = max(conflicts)
         raise InfeasibleTaskError(
-            f"{task.source or task.name}: robots: {where} the arms come as near as "
-            f"{nearest * 1e3:.1f} mm to each other, allowed from {APART * 1e3:.0f} mm"
+            f"{task.source or task.name}: robots: {worst.place} the arms come as near "
+            f"as {worst.distance * 1e3:.1f} mm to each other, allowed from "
+            f"{APART * 1e3:.0f} mm"
         )
 
-    def _along(self, found: Sequence[Found]) -> float:
-        """Return the arms' least distance [m] along the contacts, by a glance where
-        that is too small.
+    def _attempts(self) -> Iterator[tuple[ArmPath, ...] | Conflict]:
+        """Yield both paths, or their conflict: each arm's best path first, then all
+        pairs, the best of the lesser joint margins first.
         """
-        left, right = (move.posture.q for move, _ in found)
-        least = self._least(left[::GLANCE], right[::GLANCE])
-        if least >= APART:
-            least = self._least(left, right)
-        self.nearest = max(self.nearest, (0, "along the contacts", least))
-        return least
+        searches = [search(problem, force=self.force) for problem in self.problems]
+        results = []
+        best = []
+        for problem, stream in zip(self.problems, searches, strict=True):
+            results.append(next(stream))
+            best.append(results[-1].best(problem))
+        along = self._along(best)
+        if along >= APART or self.force:
+            yield from self._waiting(best, along)
+        options = []
+        for result, stream in zip(results, searches, strict=True):
+            *_, complete = [result, *stream]
+            options.append(complete.solutions)
+        apart = []
+        for pair in sorted(product(*options), key=_joint_margin, reverse=True):
+            along = self._along(pair)
+            if along < APART:
+                yield Conflict(0, "along the contacts", along)
+                continue
+            yield from self._waiting(pair, along)
+            apart.append((pair, along))
+        for pair, along in apart[:IN_TURN]:
+            yield from self._in_turn(pair, along)
+
+    def _along(self, pair: Pair) -> float:
+        """Return the arms' least distance [m] along the contacts, of every sixth sample
+        where that is too small already.
+        """
+        left, right = (solution.move.posture.q for solution in pair)
+        coarse = self._least(left[::GLANCE], right[::GLANCE])
+        return coarse if coarse < APART else self._least(left, right)
 
     def _least(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of
@@ -165,69 +168,75 @@ class _Together:
         one, other = self._outlines
         return least_distance(one, other, left, right, LOOK)
 
-    def _waiting(self, found: Sequence[Found]) -> tuple[ArmPath, ...] | None:
-        """Return both paths, one waiting for the other where need be."""
-        left, right = (float(path.approach_time[-1]) for _, path in found)
+    def _waiting(
+        self, pair: Pair, along: float
+    ) -> Iterator[tuple[ArmPath, ...] | Conflict]:
+        """Yield both paths begun together, then with one arm waiting for the other."""
+        left, right = (float(solution.path.approach_time[-1]) for solution in pair)
         for delays in ((0.0, 0.0), (0.0, left), (right, 0.0)):
-            done = self._on_the_way(found, delays, force=self.force and delays[0] > 0.0)
-            if done is not None:
-                return done
-        return None
+            force = self.force and delays[0] > 0.0
+            yield self._delayed(pair, delays, along, force=force)
 
-    def _in_turn(self, found: Sequence[Found]) -> tuple[ArmPath, ...] | None:
-        """Return both paths, one round the other where that waits before its own way,
-        or after it.
+    def _in_turn(
+        self, pair: Pair, along: float
+    ) -> Iterator[tuple[ArmPath, ...] | Conflict]:
+        """Yield both paths with one arm led around the other, which waits before its
+        own approach or after it.
         """
         for first, second in ((0, 1), (1, 0)):
-            moves = [move for move, _ in found]
-            here = {second: found[second][1].approach[0]}
-            leading = self.searches[first].path(
-                moves[first], others=here, thorough=True
-            )
-            if isinstance(leading, Miss):
+            begin = pair[second].path.approach[0]
+            leading = self._around(first, pair[first], {second: begin})
+            if leading is None:
                 continue
-            there = {first: leading.approach[-1]}
-            trailing = self.searches[second].path(
-                moves[second], others=there, thorough=True
-            )
-            if isinstance(trailing, Miss):
+            end = leading.path.approach[-1]
+            trailing = self._around(second, pair[second], {first: end})
+            if trailing is None:
                 continue
-            paths = [leading, trailing]
-            delays = [0.0, float(leading.approach_time[-1])]
-            order = (first, second)
-            pair = [(moves[arm], paths[order.index(arm)]) for arm in (0, 1)]
-            done = self._on_the_way(pair, [delays[order.index(arm)] for arm in (0, 1)])
-            if done is not None:
-                return done
-        return None
+            delay = float(leading.path.approach_time[-1])
+            if first == 0:
+                yield self._delayed((leading, trailing), (0.0, delay), along)
+            else:
+                yield self._delayed((trailing, leading), (delay, 0.0), along)
 
-    def _on_the_way(
-        self, found: Sequence[Found], delays: Sequence[float], *, force: bool = False
-    ) -> tuple[ArmPath, ...] | None:
-        """Return both paths, each begun after its delay [s], where the arms keep apart
-        on the way.
-        """
-        waiting = [
-            _after(path, delay) for (_, path), delay in zip(found, delays, strict=True)
-        ]
-        times = np.linspace(
-            0.0, max(float(path.approach_time[-1]) for path in waiting), SAMPLES
+    def _around(
+        self, arm: int, solution: Solution, others: dict[int, Array]
+    ) -> Solution | None:
+        """Return an arm's move with an approach around ``others``, if there is one."""
+        path = path_of_move(
+            self.problems[arm], solution.move, others=others, thorough=True
         )
-        clear = self._least(*(_sampled(path, times) for path in waiting))
-        self.nearest = max(self.nearest, (1, "on the way to the object", clear))
+        return None if isinstance(path, Miss) else Solution(solution.move, path)
+
+    def _delayed(
+        self, pair: Pair, delays: Sequence[float], along: float, *, force: bool = False
+    ) -> tuple[ArmPath, ...] | Conflict:
+        """Return both paths, each begun after its delay [s], or the conflict of their
+        approaches.
+        """
+        paths = [
+            _after(solution.path, delay)
+            for solution, delay in zip(pair, delays, strict=True)
+        ]
+        end = max(float(path.approach_time[-1]) for path in paths)
+        times = np.linspace(0.0, end, SAMPLES)
+        clear = self._least(*(_sampled(path, times) for path in paths))
         if clear < APART and not force:
-            return None
+            return Conflict(1, "on the way to the object", clear)
         return tuple(
             (
-                replace(path, clearance=min(path.clearance, clear, self._along(found))),
-                move.posture.attitude,
+                replace(path, clearance=min(path.clearance, clear, along)),
+                solution.move.posture.attitude,
             )
-            for (move, _), path in zip(found, waiting, strict=True)
+            for solution, path in zip(pair, paths, strict=True)
         )
+
+
+def _joint_margin(pair: Pair) -> float:
+    return min(solution.move.margin for solution in pair)
 
 
 def _after(path: JointPath, delay: float) -> JointPath:
-    """The path of an arm that waits ``delay`` [s] at its start."""
+    """Return the path of an arm that first waits ``delay`` [s]."""
     if delay == 0.0:
         return path
     times = np.concatenate([[0.0], path.approach_time + delay])
@@ -239,7 +248,7 @@ def _after(path: JointPath, delay: float) -> JointPath:
 
 
 def _sampled(path: JointPath, times: Array) -> Array:
-    """Postures (m, n) of the approach at ``times`` (m,)."""
+    """Return postures (m, n) of the approach at ``times`` (m,)."""
     return np.column_stack(
         [np.interp(times, path.approach_time, column) for column in path.approach.T]
     )

@@ -1,159 +1,132 @@
-"""How near an arm comes to table, object, obstacles and itself: signed distances in a
-plant made for planning only.
+"""Least distance of an arm to support, object and obstacles: signed distances in a plant
+made for planning only.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.geometry import Box as DrakeBox
 from pydrake.geometry import (
     CollisionFilterDeclaration,
+    GeometryId,
     GeometrySet,
     ProximityProperties,
+    SceneGraph,
     SignedDistancePair,
 )
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import (
     JacobianWrtVariable,
+    RigidBody,
     SpatialInertia,
     default_model_instance,
 )
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.support_frame import TABLE
+from pushpressslide.core.task import Task
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.surfaces import object_shape
 
-Array = NDArray[np.float64]
-
-LOOK = 0.08  # [m] distances beyond this are of no interest
-# [m] over which the smooth least distance passes from one pair to the next
-SMOOTHING = 5e-4
-# [m] a hair below, so that a base bolted to the table does not count
-TABLE_LEVEL = -0.001
+LOOK = 0.08  # [m] larger distances are not computed
+SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
+# [m] slightly below the surface, so that a base bolted to the table does not touch it
+SURFACE_LEVEL = -0.001
+SLAB = 6.0  # [m] edge of a plane's slab
+SLAB_DEPTH = 1.0  # [m]
 
 
 class ClearanceModel:
-    """One arm with collision capsules, the object, the table, the obstacles, and arms
-    that stand still.
+    """Distances between one arm in capsules, the object, the support, the obstacles,
+    and arms that stand still.
     """
 
     def __init__(
         self, plan: Plan, arm: int, others: Mapping[int, Array] | None = None
     ) -> None:
-        """Build the planning plant; ``others`` are the postures of arms that stand
+        """Build the planning plant; ``others`` are postures (n,) of arms that stand
         still.
         """
         task = plan.task
+        robots = task.robots
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
-        self._instance = add_robot(plant, task.robots[arm], arm, collision=True)
+        self._plant = plant
+        self._robot = add_robot(plant, robots[arm], arm, collision=True)
         self._still = [
-            (Outline(task.robots[arm], arm), Outline(task.robots[i], i), q[None])
+            (Outline(robots[arm], arm), Outline(robots[i], i), q[None])
             for i, q in (others or {}).items()
         ]
-        self._object = plant.AddRigidBody(
-            "object",
-            default_model_instance(),
-            SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1),
-        )
-        properties = ProximityProperties()
-        shape_id = plant.RegisterCollisionGeometry(
+        # any mass: the plant is not simulated
+        inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
+        self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
+        shape = task.object.shape
+        self._height = 0.5 * shape.height
+        self._frame = task.support.frame
+        self._object_shape = plant.RegisterCollisionGeometry(
             self._object,
             RigidTransform(),
-            object_shape(task.object.shape),
+            object_shape(shape),
             "object",
-            properties,
+            ProximityProperties(),
         )
-        frame = task.support.frame
-        below = TABLE_LEVEL - 0.5
-        slabs = {"table": RigidTransform([0.0, 0.0, below])}
-        if task.support.kind == "wall":
-            slabs["wall"] = rigid_transform(Pose2(), below, frame)
-        for name, X in slabs.items():
-            plant.RegisterCollisionGeometry(
-                plant.world_body(), X, DrakeBox(6.0, 6.0, 1.0), name, properties
-            )
-        for obstacle in task.obstacles:
-            plant.RegisterCollisionGeometry(
-                plant.world_body(),
-                rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame),
-                DrakeBox(*obstacle.size),
-                obstacle.name,
-                properties,
-            )
+        _add_surroundings(plant, task)
         plant.Finalize()
-        self._object_shape = shape_id
-        robot = self._instance
-        joints = [
-            plant.GetJointByName(fact.name, robot.model_instance)
-            for fact in robot.facts.moving
-        ]
+        joints = self._robot.joints(plant)
         # of q in a Jacobian
         self._columns = np.array([joint.velocity_start() for joint in joints])
-        self._tip = set(plant.GetCollisionGeometriesForBody(self._instance.tip_body))
-        self._plant = plant
-        self._height = 0.5 * task.object.shape.height
-        self._frame = frame
-        base = [
-            plant.GetBodyByName(name, self._instance.model_instance)
-            for name in self._instance.base_links
-        ]
-        self._base_shapes = {
-            g for body in base for g in plant.GetCollisionGeometriesForBody(body)
-        }
-        arm_bodies = [
-            plant.get_body(i)
-            for i in plant.GetBodyIndices(self._instance.model_instance)
-        ]
-        manager = scene_graph.collision_filter_manager()
-
-        def shapes(bodies: Sequence[object]) -> GeometrySet:
-            out = GeometrySet()
-            for body in bodies:
-                out.Add(plant.GetCollisionGeometriesForBody(body))
-            return out
-
-        world = shapes([plant.world_body()])
-        # the base stands on the table, object and table belong together, and an arm may
-        # fold
-        manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes(base), world))
-        manager.Apply(
-            CollisionFilterDeclaration().ExcludeBetween(GeometrySet(shape_id), world)
-        )
-        manager.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes(arm_bodies)))
+        self._tip = set(plant.GetCollisionGeometriesForBody(self._robot.tip_body))
+        instance = self._robot.model_instance
+        base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
+        self._base_shapes = set(_shapes(plant, base))
+        self._filter(scene_graph, base)
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
 
+    def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
+        """Leave out pairs that may touch: the base and the table, the object and the
+        table, and the links of the arm.
+        """
+        plant = self._plant
+        indices = plant.GetBodyIndices(self._robot.model_instance)
+        arm = GeometrySet(_shapes(plant, [plant.get_body(i) for i in indices]))
+        world = GeometrySet(_shapes(plant, [plant.world_body()]))
+        graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration()
+            .ExcludeBetween(GeometrySet(_shapes(plant, base)), world)
+            .ExcludeBetween(GeometrySet(self._object_shape), world)
+            .ExcludeWithin(arm)
+        )
+
     def least(
         self, postures: Array, object_poses: Sequence[Pose2], *, touching: bool
     ) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, and between what, over postures
-        (k, n) and object poses X_WG (k).
+        """Return the least distance [m], at most 0.08, over postures (k, n) and object
+        poses X_WG (k), and the names of its pair.
 
-        ``touching``: the tip touches the object on purpose, so that these two do not
-        count.
+        ``touching``: the tip touches the object on purpose; this pair is left out.
         """
         least = LOOK
         pair = "nothing within reach"
         for q, pose in zip(postures, object_poses, strict=True):
-            for found in self._pairs(q, pose, touching):
-                if found.distance < least:
-                    least = found.distance
+            for near in self._pairs(q, pose, touching):
+                if near.distance < least:
+                    least = near.distance
                     pair = " and ".join(
                         self._inspector.GetName(g).split("::")[-1]
-                        for g in (found.id_A, found.id_B)
+                        for g in (near.id_A, near.id_B)
                     )
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
@@ -165,8 +138,8 @@ class ClearanceModel:
     def smooth_least(
         self, q: Array, object_pose: Pose2, *, touching: bool
     ) -> tuple[float, Array]:
-        """Return a smooth lower bound of the least distance [m] of what the joints
-        move, and its gradient (n,).
+        """Return a smooth lower bound of the least distance [m] of the moving links, and
+        its gradient (n,).
         """
         pairs = [
             pair
@@ -186,7 +159,7 @@ class ClearanceModel:
         return least - SMOOTHING * math.log(total), gradient
 
     def _gradient(self, pair: SignedDistancePair) -> Array:
-        """Gradient (n,) of one pair's distance."""
+        """Return the gradient (n,) of one pair's distance."""
         plant = self._plant
         out = np.zeros(len(self._columns))
         for shape, point, sign in (
@@ -196,7 +169,7 @@ class ClearanceModel:
             frame = plant.GetBodyFromFrameId(
                 self._inspector.GetFrameId(shape)
             ).body_frame()
-            if frame.model_instance() == self._instance.model_instance:
+            if frame.model_instance() == self._robot.model_instance:
                 jacobian = plant.CalcJacobianTranslationalVelocity(
                     self._plant_context,
                     JacobianWrtVariable.kV,
@@ -211,8 +184,8 @@ class ClearanceModel:
     def _pairs(
         self, q: Array, object_pose: Pose2, touching: bool
     ) -> Iterator[SignedDistancePair]:
-        """Yield what is near each other in one posture."""
-        self._plant.SetPositions(self._plant_context, self._instance.model_instance, q)
+        """Yield the pairs nearer than LOOK in one posture."""
+        self._plant.SetPositions(self._plant_context, self._robot.model_instance, q)
         self._plant.SetFreeBodyPose(
             self._plant_context,
             self._object,
@@ -223,3 +196,28 @@ class ClearanceModel:
             between = {pair.id_A, pair.id_B}
             if not (touching and between & self._tip and self._object_shape in between):
                 yield pair
+
+
+def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
+    """Add the floor or table at world height zero, the support where it is another
+    plane, and the obstacles.
+    """
+    frame = task.support.frame
+    below = SURFACE_LEVEL - 0.5 * SLAB_DEPTH
+    slab = DrakeBox(SLAB, SLAB, SLAB_DEPTH)
+    shapes = [("table", slab, RigidTransform([0.0, 0.0, below]))]
+    if frame != TABLE:
+        X = rigid_transform(Pose2(), below, frame)
+        shapes.append((task.support.kind, slab, X))
+    for obstacle in task.obstacles:
+        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame)
+        shapes.append((obstacle.name, DrakeBox(*obstacle.size), X))
+    for name, shape, X in shapes:
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), X, shape, name, ProximityProperties()
+        )
+
+
+def _shapes(plant: MultibodyPlant, bodies: Iterable[RigidBody]) -> list[GeometryId]:
+    """Return the collision shapes of bodies."""
+    return [g for body in bodies for g in plant.GetCollisionGeometriesForBody(body)]

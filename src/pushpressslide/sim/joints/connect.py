@@ -1,6 +1,4 @@
-"""A way of the joints around what is in the way: RRT-Connect (Kuffner and LaValle,
-2000), then shortened.
-"""
+"""Collision-free joint path by RRT-Connect (Kuffner and LaValle, 2000), shortened."""
 
 from __future__ import annotations
 
@@ -8,26 +6,26 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pushpressslide.core.arrays import Array
+
 Free = Callable[[Array], bool]
 
 STRIDE = 0.4  # [rad] or [m] of any joint between two postures of a tree
-LOOK_STEP = 0.05  # [rad] or [m] of any joint between two postures that are looked at
+CHECK_STEP = 0.05  # [rad] or [m] of any joint between two postures that are checked
 ROOM = 1.2  # [rad] or [m] by which a joint may leave the range between start and goal
-GROWTHS = 1000
-SHORTCUTS = 80
+GROWTHS = 1000  # most samples
+SHORTCUTS = 80  # tried on a path
 
 
 def connect(
     start: Array, goal: Array, free: Free, lower: Array, upper: Array
 ) -> Array | None:
-    """Return the corners (k, n) of a free way from ``start`` (n,) to ``goal`` (n,), or
-    None.
+    """Return the corners (k, n) of a free path from ``start`` (n,) to ``goal`` (n,), or
+    None if there was none in 1000 samples.
 
-    ``free`` says whether one posture (n,) is; joints stay within ``lower`` and
-    ``upper`` (n,). The same question has the same answer every time.
+    ``free`` says whether one posture (n,) is free; joints stay within ``lower`` and
+    ``upper`` (n,). The random seed is fixed, so that the result is reproducible.
     """
     if not (free(start) and free(goal)):
         return None
@@ -44,24 +42,24 @@ def connect(
             while met is not None and not np.array_equal(there.postures[met], target):
                 met = there.grow(target, free)
             if met is not None:
-                way = here.branch(reached)[::-1] + there.branch(met)[1:]
+                path = here.branch(reached)[::-1] + there.branch(met)[1:]
                 if here.postures[0] is not start:
-                    way.reverse()
-                return _shortened(way, free, rng)
+                    path.reverse()
+                return _shortened(path, free, rng)
         here, there = there, here
     return None
 
 
 class _Tree:
-    """Postures that can be reached from a root, each with the one before it."""
+    """Postures that can be reached from a root, each with its parent."""
 
     def __init__(self, root: Array) -> None:
         self.postures = [root]
-        self._before = [-1]
+        self._parents = [-1]
 
     def grow(self, target: Array, free: Free) -> int | None:
-        """Go a stride from the nearest posture towards ``target``; return the new one's
-        number, or None.
+        """Extend the nearest posture by a stride towards ``target``; return the new
+        posture's number, or None if it is not free.
         """
         near = int(np.abs(np.array(self.postures) - target).max(axis=1).argmin())
         step = target - self.postures[near]
@@ -70,7 +68,7 @@ class _Tree:
         if not _clear(self.postures[near], new, free):
             return None
         self.postures.append(new)
-        self._before.append(near)
+        self._parents.append(near)
         return len(self.postures) - 1
 
     def branch(self, i: int) -> list[Array]:
@@ -78,21 +76,22 @@ class _Tree:
         out = []
         while i >= 0:
             out.append(self.postures[i])
-            i = self._before[i]
+            i = self._parents[i]
         return out
 
 
 def _clear(a: Array, b: Array, free: Free) -> bool:
-    count = max(1, math.ceil(float(np.abs(b - a).max()) / LOOK_STEP))
+    """Return whether the straight line from ``a`` to ``b`` is free, ``a`` given."""
+    count = max(1, math.ceil(float(np.abs(b - a).max()) / CHECK_STEP))
     return all(free(a + (i / count) * (b - a)) for i in range(1, count + 1))
 
 
-def _shortened(way: list[Array], free: Free, rng: np.random.Generator) -> Array:
-    """Return the way with corners cut where that is free."""
+def _shortened(path: list[Array], free: Free, rng: np.random.Generator) -> Array:
+    """Return the path with corners cut wherever the shortcut is free."""
     for _ in range(SHORTCUTS):
-        if len(way) < 3:
+        if len(path) < 3:
             break
-        i, j = sorted(rng.choice(len(way), 2, replace=False))
-        if j > i + 1 and _clear(way[i], way[j], free):
-            del way[i + 1 : j]
-    return np.stack(way)
+        i, j = sorted(rng.choice(len(path), 2, replace=False))
+        if j > i + 1 and _clear(path[i], path[j], free):
+            del path[i + 1 : j]
+    return np.stack(path)

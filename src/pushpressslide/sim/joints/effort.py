@@ -1,4 +1,4 @@
-"""The joint torques that an arm needs to hold its contact."""
+"""Joint torques that hold a contact."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.arm_model import ArmModel
 
-Array = NDArray[np.float64]
-
-LOOKED_AT = 24  # postures of a path
+SAMPLES = 24  # postures of a path that are checked
 
 
 def largest_share(
@@ -24,12 +22,12 @@ def largest_share(
     postures: Array,
     bodies: Sequence[Pose2],
 ) -> float:
-    """Return the largest share of its effort limit that any joint needs along
-    ``postures`` (k, n).
+    """Return the largest torque of any joint along ``postures`` (k, n), as a share of
+    its effort limit.
 
-    At rest, gravity included, with the contact's planned force: of a press the load,
-    and the drag in whatever direction along the support is worst; of a push its part of
-    the drag. ``bodies`` are X_WB, k.
+    The arm is at rest under gravity and the contact's planned force. A press applies
+    its load, and the drag in the worst direction along the support; a push applies its
+    part of the drag. ``bodies`` are the poses X_WB (k).
     """
     frame = plan.task.support.frame
     effort = model.instance.facts.effort_limit
@@ -38,33 +36,29 @@ def largest_share(
     )
     normal, shear = _forces(plan, contact)
     share = 0.0
-    for i in np.unique(
-        np.linspace(0, len(postures) - 1, LOOKED_AT).round().astype(int)
-    ):
+    samples = np.linspace(0, len(postures) - 1, SAMPLES).round().astype(int)
+    for i in np.unique(samples):
         state = model.state(postures[i], np.zeros(model.size))
         J = state.J[3:]
-        pressed = (
-            state.bias
-            + normal * np.array(frame.direction(contact.direction(bodies[i]))) @ J
-        )
+        push = np.array(frame.direction(contact.direction(bodies[i])))
+        pressed = state.bias + normal * push @ J
         needed = np.abs(pressed) + shear * np.linalg.norm(along @ J, axis=0)
         share = max(share, float(np.max(needed / effort)))
     return share
 
 
 def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
-    """The normal force of a contact and the force along the support that comes with it
-    [N], at most.
+    """Return the largest normal force of a contact, and the largest force along the
+    support that it takes besides [N].
     """
     contacts = plan.contacts
     drag = 0.0
-    for stretch in plan.segments:
-        drag = max(drag, stretch.drive.max_friction)
+    for segment in plan.segments:
+        drag = max(drag, segment.drive.max_friction)
     if contact.kind == "side":
         return drag / sum(c.kind == "side" for c in contacts), 0.0
     index = contacts.index(contact)
-    load = max(stretch.contacts[index].load for stretch in plan.segments)
+    load = max(segment.contacts[index].load for segment in plan.segments)
     presses = math.fsum(c.load for c in contacts)
-    return load, min(
-        plan.task.believed.contact_friction * load, drag * contact.load / presses
-    )
+    grip = plan.task.believed.contact_friction * load
+    return load, min(grip, drag * contact.load / presses)

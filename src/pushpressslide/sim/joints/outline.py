@@ -1,64 +1,50 @@
-"""How near two arms come to each other: distances of their capsules in closed form.
+"""Least distance of two arms: distances of their capsules in closed form.
 
-The engine's general search for the distance of two shapes may not end for capsules deep
-inside each other.
+Drake's general distance query may not terminate for capsules deep inside each other.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
-from pydrake.geometry import Capsule, Sphere
+from pydrake.geometry import Capsule, GeometryId, SceneGraphInspector, Sphere
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.robot_models import add_robot
 
-Array = NDArray[np.float64]
-
 
 class Outline:
-    """The capsules of one arm, from base to tip; of other shapes the sphere about their
-    bounding box.
+    """The capsules of one arm, from base to tip; any other shape is replaced by the
+    sphere about its bounding box.
     """
 
     def __init__(self, robot: Robot, index: int) -> None:
-        """Read the shapes off the model used for planning."""
+        """Read the shapes of the planning model."""
         plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
         instance = add_robot(plant, robot, index, collision=True).model_instance
         plant.Finalize()
-        inspector = scene_graph.model_inspector()
         self._kin = arm_kinematics(robot)
         chain = self._kin.link_poses(self._kin.facts.home)
+        inspector = scene_graph.model_inspector()
         self._links = []
         ends = []
         radii = []
         for i in plant.GetBodyIndices(instance):
             body = plant.get_body(i)
-            for shape_id in (
-                plant.GetCollisionGeometriesForBody(body)
-                if body.name() in chain
-                else ()
-            ):
-                shape = inspector.GetShape(shape_id)
-                X_BG = inspector.GetPoseInFrame(shape_id)
-                center = np.zeros(3)
-                half = np.zeros(3)
-                if isinstance(shape, Capsule):
-                    radius = shape.radius()
-                    half = np.array([0.0, 0.0, 0.5 * shape.length()])
-                elif isinstance(shape, Sphere):
-                    radius = shape.radius()
-                else:
-                    box = inspector.GetObbInGeometryFrame(shape_id)
-                    radius = float(np.linalg.norm(box.half_width()))
-                    center = box.center()
+            if body.name() not in chain:
+                continue
+            for shape in plant.GetCollisionGeometriesForBody(body):
                 self._links.append(body.name())
-                ends.append([X_BG @ (center - half), X_BG @ (center + half)])
+                axis, radius = _capsule(inspector, shape)
+                ends.append(axis)
                 radii.append(radius)
-        self._ends, self.radii = np.array(ends), np.array(radii)
+        self._ends = np.array(ends)
+        self.radii = np.array(radii)
 
     def segments(self, postures: Array) -> Array:
         """Return the ends (k, m, 2, 3) [m] of the axes of m capsules in postures (k,
@@ -72,11 +58,31 @@ class Outline:
         return out
 
 
+def _capsule(inspector: SceneGraphInspector, shape_id: GeometryId) -> tuple[Any, float]:
+    """Return the ends of a capsule's axis in its body's frame [m], and its radius [m]."""
+    shape = inspector.GetShape(shape_id)
+    center = np.zeros(3)
+    half = np.zeros(3)
+    if isinstance(shape, Capsule):
+        radius = shape.radius()
+        half = np.array([0.0, 0.0, 0.5 * shape.length()])
+    elif isinstance(shape, Sphere):
+        radius = shape.radius()
+    else:
+        box = inspector.GetObbInGeometryFrame(shape_id)
+        radius = float(np.linalg.norm(box.half_width()))
+        center = box.center()
+    X_BG = inspector.GetPoseInFrame(shape_id)
+    return [X_BG @ (center - half), X_BG @ (center + half)], radius
+
+
 def least_distance(
     one: Outline, other: Outline, postures: Array, others: Array, look: float
 ) -> float:
-    """Return the least distance [m], at most ``look``, < 0 inside each other, of two
-    arms in postures (k, n), or (1, n) for one that stands still.
+    """Return the least distance [m] of two arms over postures (k, n), or (1, n) of an
+    arm that stands still.
+
+    It is at most ``look``, and negative where the arms intersect.
     """
     a, b = np.broadcast_arrays(
         one.segments(postures)[:, :, None], other.segments(others)[:, None]
@@ -94,8 +100,8 @@ def least_distance(
 
 
 def _segment_distance(a: Array, b: Array) -> Array:
-    """Distances (...) [m] of segments (..., 2, 3), one of which has a length (Ericson,
-    Real-Time Collision Detection, 5.1.9).
+    """Return distances (...) [m] of segments (..., 2, 3), of which at least one is no
+    point (Ericson, Real-Time Collision Detection, 5.1.9).
     """
     u = a[..., 1, :] - a[..., 0, :]
     v = b[..., 1, :] - b[..., 0, :]

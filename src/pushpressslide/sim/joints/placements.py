@@ -1,4 +1,4 @@
-"""The joint paths of one grasp after the other."""
+"""Joint paths of one placement after the other."""
 
 from __future__ import annotations
 
@@ -8,36 +8,37 @@ from pushpressslide.sim.joints.joint_path import ArmPath
 
 
 class GraspPaths:
-    """Joint paths, those of each grasp from where the arms let go in the one before."""
+    """Joint paths of placements, each from where the arms let go in the one before."""
 
     def __init__(self, force: bool = False) -> None:
-        """Begin; ``force`` takes the best there is."""
+        """Begin without a placement; ``force`` takes the best paths there are."""
         self.force = force
         self.plans: list[Plan] = []
         self.paths: list[tuple[ArmPath, ...]] = []
 
-    def add(self, grasp: Plan) -> None:
-        """Add the plan of one more grasp; raises InfeasibleTaskError as
-        ``joint_paths``.
+    def add(self, placement: Plan) -> None:
+        """Add the plan of one more placement.
+
+        Raises InfeasibleTaskError as ``joint_paths``.
         """
+        postures = None
+        holding = frozenset[int]()
         if self.plans:
             last = self.plans[-1]
-            kept = lasting_arms(last.segments, grasp.segments)
-            postures = drawn_back(last, self.paths[-1], kept)
-            found = joint_paths(
-                grasp, force=self.force, postures=postures, holding=kept
-            )
-        else:
-            found = joint_paths(grasp, force=self.force)
-        self.paths.append(found)
-        self.plans.append(grasp)
+            holding = lasting_arms(last.segments, placement.segments)
+            postures = drawn_back(last, self.paths[-1], holding)
+        self.paths.append(
+            joint_paths(placement, force=self.force, postures=postures, holding=holding)
+        )
+        self.plans.append(placement)
 
 
 def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
-    """Return the joint paths of every grasp of a plan; raises InfeasibleTaskError as
-    ``joint_paths``.
+    """Return the joint paths of every placement of a plan.
+
+    Raises InfeasibleTaskError as ``joint_paths``.
     """
     out = GraspPaths()
-    for grasp in plan.by_placement:
-        out.add(grasp)
+    for placement in plan.by_placement:
+        out.add(placement)
     return out.paths

@@ -1,12 +1,11 @@
-"""Near misses made good by trajectory optimisation, Drake's
-KinematicTrajectoryOptimization.
+"""Refinement of near misses by Drake's KinematicTrajectoryOptimization.
 
-Continuation over a grid of tool yaws and tilts (postures.py) looks one sample ahead;
-where it just fails, a spline over the whole path may still be found: yaw and tilt are
-unknowns too, and the elbow is placed where the path will need it. The optimiser needs a
-start that is nearly a solution and proves nothing when it fails, so it is given near
-misses only, and its result is judged by the same figures as any other. Iterations are
-limited, not time: the answer must not depend on the machine's load.
+Continuation over a grid of tool yaws and tilts (postures.py) looks one sample ahead.
+Where it just fails, a spline over the whole path may still exist: yaw and tilt become
+unknowns, and the elbow is placed where the path needs it later. The optimiser needs a
+guess that is nearly a solution, and proves nothing when it fails. It is therefore given
+near misses only, and its result is judged by the same figures as any other. Iterations
+are limited instead of time, so that the result does not depend on the machine's load.
 """
 
 from __future__ import annotations
@@ -17,19 +16,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoDiff
 from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import Constraint, MathematicalProgram, SnoptSolver, SolverOptions
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
-from pushpressslide.robots.inverse import orientation_error, solve_ik, task_error
+from pushpressslide.robots.inverse import (
+    IkSearch,
+    orientation_error,
+    solve_ik,
+    task_error,
+)
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.clearance import ClearanceModel
 from pushpressslide.sim.joints.postures import LARGEST_STEP, Posture, TipPath
 
-Array = NDArray[np.float64]
 Function = Callable[[Array], tuple[Array, Array]]
 """Value (m,) and Jacobian (m, size) at a point (size,)."""
 
@@ -38,15 +41,15 @@ MINOR_LIMIT = 4000  # iterations of one optimisation, a second or two
 POINT_STEP = 0.025  # [m] of the tip between control points
 LEAST_POINTS = 10
 MOST_POINTS = 30
-WAY_POINTS = 12
-WAY_SAMPLES = 40
-ANGLE_SLACK = 1e-3
-POSITION_SLACK = 1e-4  # [rad], [m] of the tip at the samples, taken out afterwards
-MARGIN_SLACK = 2e-3  # [rad] that the spline keeps on top of the joint margin
-CLEARANCE_SLACK = 1e-3  # [m] that the samples keep on top of the clearance
-YAW_ROOM = 0.5  # [rad] by which the tool's yaw may leave the guess
-STEEPEST = math.radians(45.0)  # tilt
-STEP_SHARE = 0.93  # of the allowed step that the spline uses
+# of the tip at the samples; removed afterwards by exact inverse kinematics
+ANGLE_SLACK = 1e-3  # [rad]
+POSITION_SLACK = 1e-4  # [m]
+MARGIN_SLACK = 2e-3  # [rad] of the spline, on top of the joint margin
+CLEARANCE_SLACK = 1e-3  # [m] of the samples, on top of the clearance
+YAW_ROOM = 0.5  # [rad] by which the tool's yaw may differ from the guess
+MOST_TILT = math.radians(45.0)
+STEP_SHARE = 0.93  # share of the allowed step that the spline uses
+DIFFERENCE = 1e-6  # [rad] for derivatives by yaw and tilt
 
 
 def refined_move(
@@ -57,84 +60,106 @@ def refined_move(
     margin: float,
     clearance: float,
 ) -> Posture | None:
-    """Return a way near ``guess`` to follow ``path``, or None if the optimiser's is
-    none.
+    """Return a posture near ``guess`` that follows ``path``, or None.
 
-    It keeps ``margin`` [rad] to the joint limits and ``clearance`` [m]; the tip is
-    right to 1e-6 m and rad at every sample.
+    It keeps ``margin`` [rad] to the joint limits at every sample and ``clearance`` [m]
+    at the control points; the tip is right to 1e-6 m and rad at every sample.
     """
     n = kin.facts.size
     k = len(path.yaws)
-    way = float(np.linalg.norm(np.diff(path.positions, axis=0), axis=1).sum())
-    points = min(max(LEAST_POINTS, math.ceil(way / POINT_STEP)), MOST_POINTS, k)
-    picked = np.unique(np.linspace(0, k - 1, points).round().astype(int))
-    inset = margin + MARGIN_SLACK
-    lower = np.append(kin.facts.lower + inset, [guess.offset - YAW_ROOM, 0.0])
-    upper = np.append(kin.facts.upper - inset, [guess.offset + YAW_ROOM, STEEPEST])
-    held = np.column_stack(
-        [
-            guess.q[picked],
-            np.tile([guess.offset, guess.attitude.tilt], (len(picked), 1)),
-        ]
-    )
-    spline = _Spline(lower, upper, held)
-    spline.hold_constant((n, n + 1))
-    spline.limit_steps(STEP_SHARE * LARGEST_STEP, k)
+    picked = _picked(path)
+    spline = _guessed_spline(kin, guess, picked, margin)
     slack = np.repeat([ANGLE_SLACK, POSITION_SLACK], 3)
     for i in picked:
         u = i / (k - 1)
-        spline.constrain(
-            u, _tip(kin, guess.attitude, path.positions[i], path.yaws[i]), -slack, slack
-        )
-        spline.keep_clear(u, model, path.objects[i], clearance, n, touching=True)
-    found = spline.solution(k)
-    tilt = float(np.clip(found[0, n + 1], 0.0, STEEPEST))
+        error = _tip_error(kin, guess.attitude, path.positions[i], path.yaws[i])
+        spline.constrain(u, error, -slack, slack)
+        distance = _distance(model, path.objects[i], n)
+        least = np.array([clearance + CLEARANCE_SLACK])
+        spline.constrain(u, distance, least, np.array([np.inf]))
+    values = spline.solution(k)
+    tilt = float(np.clip(values[0, n + 1], 0.0, MOST_TILT))
     attitude = replace(guess.attitude, tilt=tilt)
-    offset = float(found[0, n])
+    offset = float(values[0, n])
     exact = solve_ik(
         kin,
         path.positions,
         attitude,
         path.yaws + offset,
-        found[:, None, :n],
+        values[:, None, :n],
         margin,
-        best_margin=False,
+        search=IkSearch(first_found=True),
     )
     return Posture(attitude, offset, exact.q) if exact.converged.all() else None
 
 
-def _tip(
+def _picked(path: TipPath) -> Array:
+    """Return the indices of the samples that are control points."""
+    k = len(path.yaws)
+    steps = np.linalg.norm(np.diff(path.positions, axis=0), axis=1)
+    length = float(steps.sum())
+    points = min(max(LEAST_POINTS, math.ceil(length / POINT_STEP)), MOST_POINTS, k)
+    return np.unique(np.linspace(0, k - 1, points).round().astype(int))
+
+
+def _guessed_spline(
+    kin: ArmKinematics, guess: Posture, picked: Array, margin: float
+) -> _Spline:
+    """Return a spline through joints, tool yaw offset and tilt of a guess.
+
+    Joints keep to their bounds and the largest step; offset and tilt are constant.
+    """
+    inset = margin + MARGIN_SLACK
+    lower = np.append(kin.facts.lower + inset, [guess.offset - YAW_ROOM, 0.0])
+    upper = np.append(kin.facts.upper - inset, [guess.offset + YAW_ROOM, MOST_TILT])
+    tool = np.tile([guess.offset, guess.attitude.tilt], (len(picked), 1))
+    spline = _Spline(lower, upper, np.column_stack([guess.q[picked], tool]))
+    spline.hold_constant((kin.facts.size, kin.facts.size + 1))
+    spline.limit_steps(STEP_SHARE * LARGEST_STEP, len(guess.q))
+    return spline
+
+
+def _tip_error(
     kin: ArmKinematics, attitude: ToolAttitude, position: Array, yaw: float
 ) -> Function:
-    """The tip's error (6,) [rad; m] as a function of joints, tool yaw offset and tilt."""
+    """Return the tip's error (6,) [rad; m] by joints, tool yaw offset and tilt."""
     n = kin.facts.size
-    step = 1e-6
+    step = DIFFERENCE
 
     def error(x: Array) -> tuple[Array, Array]:
+        """Return the error and its Jacobian (6, n + 2)."""
         offset = x[n]
-        tilt = min(max(x[n + 1], 0.0), STEEPEST)
-        tools = [replace(attitude, tilt=tilt), replace(attitude, tilt=tilt + step)]
-        R = tools[0].rotation(yaw + offset)
-        e, J = task_error(kin, x[:n], position, R, tools[0].axis)
+        tilt = min(max(x[n + 1], 0.0), MOST_TILT)
+        tool = replace(attitude, tilt=tilt)
+        tilted = replace(attitude, tilt=tilt + step)
+        R = tool.rotation(yaw + offset)
+        e, J = task_error(kin, x[:n], position, R, tool.axis)
         jacobian = np.zeros((6, n + 2))
         jacobian[:, :n] = -J
-        turned = (
-            tools[0].rotation(yaw + offset + step),
-            tools[1].rotation(yaw + offset),
-        )
+        turned = (tool.rotation(yaw + offset + step), tilted.rotation(yaw + offset))
         jacobian[:3, n:] = orientation_error(R, np.array(turned)).T / step
         return e, jacobian
 
     return error
 
 
+def _distance(model: ClearanceModel, pose: Pose2, joints: int) -> Function:
+    """Return the arm's least distance [m] to everything, with the object at ``pose``."""
+
+    def distance(x: Array) -> tuple[Array, Array]:
+        """Return the distance (1,) and its Jacobian (1, n + 2)."""
+        least, gradient = model.smooth_least(x[:joints], pose, touching=True)
+        padded = np.append(gradient, np.zeros(len(x) - joints))
+        return np.array([least]), padded[None]
+
+    return distance
+
+
 class _Spline:
-    """A clamped cubic B-spline over [0, 1] that is to be as short as its constraints
-    allow.
-    """
+    """The shortest clamped cubic B-spline over [0, 1] within constraints."""
 
     def __init__(self, lower: Array, upper: Array, guess: Array) -> None:
-        """Begin with bounds (size,) and the control points (m, size) of a guess."""
+        """Take bounds (size,) and the control points (m, size) of a guess."""
         points, self.size = guess.shape
         self.problem = KinematicTrajectoryOptimization(self.size, points, 4, 1.0)
         self.program = self.problem.get_mutable_prog()
@@ -146,19 +171,15 @@ class _Spline:
         self.program.SetInitialGuess(self.problem.duration(), 1.0)
 
     def hold_constant(self, rows: Sequence[int]) -> None:
-        """Keep some coordinates the same all along."""
+        """Keep some coordinates constant."""
         for row in rows:
             for a, b in zip(self.points[row], self.points[row, 1:], strict=False):
                 self.program.AddLinearEqualityConstraint(a - b, 0.0)
 
     def limit_steps(self, largest: float, samples: int) -> None:
-        """Bound what any coordinate does between two of ``samples`` equal steps."""
+        """Bound the change of any coordinate between two of ``samples`` equal steps."""
         rate = np.full(self.size, largest * (samples - 1))
         self.problem.AddVelocityBounds(-rate, rate)
-
-    def pin(self, u: float, value: Array) -> None:
-        """Pass through ``value`` at ``u``."""
-        self.problem.AddPathPositionConstraint(value, value, u)
 
     def constrain(
         self, u: float, function: Function, lower: Array, upper: Array
@@ -168,32 +189,10 @@ class _Spline:
             _constraint(function, lower, upper, self.size), float(u)
         )
 
-    def keep_clear(
-        self,
-        u: float,
-        model: ClearanceModel,
-        pose: Pose2,
-        clearance: float,
-        joints: int,
-        *,
-        touching: bool,
-    ) -> None:
-        """Keep the arm ``clearance`` [m] away from everything at ``u``, with the object
-        at ``pose``.
-        """
-
-        def distance(x: Array) -> tuple[Array, Array]:
-            least, gradient = model.smooth_least(x[:joints], pose, touching=touching)
-            return np.array([least]), np.append(gradient, np.zeros(self.size - joints))[
-                None
-            ]
-
-        self.constrain(
-            u, distance, np.array([clearance + CLEARANCE_SLACK]), np.array([np.inf])
-        )
-
     def solution(self, samples: int) -> Array:
-        """Return the optimiser's result at equal steps (samples, size), good or not."""
+        """Return the optimiser's result at equal steps (samples, size), converged or
+        not.
+        """
         options = SolverOptions()
         for name, value in (
             ("Major iterations limit", MAJOR_LIMIT),
@@ -213,9 +212,10 @@ class _Spline:
 def _constraint(
     function: Function, lower: Array, upper: Array, size: int
 ) -> Constraint:
-    """A constraint of Drake's from a function with its Jacobian."""
+    """Return Drake's constraint for a function with its Jacobian."""
 
     def evaluated(x: Any) -> Any:
+        """Return the value for plain numbers, with derivatives for AutoDiff."""
         if x.dtype == np.float64:
             return function(x)[0]
         value, jacobian = function(ExtractValue(x)[:, 0])

@@ -1,4 +1,4 @@
-"""Pictures of a run, rendered without a display, and an animation made of them."""
+"""Pictures of a run, rendered without a display, and an animation of them."""
 
 from __future__ import annotations
 
@@ -26,12 +26,16 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support, Task
-from pushpressslide.sim.view.playback import ASPECT, Playback, View
+from pushpressslide.sim.view.playback import ASPECT, STEEP, Playback, View
 
 FIELD = math.radians(40.0)  # vertical field of view
 RENDERER = "frames"
 BACKGROUND = [0.93, 0.95, 0.97]
 VIDEO_FORMATS = (".webp", ".gif")
+SIZE = (640, 480)  # [pixels] width and height
+# directions of the light along x, y and height of a support
+LIGHT = (-0.4, 0.5, -1.0)
+STEEP_LIGHT = (-0.4, -0.9, -0.8)
 
 
 class FrameRenderer:
@@ -42,56 +46,42 @@ class FrameRenderer:
         task: Task,
         plan: Plan,
         record: Record,
-        width: int = 640,
-        height: int = 480,
+        size: tuple[int, int] = SIZE,
         models: str = "generated",
     ) -> None:
-        """Set the scene up; raises SimulationError where this machine cannot render."""
+        """Set up the scene and a camera of ``size`` (width, height) [pixels].
+
+        Raises SimulationError where this machine cannot render.
+        """
         problem = egl_problem()
         if problem:
             raise _cannot_render(problem)
         self.playback = Playback(task, plan, record, models)
-        graph = self.playback.scene.scene_graph
-        parameters = RenderEngineVtkParams(
-            default_clear_color=BACKGROUND,
-            lights=[
-                LightParameter(
-                    type="directional",
-                    frame="world",
-                    direction=_light(task.support),
-                    intensity=0.75,
-                ),
-                LightParameter(
-                    type="directional",
-                    frame="camera",
-                    direction=[0.1, 0.2, 1.0],
-                    intensity=0.6,
-                ),
-            ],
-        )
+        self._graph = self.playback.scene.scene_graph
         try:
-            graph.AddRenderer(RENDERER, MakeRenderEngineVtk(parameters))
+            engine = MakeRenderEngineVtk(_render_parameters(task.support))
+            self._graph.AddRenderer(RENDERER, engine)
         except RuntimeError as error:
             raise _cannot_render(str(error)) from error
         self._diagram = self.playback.scene.builder.Build()
         self._context = self._diagram.CreateDefaultContext()
-        info = CameraInfo(width, height, FIELD)
+        width, height = size
         core = RenderCameraCore(
-            RENDERER, info, ClippingRange(0.05, 20.0), RigidTransform()
+            RENDERER,
+            CameraInfo(width, height, FIELD),
+            ClippingRange(0.05, 20.0),
+            RigidTransform(),
         )
         self._camera = ColorRenderCamera(core, False)
-        self._X_WC = look_at(
-            self.playback.view(FIELD * min(1.0, width / height / ASPECT))
-        )
-        self._graph = graph
+        narrow = min(1.0, width / height / ASPECT)
+        self._X_WC = look_at(self.playback.view(FIELD * narrow))
 
     def image(self, time: float) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3) at ``time`` [s] of the run."""
         (tick,) = self.playback.ticks_at(np.array([time]))
         self.playback.set(self._context, tick)
-        query = self._graph.get_query_output_port().Eval(
-            self._graph.GetMyContextFromRoot(self._context)
-        )
+        context = self._graph.GetMyContextFromRoot(self._context)
+        query = self._graph.get_query_output_port().Eval(context)
         try:
             seen = query.RenderColorImage(
                 self._camera, self._graph.world_frame_id(), self._X_WC
@@ -107,16 +97,15 @@ def render_frames(
     record: Record,
     times: Sequence[float],
     out_dir: Path,
-    width: int = 640,
-    height: int = 480,
+    size: tuple[int, int] = SIZE,
     models: str = "generated",
 ) -> list[Path]:
-    """Write one PNG for each of ``times`` [s] into ``out_dir``, frame_000.png and so
-    on; return their paths.
+    """Write one PNG of ``size`` (width, height) [pixels] for each of ``times`` [s] into
+    ``out_dir``, frame_000.png and so on; return their paths.
 
-    Raises SimulationError, one line, where this machine cannot render.
+    Raises SimulationError, in one line, where this machine cannot render.
     """
-    renderer = FrameRenderer(task, plan, record, width, height, models)
+    renderer = FrameRenderer(task, plan, record, size, models)
     out_dir.mkdir(parents=True, exist_ok=True)
     paths = []
     for i, time in enumerate(times):
@@ -132,15 +121,14 @@ def write_video(
     record: Record,
     out: Path,
     frames_per_second: float = 15.0,
-    width: int = 640,
-    height: int = 480,
+    size: tuple[int, int] = SIZE,
     models: str = "generated",
 ) -> Path:
-    """Write the run as an animated picture in real time, .webp or .gif by ``out``'s
-    name; return ``out``.
+    """Write the run as an animated picture in real time; return its path.
 
-    A folder gets run.webp. Raises SimulationError where this machine cannot render or
-    the name asks for another format.
+    The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
+    ``size`` is (width, height) [pixels]. Raises SimulationError where this machine
+    cannot render, or for another format.
     """
     out = out / "run.webp" if out.is_dir() else out
     if out.suffix not in VIDEO_FORMATS:
@@ -148,7 +136,7 @@ def write_video(
             f"{out}: an animation is written as {' or '.join(VIDEO_FORMATS)}"
         )
     time = record.arrays["time"]
-    renderer = FrameRenderer(task, plan, record, width, height, models)
+    renderer = FrameRenderer(task, plan, record, size, models)
     grid = np.arange(float(time[0]), float(time[-1]), 1.0 / frames_per_second)
     first, *others = (_pillow().fromarray(renderer.image(float(t))) for t in grid)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -167,18 +155,28 @@ def write_video(
     return out
 
 
+def _render_parameters(support: Support) -> RenderEngineVtkParams:
+    """Return background and lights: one on the support, a weaker one at the camera."""
+    above = LightParameter(
+        type="directional", frame="world", direction=_light(support), intensity=0.75
+    )
+    ahead = LightParameter(
+        type="directional", frame="camera", direction=[0.1, 0.2, 1.0], intensity=0.6
+    )
+    return RenderEngineVtkParams(default_clear_color=BACKGROUND, lights=[above, ahead])
+
+
 def _light(support: Support) -> list[float]:
-    """The direction of the light that falls on the support's face: onto a wall it comes
-    from above.
+    """Return the direction of the light in the world, onto the support's face from
+    above.
     """
-    along = (-0.4, 0.5, -1.0) if support.kind == "table" else (-0.4, -0.9, -0.8)
-    return list(support.frame.direction(along))
+    frame = support.frame
+    along = STEEP_LIGHT if frame.normal[2] < STEEP else LIGHT
+    return list(frame.direction(along))
 
 
 def look_at(view: View) -> RigidTransform:
-    """Return X_WC of a camera (z ahead, x right, y down) at ``view``, its picture
-    upright.
-    """
+    """Return X_WC of a camera (z ahead, x right, y down) with an upright picture."""
     z = (view.target - view.position) / np.linalg.norm(view.target - view.position)
     x = np.cross(z, [0.0, 0.0, 1.0])
     x /= np.linalg.norm(x)
@@ -189,9 +187,9 @@ def look_at(view: View) -> RigidTransform:
 
 def egl_problem() -> str | None:
     """Return why EGL has no device to render on; None if it has one, or on a system
-    that does without EGL.
+    without EGL.
 
-    Asked beforehand, because the renderer ends the process where it finds none.
+    This is checked beforehand because the renderer ends the process without a device.
     """
     if sys.platform != "linux":
         return None
@@ -220,7 +218,7 @@ def _cannot_render(problem: str) -> SimulationError:
 
 
 def _pillow() -> Any:
-    """Pillow comes with matplotlib."""
+    """Return Pillow's image module, which comes with matplotlib."""
     from PIL import Image
 
     return Image

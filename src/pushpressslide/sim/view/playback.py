@@ -1,6 +1,4 @@
-"""A recorded run set up again in its own scene, without physics: what replay and frames
-look at.
-"""
+"""A recorded run in its scene, without physics, for replay and frames."""
 
 from __future__ import annotations
 
@@ -9,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     GeometryInstance,
@@ -19,56 +16,56 @@ from pydrake.geometry import (
     PerceptionProperties,
     Rgba,
     SceneGraph,
-    Shape,
     SourceId,
 )
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Cylinder, Task
+from pushpressslide.core.task import Task
 from pushpressslide.sim.convert import (
     planar_pose,
     rigid_transform,
     transform_from_positions,
 )
-from pushpressslide.sim.scenes import Scene, build_scene, rest_height
+from pushpressslide.sim.scenes import build_scene, rest_height
 from pushpressslide.sim.surfaces import object_shape
-
-Array = NDArray[np.float64]
 
 RIBBON_WIDTH = 0.006  # [m] of lines on the support
 PATH_HEIGHT = 0.0010  # [m] above the support
-LEAST_PATH = 1e-3  # [m] of a line that is drawn
-# [m] by which the goal is drawn lower, so that its top is not that of the object
+LEAST_PATH = 1e-3  # [m] shorter lines are not drawn
+# [m] the goal is drawn lower, so that its top does not coincide with the object's
 GOAL_SINK = 1e-3
 GOAL_COLOR = Rgba(0.0, 0.62, 0.45, 0.28)
 PATH_COLOR = Rgba(0.13, 0.13, 0.13, 1.0)
 ARM_HEIGHT = 0.75  # [m] of an arm above its base, for the camera
-ASPECT = 4.0 / 3.0
-FILL = 0.85  # width over height of a picture; share of it that the scene may fill
+ASPECT = 4.0 / 3.0  # width over height of a picture
+FILL = 0.85  # largest share of a picture that the scene fills
+STEEP = 0.5  # of a support's normal: a smaller vertical component is seen as a wall
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """Where a camera stands and what it looks at, in the world [m]."""
+    """Position and target of a camera, in the world [m]."""
 
     position: Any  # (3,); pydrake's stubs refuse every typed ndarray
     target: Any  # (3,)
 
 
 class Playback:
-    """The scene of a run, with goal and planned path drawn in, that can be put at any
-    recorded tick.
-    """
+    """The scene of a run with its goal and planned path, at any recorded tick."""
 
     def __init__(
         self, task: Task, plan: Plan, record: Record, models: str = "generated"
     ) -> None:
-        """Build the scene; raises SimulationError for a record without joint positions."""
+        """Build the scene.
+
+        Raises SimulationError for a record without joint positions.
+        """
         for i in range(len(task.robots)):
             if f"joint_position_{i}" not in record.arrays:
                 raise SimulationError(
@@ -78,51 +75,48 @@ class Playback:
         self.task = task
         self.plan = plan
         self.record = record
-        self.scene: Scene = build_scene(plan, models=models)
+        self.scene = build_scene(plan, models=models)
         self._draw_plan()
 
     def _draw_plan(self) -> None:
-        graph = self.scene.scene_graph
+        """Draw the object at its goal, and one line for each stretch of the path."""
         task = self.task
+        graph = self.scene.scene_graph
+        frame = task.support.frame
         source = graph.RegisterSource("plan")
         opening = task.support.opening
-        depth = opening.depth if opening is not None and task.enters else GOAL_SINK
-        height = 0.5 * task.object.shape.height - depth
-        _anchor(
-            graph,
-            source,
-            "goal",
-            object_shape(task.object.shape),
-            rigid_transform(task.goal, height, task.support.frame),
-            GOAL_COLOR,
-        )
+        depth = GOAL_SINK
+        if opening is not None and task.enters:
+            depth = opening.depth
+        X_WG = rigid_transform(task.goal, 0.5 * task.object.shape.height - depth, frame)
+        goal = GeometryInstance(X_WG, object_shape(task.object.shape), "goal")
+        _anchor(graph, source, goal, GOAL_COLOR)
+        X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         path = self.record.arrays["plan_path"][:, :2]
-        of = self.record.arrays["plan_stretch"]
-        for i in np.unique(of):
-            if leads_somewhere(path[of == i]):
-                mesh = ribbon(path[of == i], RIBBON_WIDTH)
-                X = rigid_transform(Pose2(), PATH_HEIGHT, task.support.frame)
-                _anchor(graph, source, f"path_{i:.0f}", mesh, X, PATH_COLOR)
+        stretches = self.record.arrays["plan_stretch"]
+        for i in np.unique(stretches):
+            points = path[stretches == i]
+            if leads_somewhere(points):
+                line = ribbon(points, RIBBON_WIDTH)
+                drawn = GeometryInstance(X, line, f"path_{i:.0f}")
+                _anchor(graph, source, drawn, PATH_COLOR)
 
     def set(self, context: Context, tick: int) -> None:
-        """Put everything where it was at ``tick``; ``context`` is that of the diagram
-        with this scene.
+        """Put everything where it was at ``tick``; ``context`` belongs to the diagram
+        of this scene.
         """
+        arrays = self.record.arrays
         plant = self.scene.plant
         inner = plant.GetMyMutableContextFromRoot(context)
         for i, robot in enumerate(self.scene.robots):
-            plant.SetPositions(
-                inner,
-                robot.model_instance,
-                self.record.arrays[f"joint_position_{i}"][tick],
-            )
+            q = arrays[f"joint_position_{i}"][tick]
+            plant.SetPositions(inner, robot.model_instance, q)
         plant.SetFreeBodyPose(inner, self.scene.object, self.object_pose(tick))
         for name, body in self.scene.bodies.items():
-            values = self.record.arrays.get(f"body_{name}")
+            values = arrays.get(f"body_{name}")
             if values is not None:
-                plant.SetFreeBodyPose(
-                    inner, body, transform_from_positions(values[tick])
-                )
+                X = transform_from_positions(values[tick])
+                plant.SetFreeBodyPose(inner, body, X)
 
     def object_pose(self, tick: int) -> RigidTransform:
         """Return the spatial pose of the object's frame G (at half height) at ``tick``."""
@@ -135,78 +129,72 @@ class Playback:
         )
 
     def vehicle_pose(self, tick: int) -> Pose2:
-        """Return X_WV at ``tick``: the tracking point of the stretch that is followed,
-        and its heading.
-        """
+        """Return X_WV at ``tick``: tracking point and heading of the current stretch."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
         return X_WG.compose(self.task.object.X_GB).compose(X_BV)
 
     def ticks_at(self, times: Array) -> list[int]:
-        """Return the recorded tick nearest after each of ``times`` [s]."""
-        last = len(self.record.arrays["time"]) - 1
-        return [
-            int(i)
-            for i in np.clip(
-                np.searchsorted(self.record.arrays["time"], times), 0, last
-            )
-        ]
+        """Return the first recorded tick not before each of ``times`` [s]."""
+        recorded = self.record.arrays["time"]
+        ticks = np.clip(np.searchsorted(recorded, times), 0, len(recorded) - 1)
+        return [int(i) for i in ticks]
 
     def view(self, field: float) -> View:
-        """Return a camera of vertical ``field`` [rad] that sees object, path, goal and
-        arms.
-        """
-        return camera_view(
-            self.task, self.plan, self.record.arrays["object_pose"][::20], field
-        )
+        """Return the view of a camera with a vertical field of view ``field`` [rad]."""
+        poses = self.record.arrays["object_pose"][::20]
+        return camera_view(self.task, self.plan, poses, field)
 
 
-def camera_view(task: Task, plan: Plan, pose: Array, field: float) -> View:
-    """Return where a camera of vertical ``field`` [rad] sees all: in front, on the
-    tips' side.
+def camera_view(task: Task, plan: Plan, poses: Array, field: float) -> View:
+    """Return the view of a camera that holds object, goal and arms, from the front and
+    the side of the tips.
 
-    ``pose`` (N, 3): where the object will be, X_WG [m, rad].
+    ``poses`` (N, 3) [m, rad] are those of the object, X_WG; ``field`` [rad] is the
+    vertical field of view.
+    """
+    normal = np.array(task.support.frame.normal)
+    points = _seen_points(task, poses)
+    if normal[2] < STEEP:  # from behind the arms, to one side
+        side = np.cross([0.0, 0.0, 1.0], normal)
+        return fit_view(points, 0.62 * normal + 0.78 * side + [0.0, 0.0, 0.45], field)
+    left = 0.0  # how far the pushes point to +y: the tips are on the other side
+    yaws = poses[:, 2]
+    for placement in plan.by_placement:
+        for contact in placement.contacts:
+            x, y = contact.normal
+            left += float(np.mean(np.sin(yaws) * x + np.cos(yaws) * y))
+    side_y = -0.78 if left >= 0.0 else 0.78
+    return fit_view(points, np.array([0.62, side_y, 0.62]), field)
+
+
+def _seen_points(task: Task, poses: Array) -> Array:
+    """Return the points (N, 3) [m] that a picture must hold: the object's corners and
+    the arms.
     """
     shape = task.object.shape
-    if isinstance(shape, Cylinder):
-        corners: tuple[Point, ...] = tuple(
-            (a * shape.radius, b * shape.radius) for a in (-1, 1) for b in (-1, 1)
-        )
-    else:
-        corners = shape.footprint
-    places = [*(Pose2(*row) for row in pose.tolist()), task.goal]
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    rectangle = ((x_min, y_min), (x_min, y_max), (x_max, y_min), (x_max, y_max))
+    corners = shape.corners or rectangle
     frame = task.support.frame
     points = [
-        frame.point((*X_WG.apply(c), z))
-        for X_WG in places
-        for c in corners
+        frame.point((*X_WG.apply(corner), z))
+        for X_WG in (*(Pose2(*row) for row in poses.tolist()), task.goal)
+        for corner in corners
         for z in (0.0, shape.height)
     ]
     for robot in task.robots:
         if robot.model != "hand":
             x, y, z = robot.base
             points += [(x, y, z), (x, y, z + ARM_HEIGHT)]
-    left = 0.0  # how far the pushes point to +y: the tips are on the other side
-    for contact in (c for grasp in plan.by_placement for c in grasp.contacts):
-        n = contact.normal
-        left += float(np.mean(np.sin(pose[:, 2]) * n[0] + np.cos(pose[:, 2]) * n[1]))
-    out = np.array(frame.direction((0.0, 0.0, 1.0)))
-    if out[2] < 0.5:  # a wall: from behind the arms, to one side
-        side = np.cross([0.0, 0.0, 1.0], out)
-        return fit_view(
-            np.array(points), 0.62 * out + 0.78 * side + [0.0, 0.0, 0.45], field
-        )
-    return fit_view(
-        np.array(points), np.array([0.62, -0.78 if left >= 0.0 else 0.78, 0.62]), field
-    )
+    return np.array(points)
 
 
 def fit_view(points: Array, direction: Array, field: float) -> View:
-    """Return the camera that looks from ``direction`` (3,) and just holds ``points``
-    (N, 3), upright.
+    """Return the nearest view from ``direction`` (3,) that holds ``points`` (N, 3).
 
-    ``field`` [rad] is the vertical field of view; the picture is taken to be ``ASPECT``
-    wide at least.
+    ``field`` [rad] is the vertical field of view; the picture is upright and at least
+    ASPECT wide.
     """
     z = -direction / np.linalg.norm(direction)
     x = np.cross(z, [0.0, 0.0, 1.0])
@@ -215,7 +203,7 @@ def fit_view(points: Array, direction: Array, field: float) -> View:
     target = 0.5 * (points.min(axis=0) + points.max(axis=0))
     reach = math.tan(0.5 * field) * FILL
     distance = float(np.linalg.norm(points - target, axis=1).max()) / reach
-    # shift and distance decide each other; a few rounds settle both
+    # shift and distance depend on each other; a few iterations settle both
     for _ in range(12):
         ahead = (points - target) @ z + distance
         across, down = ((points - target) @ axis / ahead for axis in (x, y))
@@ -233,8 +221,8 @@ def fit_view(points: Array, direction: Array, field: float) -> View:
 
 
 def leads_somewhere(points: Array) -> bool:
-    """Return whether a path (K, 2) [m] is more than a turn on the spot, so that there
-    is a line to draw.
+    """Return whether a path (K, 2) [m] is more than a turn on the spot, and can be
+    drawn as a line.
     """
     return bool(np.ptp(points, axis=0).max() > LEAST_PATH)
 
@@ -266,14 +254,9 @@ def ribbon(points: Array, width: float) -> Mesh:
 
 
 def _anchor(
-    graph: SceneGraph,
-    source: SourceId,
-    name: str,
-    shape: Shape,
-    X: RigidTransform,
-    color: Rgba,
+    graph: SceneGraph, source: SourceId, instance: GeometryInstance, color: Rgba
 ) -> None:
-    instance = GeometryInstance(X, shape, name)
+    """Show an instance in the world, in Meshcat and in rendered pictures."""
     drawn = IllustrationProperties()
     seen = PerceptionProperties()
     for properties in (drawn, seen):

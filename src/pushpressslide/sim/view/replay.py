@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.geometry import (
     Cylinder,
     Meshcat,
@@ -24,6 +23,7 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform, RotationMatrix
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -33,20 +33,20 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.view.playback import Playback, View, ribbon
 
-Array = NDArray[np.float64]
-
 FRAMES_PER_SECOND = 30.0
 FIELD = math.radians(75.0)  # vertical field of view of Meshcat's camera
-TRACE_PIECES = 60  # that the trace of the tracking point is drawn in
+TRACE_PIECES = 60  # of the trace of the tracking point
 TRACE_HEIGHT = 0.0018  # [m] above the support
-FORCE_SCALE = 0.02
-LONGEST_ARROW = 0.15
-LONGEST_PRESS = 0.10  # [m/N], [m], [m]
+TRACE_WIDTH = 0.006  # [m]
+LEAST_STEP = 1e-5  # [m] shorter pieces of the trace are not drawn
+FORCE_SCALE = 0.02  # [m/N] largest
+LONGEST_ARROW = 0.15  # [m] of a force in the plane
+LONGEST_PRESS = 0.10  # [m]
 CLEARANCE = 0.012  # [m] from object and tip to the arrows, so that neither hides them
-LEAST_FORCE = 0.3  # [N] below which no arrow is shown
-SHAFT = 0.004
-HEAD_RADIUS = 0.010
-HEAD = 0.022  # [m] of the force arrow
+LEAST_FORCE = 0.3  # [N] smaller forces have no arrow
+SHAFT = 0.004  # [m] radius of an arrow's shaft
+HEAD_RADIUS = 0.010  # [m]
+HEAD = 0.022  # [m] length of an arrow's head
 BLUE = Rgba(0.0, 0.45, 0.70, 1.0)
 WHITE = Rgba(0.95, 0.95, 0.95, 1.0)
 PURPLE = Rgba(0.66, 0.22, 0.49, 1.0)
@@ -64,11 +64,12 @@ PRESS_CAPTION = """
 def write_replay(
     task: Task, plan: Plan, record: Record, out: Path, models: str = "generated"
 ) -> Path:
-    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not
-    at all; return it.
+    """Write the page to the file ``out``, or to replay.html in the folder ``out``;
+    return its path.
 
-    Plays the recorded joint positions and poses at 30 frames a second. Raises
-    SimulationError for a record without joint positions. ``models``: as in ``run``.
+    It plays the recorded joint positions and poses at 30 frames a second, and is
+    written whole or not at all. Raises SimulationError for a record without joint
+    positions. ``models``: as in ``run``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
@@ -76,17 +77,31 @@ def write_replay(
         )
     playback = Playback(task, plan, record, models)
     meshcat = quiet_meshcat()
-    view = playback.view(FIELD)
     look(meshcat)
+    view = playback.view(FIELD)
     meshcat.SetCameraPose(view.position, view.target)
+    marks = _animate(meshcat, playback, view)
+    page = meshcat.StaticHtml()
+    title = f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
+    caption = _caption(title, marks)
+    if "</body>" in page:
+        page = page.replace("</body>", f"{caption}</body>", 1)
+    else:
+        page += caption
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
+
+
+def _animate(meshcat: Meshcat, playback: Playback, view: View) -> _Marks:
+    """Record the whole run as an animation; return the marks that are drawn in it."""
     parameters = MeshcatVisualizerParams()
     parameters.role = Role.kIllustration
-    builder = playback.scene.builder
-    graph = playback.scene.scene_graph
-    visualizer = MeshcatVisualizer.AddToBuilder(builder, graph, meshcat, parameters)
-    diagram = builder.Build()
+    scene = playback.scene
+    visualizer = MeshcatVisualizer.AddToBuilder(
+        scene.builder, scene.scene_graph, meshcat, parameters
+    )
+    diagram = scene.builder.Build()
     context = diagram.CreateDefaultContext()
-    time = record.arrays["time"]
+    time = playback.record.arrays["time"]
     count = max(2, math.ceil((time[-1] - time[0]) * FRAMES_PER_SECOND))
     ticks = playback.ticks_at(np.linspace(time[0], time[-1], count))
     marks = _Marks(meshcat, playback, ticks, view)
@@ -101,31 +116,20 @@ def write_replay(
     recording.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
     recording.set_repetitions(1000)
     visualizer.PublishRecording()
-    page = meshcat.StaticHtml()
-    title = escape(
-        f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
-    )
-    press = (
-        PRESS_CAPTION.replace("@SCALE@", f"{1e3 * marks.press_scale:.0f}")
-        if marks.presses
-        else ""
-    )
-    caption = CAPTION.replace("@SCALE@", f"{1e3 * marks.scale:.0f}").replace(
-        "@PRESS@", press
-    )
-    caption = caption.replace("@TITLE@", title)
-    page = (
-        page.replace("</body>", f"{caption}</body>", 1)
-        if "</body>" in page
-        else page + caption
-    )
-    return write_whole(out / "replay.html" if out.is_dir() else out, page)
+    return marks
+
+
+def _caption(title: str, marks: _Marks) -> str:
+    """Return the legend of the page."""
+    press = ""
+    if marks.presses:
+        press = PRESS_CAPTION.replace("@SCALE@", f"{1e3 * marks.press_scale:.0f}")
+    caption = CAPTION.replace("@SCALE@", f"{1e3 * marks.scale:.0f}")
+    return caption.replace("@PRESS@", press).replace("@TITLE@", escape(title))
 
 
 def quiet_meshcat() -> Meshcat:
-    """Return a Meshcat whose server, one comes with each, listens on this machine only
-    and prints nothing.
-    """
+    """Return a Meshcat whose server listens on this machine only and prints nothing."""
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.WARNING)
@@ -136,7 +140,7 @@ def quiet_meshcat() -> Meshcat:
 
 
 def look(meshcat: Meshcat) -> None:
-    """Give a page its background, and take away what Meshcat draws by itself."""
+    """Set a page's background, and hide Meshcat's own grid and axes."""
     meshcat.SetProperty("/Grid", "visible", False)
     meshcat.SetProperty("/Axes", "visible", False)
     meshcat.SetProperty("/Background", "top_color", [0.93, 0.95, 0.97])
@@ -144,11 +148,10 @@ def look(meshcat: Meshcat) -> None:
 
 
 class _Marks:
-    """What is drawn over the scene, in the support's frame: trace, axle marker and
-    contact forces.
+    """Marks over the scene, in the support's frame: trace, axle and contact forces.
 
-    Meshcat loops each track over its own keys: without one at the last frame they fall
-    out of step.
+    Meshcat loops each track over its own keys, so that tracks stay in step only if each
+    has a key at the last frame.
     """
 
     def __init__(
@@ -156,46 +159,41 @@ class _Marks:
     ) -> None:
         self._meshcat = meshcat
         self._playback = playback
-        arrays = playback.record.arrays
         self._last = len(ticks) - 1
         self._contacts = playback.plan.contacts_by_leg
         self._height = playback.task.object.shape.height
-        self._frame = frame = playback.task.support.frame
+        self._frame = playback.task.support.frame
+        arrays = playback.record.arrays
         forces = np.nan_to_num(arrays["measured_force"])
-        flat = np.linalg.norm(forces[:, :, :2], axis=2)
-        down = np.maximum(-forces[:, :, 2], 0.0)
-        self.scale = min(
-            FORCE_SCALE, LONGEST_ARROW / max(float(flat.max(initial=0.0)), 1e-9)
-        )
-        self.press_scale = min(
-            FORCE_SCALE, LONGEST_PRESS / max(float(down.max(initial=0.0)), 1e-9)
-        )
+        self.scale = _scale(np.linalg.norm(forces[:, :, :2], axis=2), LONGEST_ARROW)
+        self.press_scale = _scale(np.maximum(-forces[:, :, 2], 0.0), LONGEST_PRESS)
         every = [
             contact for contacts in self._contacts.values() for contact in contacts
         ]
         self._pressing = {contact.arm for contact in every if contact.kind == "top"}
         self._arms = {contact.arm for contact in every}
         self.presses = bool(self._pressing)
-        nearer = np.array(
-            self._frame.components(view.position - view.target)
-        ) * np.array([1.0, 1.0, 0.0])
-        self._nearer: Any = nearer / np.linalg.norm(nearer)
+        ahead = np.array(self._frame.components(view.position - view.target))
+        ahead[2] = 0.0
+        self._nearer: Any = ahead / np.linalg.norm(ahead)
         vehicle = [playback.vehicle_pose(tick) for tick in ticks]
-        self._trace = self._draw_trace(
-            np.array([(v.x, v.y) for v in vehicle]), arrays["stretch"][ticks]
-        )
+        points = np.array([(v.x, v.y) for v in vehicle])
+        self._trace = self._draw_trace(points, arrays["stretch"][ticks])
         self._pin = self._height + 0.03
-        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._pin), BLUE)
-        meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
-        # of the axle's own z axis
-        up = float(np.dot(frame.spin_axis, frame.direction((0.0, 0.0, 1.0))))
-        meshcat.SetTransform(
-            "marks/axle/head", RigidTransform([0.0, 0.0, 0.5 * self._pin * up])
-        )
+        self._add_axle()
         for arm in self._arms:
             self._add_arrow(f"marks/force_{arm}", PURPLE)
         for arm in self._pressing:
             self._add_arrow(f"marks/press_{arm}", ORANGE)
+
+    def _add_axle(self) -> None:
+        """Add the marker of the tracking point: a pin with a head at its upper end."""
+        meshcat = self._meshcat
+        meshcat.SetObject("marks/axle/pin", Cylinder(0.003, self._pin), BLUE)
+        meshcat.SetObject("marks/axle/head", Sphere(0.008), WHITE)
+        # the marker's own z axis points into the support where axes are left-handed
+        end = 0.5 * self._pin * self._frame.handedness
+        meshcat.SetTransform("marks/axle/head", RigidTransform([0.0, 0.0, end]))
 
     def _add_arrow(self, name: str, color: Rgba) -> None:
         meshcat = self._meshcat
@@ -207,36 +205,38 @@ class _Marks:
         turned = RigidTransform(RotationMatrix.MakeXRotation(math.pi))
         meshcat.SetTransform(f"{name}/head/cone", turned)
 
-    def _draw_trace(self, points: Array, stretch: Array) -> list[tuple[int, str]]:
+    def _draw_trace(self, points: Array, stretches: Array) -> list[tuple[int, str]]:
         """Draw the whole trace in pieces; return the frame at which each piece appears,
         and its name.
 
-        ``points`` (F, 2) [m] and ``stretch`` (F,) of the plan, per frame: where a
-        stretch begins, the tracking point may be another, and no line joins the two.
+        ``points`` (F, 2) [m] and ``stretches`` (F,) of the plan, per frame. The
+        tracking point may change between stretches, and no line joins the two.
         """
-        moved = np.concatenate(
-            [[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-        )
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        moved = np.concatenate([[0.0], np.cumsum(steps)])
         pieces: list[tuple[int, str]] = []
         step = moved[-1] / TRACE_PIECES
         first = 0
         for last in range(1, len(points)):
-            if stretch[last] != stretch[first]:
+            if stretches[last] != stretches[first]:
                 first = last
-            if step > 1e-5 and moved[last] - moved[first] >= step:
-                kept = points[first : last + 1]
-                apart = np.concatenate(
-                    [[True], np.linalg.norm(np.diff(kept, axis=0), axis=1) > 1e-7]
-                )
-                if apart.sum() > 1:
-                    name = f"marks/trace/{len(pieces)}"
-                    self._meshcat.SetObject(name, ribbon(kept[apart], 0.006), BLUE)
-                    self._meshcat.SetTransform(
-                        name, rigid_transform(Pose2(), TRACE_HEIGHT, self._frame)
-                    )
+            if step > LEAST_STEP and moved[last] - moved[first] >= step:
+                name = f"marks/trace/{len(pieces)}"
+                if self._draw_piece(name, points[first : last + 1]):
                     pieces.append((last, name))
                 first = last
         return pieces
+
+    def _draw_piece(self, name: str, points: Array) -> bool:
+        """Draw a line through points (F, 2) [m]; return whether two of them differ."""
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        apart = np.concatenate([[True], steps > 1e-7])
+        if apart.sum() < 2:
+            return False
+        self._meshcat.SetObject(name, ribbon(points[apart], TRACE_WIDTH), BLUE)
+        X = rigid_transform(Pose2(), TRACE_HEIGHT, self._frame)
+        self._meshcat.SetTransform(name, X)
+        return True
 
     def show(self, frame: int, tick: int, t: float) -> None:
         """Record the marks of one frame, at time ``t`` [s] of the animation."""
@@ -244,9 +244,10 @@ class _Marks:
         X_WV = self._playback.vehicle_pose(tick)
         axle = rigid_transform(Pose2(X_WV.x, X_WV.y), 0.5 * self._pin, self._frame)
         meshcat.SetTransform("marks/axle", axle, time_in_recording=t)
-        for at, name in self._trace:
-            if frame in (0, at, self._last):
-                meshcat.SetProperty(name, "visible", frame >= at, time_in_recording=t)
+        for begin, name in self._trace:
+            if frame in (0, begin, self._last):
+                visible = frame >= begin
+                meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         leg = int(self._playback.record.arrays["leg"][tick])
         pressing = {c.arm for c in self._contacts[leg] if c.kind == "top"}
         for arm in self._arms:
@@ -255,8 +256,8 @@ class _Marks:
     def _show_contact(
         self, arm: int, presses: bool, tick: int, t: float, at_end: bool
     ) -> None:
-        """Record the force in the plane, drawn over the object from the tip's edge on;
-        and a press, drawn down onto the object beside its tip.
+        """Record the force in the plane, drawn above the object from the tip's edge,
+        and the press, drawn down onto the object beside its tip.
         """
         arrays = self._playback.record.arrays
         force: Any = np.nan_to_num(arrays["measured_force"][tick, arm])
@@ -268,39 +269,40 @@ class _Marks:
         self._show_arrow(f"marks/force_{arm}", tail, flat, self.scale, t, at_end)
         if arm in self._pressing:
             down = np.array([0.0, 0.0, min(force[2], 0.0) if presses else 0.0])
-            head = (
-                np.array([tip[0], tip[1], self._height])
-                + (radius + CLEARANCE) * self._nearer
-            )
+            top = np.array([tip[0], tip[1], self._height])
+            head = top + (radius + CLEARANCE) * self._nearer
+            name = f"marks/press_{arm}"
             tail = head - self.press_scale * down
-            self._show_arrow(
-                f"marks/press_{arm}", tail, down, self.press_scale, t, at_end
-            )
+            self._show_arrow(name, tail, down, self.press_scale, t, at_end)
 
     def _show_arrow(
         self, name: str, tail: Any, force: Any, scale: float, t: float, at_end: bool
     ) -> None:
+        """Record an arrow of ``force`` (3,) [N] from ``tail`` (3,), in the support's
+        frame; it is hidden if the force is small.
+        """
         meshcat = self._meshcat
         size = float(np.linalg.norm(force))
         visible = size > LEAST_FORCE
         meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
         if not (visible or at_end):
             return
-        axis = np.array(
-            self._frame.direction(force / size if size > 1e-9 else (1.0, 0.0, 0.0))
-        )
+        along = force / size if size > 1e-9 else (1.0, 0.0, 0.0)
+        R = RotationMatrix.MakeFromOneVector(np.array(self._frame.direction(along)), 2)
+        X = RigidTransform(R, self._frame.point(tail))
+        meshcat.SetTransform(name, X, time_in_recording=t)
         length = scale * size
         shaft = max(length - HEAD, 0.2 * length, 1e-4)
-        R = RotationMatrix.MakeFromOneVector(axis, 2)
-        meshcat.SetTransform(
-            name, RigidTransform(R, self._frame.point(tail)), time_in_recording=t
-        )
-        meshcat.SetProperty(
-            f"{name}/shaft", "scale", [1.0, 1.0, shaft], time_in_recording=t
-        )
-        meshcat.SetProperty(
-            f"{name}/shaft", "position", [0.0, 0.0, 0.5 * shaft], time_in_recording=t
-        )
-        meshcat.SetProperty(
-            f"{name}/head", "position", [0.0, 0.0, shaft + HEAD], time_in_recording=t
-        )
+        for part, key, value in (
+            ("shaft", "scale", [1.0, 1.0, shaft]),
+            ("shaft", "position", [0.0, 0.0, 0.5 * shaft]),
+            ("head", "position", [0.0, 0.0, shaft + HEAD]),
+        ):
+            meshcat.SetProperty(f"{name}/{part}", key, value, time_in_recording=t)
+
+
+def _scale(forces: Array, longest: float) -> float:
+    """Return the length of an arrow per force [m/N], so that none exceeds ``longest``
+    [m].
+    """
+    return min(FORCE_SCALE, longest / max(float(forces.max(initial=0.0)), 1e-9))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.contact_line import FACING, ContactLine, Split
 from pushpressslide.allocation.presses import (
@@ -17,6 +17,7 @@ from pushpressslide.allocation.presses import (
 )
 from pushpressslide.allocation.projections import WrenchCone
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench.solvers import (
     clarabel_conic,
@@ -27,27 +28,51 @@ from pushpressslide.studies.bench.solvers import (
     push_cost,
 )
 
-Array = NDArray[np.float64]
 Figures = dict[str, float]
 COUNTS = ("feasible", "near_boundary", "flag_differs", "unsolved")
 NEAR = 1e-9  # [N] to the boundary, of wrenches of about 1 N: so near a flag may differ
 RHO = 0.08  # [m]
+WEIGHTS = np.array([1.0, 1.0, 1.0 / RHO])  # of a wrench, to compare its parts
 LEAST_DISTANCE = 0.03  # [m] between the contacts
 TIGHT = {"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11}
 
 
+@dataclass
+class Tally:
+    """Counts and largest differences over the cases of a comparison."""
+
+    figures: Figures
+
+    @classmethod
+    def zeros(cls, *names: str) -> Tally:
+        """Return a tally of zeros."""
+        return cls(dict.fromkeys(names, 0.0))
+
+    def count(self, name: str, happened: bool) -> None:
+        """Add a case to a count."""
+        self.figures[name] += happened
+
+    def note(self, name: str, value: float) -> None:
+        """Keep the largest value."""
+        self.figures[name] = max(self.figures[name], value)
+
+    def over(self, cases: int) -> Figures:
+        """Return all figures beside the number of cases; counts are integers."""
+        out: Figures = {"cases": cases}
+        for name, value in self.figures.items():
+            out[name] = int(value) if name in COUNTS else float(value)
+        return out
+
+
 def pushes(cases: int, seed: int, split: Split = "least_friction") -> Figures:
-    """Return how ``two_contact_allocator`` differs from DAQP, and from SciPy's NNLS
-    where it moves a wrench.
+    """Return how ``two_contact_allocator`` differs from DAQP and SciPy's NNLS.
 
     Counts, and the largest differences: wrench, cone and forces as parts of the largest
-    force. Contacts at any places and normals, any friction; every second wrench is a
-    sum of forces inside the cones.
+    force; NNLS where a wrench is moved. Contacts at any places and normals, any
+    friction; every second wrench is a sum of forces inside the cones.
     """
-    from scipy.optimize import nnls
-
     rng = np.random.default_rng(seed)
-    names = (
+    tally = Tally.zeros(
         "feasible",
         "near_boundary",
         "flag_differs",
@@ -57,140 +82,135 @@ def pushes(cases: int, seed: int, split: Split = "least_friction") -> Figures:
         "forces",
         "moved_further",
     )
-    out = dict.fromkeys(names, 0.0)
-    weights = np.array([1.0, 1.0, 1.0 / RHO])
-
-    def note(name: str, value: float) -> None:
-        out[name] = max(out[name], value)
-
     for case in range(cases):
-        points, normals, friction = _side_contacts(rng)
-        grasp = grasp_matrix(points)
-        edges = edge_matrix(normals, friction)
-        feasible = case % 2 == 0
-        wrench = (
-            grasp @ edges @ rng.exponential(1.0, 4)
-            if feasible
-            else rng.normal(size=3) / weights
-        )
-        ours = two_contact_allocator(points, normals, friction, RHO, split=split)(
-            *wrench.tolist()
-        )
-        theirs = daqp_pushes(points, normals, friction, split=split, primal_tol=1e-11)(
-            wrench
-        )
-        forces = np.array(ours.forces).ravel()
-        scale = max(1.0, float(np.abs(forces).max()))
-        near = (
-            abs(WrenchCone(points, normals, friction, RHO).spare(*wrench.tolist()))
-            < NEAR
-        )
-        out["near_boundary"] += near
-        out["flag_differs"] += (ours.status == "ok") != (
-            theirs is not None
-        ) and not near
-        note("cone", -float((cone_matrix(normals, friction) @ forces).min()) / scale)
-        if ours.status == "ok":
-            out["feasible"] += 1
-            note(
-                "wrench",
-                float(np.abs(weights * (grasp @ forces - wrench)).max()) / scale,
-            )
-        if ours.status == "ok" and theirs is not None:
-            cost = push_cost(points, normals, split)
-            note("shear", (forces @ cost @ forces - theirs @ cost @ theirs) / scale**2)
-            note("forces", float(np.abs(forces - theirs).max()) / scale)
-        if ours.status != "ok":
-            least = nnls(weights[:, None] * grasp @ edges, weights * wrench)[1]
-            note(
-                "moved_further",
-                float(np.linalg.norm(weights * (grasp @ forces - wrench))) - least,
-            )
-    return _figures(cases, out)
+        _compare_push(rng, tally, split, feasible=case % 2 == 0)
+    return tally.over(cases)
+
+
+def _compare_push(
+    rng: np.random.Generator, tally: Tally, split: Split, feasible: bool
+) -> None:
+    """Draw a case of two side contacts and compare its allocations."""
+    from scipy.optimize import nnls
+
+    points, normals, friction = _side_contacts(rng)
+    grasp = grasp_matrix(points)
+    edges = edge_matrix(normals, friction)
+    if feasible:
+        wrench = grasp @ edges @ rng.exponential(1.0, 4)
+    else:
+        wrench = rng.normal(size=3) / WEIGHTS
+    fx, fy, tau = wrench.tolist()
+    allocate = two_contact_allocator(points, normals, friction, RHO, split=split)
+    ours = allocate(fx, fy, tau)
+    solver = daqp_pushes(points, normals, friction, split=split, primal_tol=1e-11)
+    theirs = solver(wrench)
+    forces = np.array(ours.forces).ravel()
+    scale = max(1.0, float(np.abs(forces).max()))
+    cone = WrenchCone(points, normals, friction, RHO)
+    near = abs(cone.spare(fx, fy, tau)) < NEAR
+    possible = ours.status == "ok"
+    tally.count("near_boundary", near)
+    tally.count("flag_differs", possible != (theirs is not None) and not near)
+    inside = float((cone_matrix(normals, friction) @ forces).min())
+    tally.note("cone", -inside / scale)
+    residual = WEIGHTS * (grasp @ forces - wrench)
+    if not possible:
+        least = nnls(WEIGHTS[:, None] * grasp @ edges, WEIGHTS * wrench)[1]
+        tally.note("moved_further", float(np.linalg.norm(residual)) - least)
+        return
+    tally.count("feasible", True)
+    tally.note("wrench", float(np.abs(residual).max()) / scale)
+    if theirs is not None:
+        cost = push_cost(points, normals, split)
+        excess = forces @ cost @ forces - theirs @ cost @ theirs
+        tally.note("shear", excess / scale**2)
+        tally.note("forces", float(np.abs(forces - theirs).max()) / scale)
 
 
 def presses(cases: int, seed: int) -> Figures:
-    """Return how ``two_press_allocator`` and the least presses differ from Clarabel's
-    second-order cones.
+    """Return how ``two_press_allocator`` and the least presses differ from Clarabel's.
 
     Counts, and the largest differences: wrench and discs as parts of the largest press,
     ``shear`` the antagonistic part of the forces beyond Clarabel's least, the rest
     relative.
     """
     rng = np.random.default_rng(seed)
-    names = ("feasible", "near_boundary", "flag_differs", "wrench", "disc", "shear")
-    out = dict.fromkeys(
-        (*names, "scale", "press_in_ratio", "least_press", "unsolved"), 0.0
+    tally = Tally.zeros(
+        "feasible",
+        "near_boundary",
+        "flag_differs",
+        "wrench",
+        "disc",
+        "shear",
+        "scale",
+        "press_in_ratio",
+        "least_press",
+        "unsolved",
     )
-    weights = np.array([1.0, 1.0, 1.0 / RHO])
-
-    def note(name: str, value: float) -> None:
-        out[name] = max(out[name], value)
-
     for _ in range(cases):
-        points = _two_points(rng)
-        friction = float(rng.uniform(0.1, 1.4))
-        share = float(rng.uniform(0.05, 0.95))
-        left, right, x, y = (
-            rng.exponential(2.0, 2).tolist() + rng.uniform(-0.2, 0.2, 2).tolist()
-        )
-        most = (friction * left, friction * right)
-        cop = (x, y)
-        wrench = rng.normal(size=3) / weights
-        fx, fy, tau = wrench.tolist()
-        line = ContactLine(*points)
-        grasp = grasp_matrix(points, cop)
-        parts = line.parts(fx, fy, tau, cop)
-        scale = largest_scale(parts, most)
-        problem = PressProblem(line, grasp, wrench)
-        theirs = {
-            "scale": problem.largest_scale(most),
-            "press_in_ratio": problem.least_press(
-                (friction * (1.0 - share), friction * share)
-            ),
-            "least_press": problem.least_presses(friction),
-        }
-        values = (
-            scale,
+        _compare_presses(rng, tally)
+    return tally.over(cases)
+
+
+def _compare_presses(rng: np.random.Generator, tally: Tally) -> None:
+    """Draw a case of two presses and compare its allocations."""
+    points = _two_points(rng)
+    friction = float(rng.uniform(0.1, 1.4))
+    share = float(rng.uniform(0.05, 0.95))
+    left, right = rng.exponential(2.0, 2).tolist()
+    x, y = rng.uniform(-0.2, 0.2, 2).tolist()
+    cop = (x, y)
+    max_shear = (friction * left, friction * right)
+    wrench = rng.normal(size=3) / WEIGHTS
+    fx, fy, tau = wrench.tolist()
+    line = ContactLine(*points)
+    grasp = grasp_matrix(points, cop)
+    parts = line.parts(fx, fy, tau, cop)
+    problem = PressProblem(line, grasp, wrench)
+    scale = largest_scale(parts, max_shear)
+    solved_scale = problem.largest_scale(max_shear)
+    ratio = (friction * (1.0 - share), friction * share)
+    for name, solved, value in (
+        ("scale", solved_scale, scale),
+        (
+            "press_in_ratio",
+            problem.least_press(ratio),
             least_press(parts, friction, share),
+        ),
+        (
+            "least_press",
+            problem.least_presses(friction),
             sum(least_presses(parts, friction)),
-        )
-        for (name, solved), value in zip(theirs.items(), values, strict=True):
-            out["unsolved"] += solved is None
-            note(name, abs(value / solved - 1.0) if solved is not None else 0.0)
-        ours = two_press_allocator(points, friction)(fx, fy, tau, (left, right), cop)
-        near = abs(scale - 1.0) < NEAR
-        out["near_boundary"] += near
-        solved = theirs["scale"]
-        out["flag_differs"] += (
-            solved is not None and (ours.status == "ok") != (solved >= 1.0) and not near
-        )
-        forces = np.array(ours.forces)
-        note("disc", float((np.hypot(*forces.T) - most).max()) / max(most))
-        if ours.status == "ok":
-            out["feasible"] += 1
-            error = weights * (grasp @ forces.ravel() - wrench)
-            note("wrench", float(np.abs(error).max()) / max(1.0, *most))
-            least = problem.least_antagonism(most)
-            out["unsolved"] += least is None
-            note(
-                "shear",
-                float(np.abs(forces @ line.e).sum()) - least
-                if least is not None
-                else 0.0,
-            )
-    return _figures(cases, out)
-
-
-def _figures(cases: int, found: Figures) -> Figures:
-    return {"cases": cases} | {
-        k: int(v) if k in COUNTS else float(v) for k, v in found.items()
-    }
+        ),
+    ):
+        tally.count("unsolved", solved is None)
+        if solved is not None:
+            tally.note(name, abs(value / solved - 1.0))
+    ours = two_press_allocator(points, friction)(fx, fy, tau, (left, right), cop)
+    near = abs(scale - 1.0) < NEAR
+    possible = ours.status == "ok"
+    tally.count("near_boundary", near)
+    if solved_scale is not None:
+        tally.count("flag_differs", possible != (solved_scale >= 1.0) and not near)
+    forces = np.array(ours.forces)
+    beyond = float((np.hypot(*forces.T) - max_shear).max())
+    tally.note("disc", beyond / max(max_shear))
+    if not possible:
+        return
+    tally.count("feasible", True)
+    residual = WEIGHTS * (grasp @ forces.ravel() - wrench)
+    tally.note("wrench", float(np.abs(residual).max()) / max(1.0, *max_shear))
+    least = problem.least_antagonism(max_shear)
+    tally.count("unsolved", least is None)
+    if least is not None:
+        tally.note("shear", float(np.abs(forces @ line.e).sum()) - least)
 
 
 class PressProblem:
-    """Two presses as second-order cone programs: forces inside discs that add up to a
-    wrench.
+    """Two presses as second-order cone programs.
+
+    The forces lie inside discs and add up to a wrench.
     """
 
     def __init__(self, line: ContactLine, grasp: Array, wrench: Array) -> None:
@@ -200,22 +220,16 @@ class PressProblem:
 
     def largest_scale(self, most: Sequence[float]) -> float | None:
         """Return the largest factor of the wrench for discs of radius ``most`` [N]."""
-        x = self._solve(
-            [-1.0], np.zeros((2, 1)), most, wrench_of=-self._wrench[:, None], fixed=0.0
-        )
-        return None if x is None else float(x[4])
+        column = -self._wrench[:, None]
+        return self._solve([-1.0], np.zeros((2, 1)), most, wrench_of=column, fixed=0.0)
 
     def least_press(self, radii: Sequence[float]) -> float | None:
-        """Return the least sum [N] of normals for discs of radius ``radii`` times that
-        sum.
-        """
-        x = self._solve([1.0], np.array(radii)[:, None], (0.0, 0.0))
-        return None if x is None else float(x[4])
+        """Return the least sum [N] of normals; the discs are ``radii`` times that sum."""
+        return self._solve([1.0], np.array(radii)[:, None], (0.0, 0.0))
 
     def least_presses(self, friction: float) -> float | None:
         """Return the least sum [N] of two normals."""
-        x = self._solve([1.0, 1.0], friction * np.eye(2), (0.0, 0.0))
-        return None if x is None else float(x[4] + x[5])
+        return self._solve([1.0, 1.0], friction * np.eye(2), (0.0, 0.0))
 
     def least_antagonism(self, most: Sequence[float]) -> float | None:
         """Return the least |f_1.e| + |f_2.e| [N] for discs of radius ``most`` [N]."""
@@ -224,8 +238,7 @@ class PressProblem:
             for j, sign in enumerate((1.0, -1.0)):
                 along[2 * i + j, 2 * i : 2 * i + 2] = sign * np.array(self._line.e)
                 along[2 * i + j, 4 + i] = -1.0
-        x = self._solve([1.0, 1.0], np.zeros((2, 2)), most, bounded=along)
-        return None if x is None else float(x[4] + x[5])
+        return self._solve([1.0, 1.0], np.zeros((2, 2)), most, bounded=along)
 
     def _solve(
         self,
@@ -236,9 +249,11 @@ class PressProblem:
         wrench_of: Array | None = None,
         fixed: float = 1.0,
         bounded: Array | None = None,
-    ) -> Array | None:
-        """Return (f, y) with ``linear`` y least, where |f_i| <= radius_i + (radii y)_i,
-        bounded (f, y) <= 0 and G f + wrench_of y = fixed w.
+    ) -> float | None:
+        """Return the sum of the y that make ``linear`` y least; None if unsolved.
+
+        f are the forces: |f_i| <= radius_i + (radii y)_i, bounded (f, y) <= 0, and
+        G f + wrench_of y = fixed w.
         """
         extra = len(linear)
         balance = np.hstack(
@@ -254,15 +269,14 @@ class PressProblem:
         offsets[:3] = fixed * self._wrench
         rows = np.vstack([balance, bounds, discs])
         cost = np.array([0.0] * 4 + linear)
-        return clarabel_conic(cost, rows, offsets, 3, len(bounds), 2, **TIGHT)
+        x = clarabel_conic(cost, rows, offsets, 3, len(bounds), 2, **TIGHT)
+        return None if x is None else float(sum(x[4:]))
 
 
 def _side_contacts(
     rng: np.random.Generator,
 ) -> tuple[tuple[Point, Point], tuple[Point, Point], float]:
-    """Return points [m], normals and friction of two side contacts that do not face
-    each other.
-    """
+    """Return points [m], normals and friction of two contacts that do not face."""
     points = _two_points(rng)
     line = ContactLine(*points)
     while True:

@@ -1,5 +1,6 @@
-"""The benchmarks: the closed forms beside solvers, speed as ratios of medians over the
-same wrenches in the same run.
+"""The benchmarks: the closed forms beside solvers.
+
+Speeds are ratios of medians over the same wrenches in the same run.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.report.files import to_json
+from pushpressslide.report.json_text import to_json
 from pushpressslide.report.metrics import installed_versions
 from pushpressslide.studies.bench.contestants import (
     ABSENT,
@@ -39,11 +40,10 @@ def bench(
     out: Path,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Run the benchmarks ``names`` (None: all); return their rows by name, kept in
-    ``out``/result.json.
+    """Run the benchmarks ``names`` (None: all) and return their rows by name.
 
-    Raises TaskError for an unknown name. Where a solver is not installed its row says
-    so.
+    Writes ``out``/result.json. Raises TaskError for an unknown name. Where a solver is
+    not installed its row says so.
     """
     for name in names or ():
         if name not in BENCHMARKS:
@@ -67,14 +67,14 @@ def bench(
 
 
 def solver_versions() -> dict[str, str]:
-    """Return the versions of the solvers compared with; of those that are installed."""
-    found = {}
+    """Return the versions of the solvers that are installed."""
+    versions = {}
     for name in ("daqp", "clarabel", "scipy"):
         try:
-            found[name] = importlib.metadata.version(name)
+            versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             continue
-    return found
+    return versions
 
 
 def median_time(calls: Sequence[Call]) -> float:
@@ -88,8 +88,7 @@ def median_time(calls: Sequence[Call]) -> float:
 
 
 def compared(contestants: Contestants) -> list[Row]:
-    """Return the median time of each contestant, and how many times the first one's
-    that is.
+    """Return the median time of each contestant, and its ratio to the first one's.
 
     All in turn, in several rounds; both figures are medians over the rounds, so that
     what else the machine does falls on all alike. A text in place of calls says why
@@ -144,8 +143,9 @@ def tick(seed: int, out: Path) -> list[Row]:
 
 
 def track_and_allocate(name: str) -> Callable[[], object]:
-    """Return one tick of a shipped task's tracking law and allocator, off its path by 2
-    mm and 0.02 rad.
+    """Return one tick of a shipped task's tracking law and allocator.
+
+    The object is off its path by 2 mm and 0.02 rad.
     """
     from pushpressslide.core.pose import Pose2
     from pushpressslide.modes import MODES
@@ -166,6 +166,7 @@ def track_and_allocate(name: str) -> Callable[[], object]:
     X_WB = off_path.compose(segment.X_BV.inverse())
 
     def one_tick() -> object:
+        """Track and allocate."""
         wrench = tracker.step(path, X_WB, s, 0.05, 1.0).wrench
         return allocate(wrench.fx, wrench.fy, wrench.tau)
 
@@ -192,8 +193,9 @@ def agreement(seed: int, out: Path) -> list[Row]:
 
 
 def coverage(seed: int, out: Path) -> list[Row]:
-    """Sample what two orthogonal pushes can give, beside the paper's formulas; also as
-    a figure.
+    """Sample what two orthogonal pushes can give, beside the paper's formulas.
+
+    Also writes ``out``/orthogonal-pushes.png.
     """
     from pushpressslide.report import style
     from pushpressslide.studies.bench import coverage as sampled
@@ -203,18 +205,14 @@ def coverage(seed: int, out: Path) -> list[Row]:
 
 
 def turning(seed: int, out: Path) -> list[Row]:
-    """Sample about which points two orthogonal pushes can turn an object, beside the
-    paper's distances.
-    """
+    """Sample the ICRs of two orthogonal pushes, beside the paper's distances."""
     from pushpressslide.studies.bench import coverage as sampled
 
     return [sampled.turning_centers(mu, SAMPLES, seed) for mu in sampled.FRICTIONS]
 
 
 def select(seed: int, out: Path) -> list[Row]:
-    """Run every feasible mode on the planar engine, beside the one that selection ranks
-    first.
-    """
+    """Run every feasible mode on the planar engine, beside selection's ranking."""
     from pushpressslide.studies.bench.selection import study
 
     return study()

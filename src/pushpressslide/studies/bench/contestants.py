@@ -1,5 +1,4 @@
-"""Who takes part in the speed benchmarks of the allocators: ours, and solvers on the
-same wrenches.
+"""The contestants of the allocators' speed benchmarks: ours, and solvers beside them.
 
 Every solver once with its problem built in the call, as it has to be where contacts or
 presses change, and once with all of it kept but the numbers that change.
@@ -12,14 +11,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench import solvers
 
-Array = NDArray[np.float64]
 Call = tuple[Callable[..., object], tuple[Any, ...]]
 """A function, and what to call it with."""
 Contestants = dict[str, Sequence[Call] | str]
@@ -40,8 +39,7 @@ ABSENT = "not installed: pip install 'pushpressslide[bench]'"
 
 
 def push_contestants(seed: int) -> Contestants:
-    """Return the allocation of possible wrenches to two side contacts by us, DAQP and
-    Drake's solvers.
+    """Return us, DAQP and Drake's solvers, on possible wrenches of two side contacts.
 
     Ours also by what it has to do: nothing but the split that is wanted, or go to the
     edge of a cone, or move a wrench that is not possible.
@@ -57,6 +55,7 @@ def push_contestants(seed: int) -> Contestants:
         )
 
     def calls(make: Callable[[Pair, Pair], Callable[[Array], object]]) -> list[Call]:
+        """Return a call for every case; each problem is made once."""
         return [
             (solve, (w,))
             for p, n, wrenches in cases
@@ -64,6 +63,38 @@ def push_contestants(seed: int) -> Contestants:
             for w in wrenches
         ]
 
+    out = _closed_form_pushes(cases)
+    for name, reuse in (("DAQP", False), ("DAQP, workspace kept", True)):
+        try:
+            make = partial(solvers.daqp_pushes, friction=FRICTION, reuse=reuse)
+            out[name] = calls(make)
+        except ModuleNotFoundError:
+            out[name] = ABSENT
+    for name in PUSH_SOLVERS:
+
+        def reused(
+            points: Pair, normals: Pair, name: str = name
+        ) -> Callable[[Array], object]:
+            """Return a solver whose program is kept."""
+            grasp = solvers.grasp_matrix(points)
+            cones = solvers.cone_matrix(normals, FRICTION)
+            return drake_pushes(name, grasp, cones, solvers.push_cost(points, normals))
+
+        def fresh(
+            points: Pair, normals: Pair, reused: Any = reused
+        ) -> Callable[[Array], object]:
+            """Return a solver that builds its program in each call."""
+            return lambda wrench: reused(points, normals)(wrench)
+
+        out[f"Drake {name}"] = calls(fresh)
+        out[f"Drake {name}, program kept"] = calls(reused)
+    return out
+
+
+def _closed_form_pushes(
+    cases: Sequence[tuple[Pair, Pair, Sequence[Array]]],
+) -> Contestants:
+    """Return our calls: all, and by whether a cone's edge or a move is needed."""
     ours = []
     moved = []
     for points, normals, wrenches in cases:
@@ -71,42 +102,16 @@ def push_contestants(seed: int) -> Contestants:
         ours += [(allocate, tuple(w.tolist())) for w in wrenches]
         moved += [(allocate, tuple((-w).tolist())) for w in wrenches]
     edge = [call for call in ours if call[0](*call[1]).margin == 0.0]
-    out: Contestants = {
+    return {
         "closed form": ours,
         "closed form, inside the cones": [call for call in ours if call not in edge],
         "closed form, edge of a cone": edge,
         "closed form, wrench moved": moved,
     }
-    for name, reuse in (("DAQP", False), ("DAQP, workspace kept", True)):
-        try:
-            out[name] = calls(
-                partial(solvers.daqp_pushes, friction=FRICTION, reuse=reuse)
-            )
-        except ModuleNotFoundError:
-            out[name] = ABSENT
-    for name in PUSH_SOLVERS:
-
-        def kept(
-            points: Pair, normals: Pair, name: str = name
-        ) -> Callable[[Array], object]:
-            grasp = solvers.grasp_matrix(points)
-            cones = solvers.cone_matrix(normals, FRICTION)
-            return drake_pushes(name, grasp, cones, solvers.push_cost(points, normals))
-
-        def built(
-            points: Pair, normals: Pair, kept: Any = kept
-        ) -> Callable[[Array], object]:
-            return lambda wrench: kept(points, normals)(wrench)
-
-        out[f"Drake {name}"] = calls(built)
-        out[f"Drake {name}, program kept"] = calls(kept)
-    return out
 
 
 def press_contestants(seed: int) -> Contestants:
-    """Return the allocation of possible wrenches to two presses by us, Clarabel and
-    Drake's solvers.
-    """
+    """Return us, Clarabel and Drake's solvers, on possible wrenches of two presses."""
     from pushpressslide.sim.bench_solvers import PRESS_SOLVERS, drake_presses
 
     rng = np.random.default_rng(seed)
@@ -114,18 +119,15 @@ def press_contestants(seed: int) -> Contestants:
     cases = []
     for points in PRESSES:
         allocate = two_press_allocator(points, FRICTION)
-        possible: list[tuple[Array, Array]] = []
-        while len(possible) < WRENCHES:
-            wrench = rng.normal(size=3) * (1.0, 1.0, RHO)
-            normals = rng.uniform(1.0, 10.0, 2)
-            fx, fy, tau = wrench.tolist()
-            left, right = normals.tolist()
-            if allocate(fx, fy, tau, (left, right)).status == "ok":
-                possible.append((wrench, normals))
-                ours.append((allocate, (fx, fy, tau, (left, right))))
+        possible = _possible_presses(rng, allocate)
+        ours += [
+            (allocate, (*wrench.tolist(), tuple(normals.tolist())))
+            for wrench, normals in possible
+        ]
         cases.append((points, possible))
 
     def calls(make: Callable[[Pair], Callable[[Array, Array], object]]) -> list[Call]:
+        """Return a call for every case; each problem is made once."""
         return [
             (solve, case)
             for points, possible in cases
@@ -143,12 +145,29 @@ def press_contestants(seed: int) -> Contestants:
             out[name] = ABSENT
     for name in PRESS_SOLVERS:
 
-        def kept(points: Pair, name: str = name) -> Callable[[Array, Array], object]:
+        def reused(points: Pair, name: str = name) -> Callable[[Array, Array], object]:
+            """Return a solver whose program is kept."""
             return drake_presses(name, solvers.grasp_matrix(points), FRICTION)
 
-        def built(points: Pair, kept: Any = kept) -> Callable[[Array, Array], object]:
-            return lambda wrench, normals: kept(points)(wrench, normals)
+        def fresh(
+            points: Pair, reused: Any = reused
+        ) -> Callable[[Array, Array], object]:
+            """Return a solver that builds its program in each call."""
+            return lambda wrench, normals: reused(points)(wrench, normals)
 
-        out[f"Drake {name}"] = calls(built)
-        out[f"Drake {name}, program kept"] = calls(kept)
+        out[f"Drake {name}"] = calls(fresh)
+        out[f"Drake {name}, program kept"] = calls(reused)
     return out
+
+
+def _possible_presses(
+    rng: np.random.Generator, allocate: Callable[..., Allocation]
+) -> list[tuple[Array, Array]]:
+    """Draw ``WRENCHES`` wrenches (3,) with normal forces (2,) [N] that can give them."""
+    possible: list[tuple[Array, Array]] = []
+    while len(possible) < WRENCHES:
+        wrench = rng.normal(size=3) * (1.0, 1.0, RHO)
+        normals = rng.uniform(1.0, 10.0, 2)
+        if allocate(*wrench.tolist(), tuple(normals.tolist())).status == "ok":
+            possible.append((wrench, normals))
+    return possible

@@ -1,6 +1,7 @@
-"""What two orthogonal pushes can give, and what the paper's formulas make of it, by
-sampling (docs/allocation.md). Lengths are in multiples of the contacts' distance d to
-the CoM, or of K = rho^2/d.
+"""What two orthogonal pushes can give, by sampling, beside the paper's formulas.
+
+docs/allocation.md. Lengths are in multiples of the contacts' distance d to the CoM, or
+of K = rho^2/d.
 """
 
 from __future__ import annotations
@@ -10,9 +11,9 @@ import statistics
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation import orthogonal, published
+from pushpressslide.core.arrays import Array
 from pushpressslide.mechanics.friction import cone_edges
 from pushpressslide.report import style
 
@@ -20,14 +21,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 Row = dict[str, float]
 FRICTIONS = (0.2, 0.3, 0.5, 0.8)
 
 
 def coverage(friction: float, samples: int, seed: int) -> Row:
-    """Return what part of all directions of (fx, fy, tau/d) two orthogonal pushes can
-    give, in parts of 1.
+    """Return the share of directions of (fx, fy, tau/d) that two orthogonal pushes give.
 
     ``symmetric``: the part of these that the paper's even split of friction gives
     without a bias. For the rest, ``bias``: the median size of the wrench that its least
@@ -64,8 +63,9 @@ def coverage(friction: float, samples: int, seed: int) -> Row:
 
 
 def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
-    """Return (samples, 3) wrenches (fx, fy, tau/d): sums of random forces inside both
-    cones.
+    """Return wrenches (fx, fy, tau/d) (samples, 3): sums of forces inside both cones.
+
+    The forces are random.
     """
     edges = [
         (x, y, px * y - py * x)
@@ -78,8 +78,7 @@ def possible_wrenches(friction: float, samples: int, seed: int) -> Array:
 
 
 def turning_centers(friction: float, samples: int, seed: int) -> Row:
-    """Return where random possible wrenches turn the object, beside what section 6 and
-    the paper say.
+    """Return the ICRs of random possible wrenches, beside section 6 and the paper.
 
     ``outside``: centres not in the region of their direction of turning; ``closest`` to
     the CoM; ``radius``, ``near`` and ``far`` by section 6; ``d_min`` and ``d_max`` by
@@ -107,9 +106,7 @@ def turning_centers(friction: float, samples: int, seed: int) -> Row:
 
 
 def figure(friction: float, seed: int) -> Figure:
-    """Return what is possible for a force of 1 N in any direction, and the centres of
-    turning.
-    """
+    """Return the wrenches possible for a force of 1 N in any direction, and the ICRs."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 

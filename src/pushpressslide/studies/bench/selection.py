@@ -1,5 +1,6 @@
-"""Is the mode that selection ranks first the quickest one? On twenty tasks of different
-kinds every feasible mode is run on the planar engine.
+"""Whether the mode that selection ranks first is the quickest one.
+
+On twenty tasks of different kinds every feasible mode is run on the planar engine.
 """
 
 from __future__ import annotations
@@ -270,9 +271,11 @@ CASES = (
 
 
 def study(cases: Sequence[Case] = CASES) -> list[Row]:
-    """Return for each case the processor time [ms] of selection, the mode that it ranks
-    first, the one that reached the goal soonest, and of every feasible mode's best
-    choice the estimated and the true time [s].
+    """Return a row for each case: how selection ranks the modes, and how they do.
+
+    Processor time [ms] of selection, the mode that it ranks first, the one that reached
+    the goal soonest, and of every feasible mode's best choice the estimated and the
+    true time [s].
     """
     # what is read once is not counted
     for robots in {case.robots: None for case in cases}:
@@ -305,16 +308,14 @@ def _row(case: Case) -> Row:
         "soonest": soonest,
         "right": bool(winner) and winner == soonest,
         "times": "; ".join(
-            _told(mode, estimated[mode], *of) for mode, of in runs.items()
+            _sentence(mode, estimated[mode], *run) for mode, run in runs.items()
         ),
         "modes": modes,
     }
 
 
 def _run(task: Task, choice: Choice) -> tuple[float, bool]:
-    """Return how long the planar engine takes for a choice [s], and whether it reaches
-    the goal.
-    """
+    """Return the duration [s] of a choice's planar run, and whether it succeeds."""
     from pushpressslide.planar.engine import run
     from pushpressslide.report.metrics import result
 
@@ -324,9 +325,7 @@ def _run(task: Task, choice: Choice) -> tuple[float, bool]:
     return float(record.arrays["time"][-1]), bool(result(task, plan, record)["success"])
 
 
-def _told(mode: str, estimated: float, true: float, reached: bool) -> str:
-    return (
-        f"{mode} {true:.1f} s (estimated {estimated:.1f})"
-        if reached
-        else f"{mode} misses"
-    )
+def _sentence(mode: str, estimated: float, true: float, reached: bool) -> str:
+    if not reached:
+        return f"{mode} misses"
+    return f"{mode} {true:.1f} s (estimated {estimated:.1f})"

@@ -1,5 +1,4 @@
-"""The allocation problems put to solvers: what the closed forms are checked against and
-compared with.
+"""The allocation problems as solvers take them, to check and compare the closed forms.
 
 Needs the extra ``bench``: DAQP for the friction cones of side contacts, Clarabel for
 the discs of presses. Never in a control loop.
@@ -10,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.allocation.contact_line import Split
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.mechanics.friction import cone_edges
 
-Array = NDArray[np.float64]
 PushSolver = Callable[[Array], Array | None]
 """A wrench (3,) [N, N m] to two forces (4,) [N] inside their cones; None where there
 are none.
@@ -26,8 +24,9 @@ PressSolver = Callable[[Array, Array], Array | None]
 
 
 def grasp_matrix(points: Sequence[Point], about: Point = (0.0, 0.0)) -> Array:
-    """Return G (3, 4): G f is the wrench, moment about ``about``, of forces f at two
-    points [m].
+    """Return G (3, 4): G f is the wrench of forces f at two points [m].
+
+    The moment is about ``about`` [m].
     """
     (x1, y1), (x2, y2) = ((x - about[0], y - about[1]) for x, y in points)
     return np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-y1, x1, -y2, x2]])
@@ -44,8 +43,9 @@ def cone_matrix(normals: Sequence[Point], friction: float) -> Array:
 
 
 def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
-    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones; k [N] are
-    normal forces.
+    """Return E (4, 4): the forces E k, k >= 0, are those inside both cones.
+
+    k [N] are normal forces.
     """
     edges = np.zeros((4, 4))
     for i, normal in enumerate(normals):
@@ -58,10 +58,10 @@ def edge_matrix(normals: Sequence[Point], friction: float) -> Array:
 def push_cost(
     points: Sequence[Point], normals: Sequence[Point], split: Split = "least_friction"
 ) -> Array:
-    """Return H (4, 4): f^T H f is what ``split`` makes least, plus a constant for a
-    given wrench.
+    """Return H (4, 4): f^T H f is what ``split`` makes least.
 
-    The constant's G^T G makes H positive definite and moves no minimum.
+    It includes a constant for a given wrench. The constant's G^T G makes H positive
+    definite and moves no minimum.
     """
     if split == "least_force":
         return np.eye(4)
@@ -101,6 +101,7 @@ def daqp_pushes(
     model.settings = settings
 
     def fresh(wrench: Array) -> Array | None:
+        """Solve with a new workspace."""
         upper[:3] = lower[:3] = wrench
         forces, _, flag, _ = daqp.solve(
             cost, linear, rows, upper, lower, sense, **settings
@@ -108,6 +109,7 @@ def daqp_pushes(
         return forces if flag > 0 else None
 
     def reused(wrench: Array) -> Array | None:
+        """Solve in the one workspace."""
         upper[:3] = lower[:3] = wrench
         model.update(bupper=upper, blower=lower)
         forces, _, flag, _ = model.solve()
@@ -125,11 +127,10 @@ def clarabel_conic(
     cones: int,
     **settings: float,
 ) -> Array | None:
-    """Return x that makes ``linear`` x least, with offsets - rows x in the cones, by
-    Clarabel; None if none.
+    """Return the x that makes ``linear`` x least, by Clarabel; None if there is none.
 
-    The rows are, in this order, ``equal`` zeros, ``at_least`` numbers >= 0 and
-    ``cones`` second-order cones of size 3.
+    offsets - rows x lie in the cones. The rows are, in this order, ``equal`` zeros,
+    ``at_least`` numbers >= 0 and ``cones`` second-order cones of size 3.
     """
     import clarabel
     from scipy.sparse import csc_matrix
@@ -152,8 +153,10 @@ def clarabel_conic(
 def clarabel_presses(
     points: Sequence[Point], friction: float, *, reuse: bool = False
 ) -> PressSolver:
-    """Return Clarabel on the problem of ``two_press_allocator``, moment about B's
-    origin: the least sum of squared forces inside the discs.
+    """Return Clarabel on the problem of ``two_press_allocator``.
+
+    It makes the sum of squared forces inside the discs least; moments are about B's
+    origin.
 
     ``reuse``: one solver, of which a call changes the right-hand side alone.
     """
@@ -174,22 +177,20 @@ def clarabel_presses(
     options.verbose = False
     options.presolve_enable = False  # must be off to change data
     offsets = np.zeros(9)
-    kept = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
+    reused = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
 
     def solve(wrench: Array, normals: Array) -> Array | None:
+        """Return the forces (4,) [N]; None if there are none."""
         offsets[:3] = wrench
         offsets[3], offsets[6] = friction * normals
+        solver = reused
         if reuse:
-            kept.update(b=offsets)
-            solution = kept.solve()
+            solver.update(b=offsets)
         else:
-            solution = clarabel.DefaultSolver(
-                cost, linear, rows, offsets, cones, options
-            ).solve()
-        return (
-            np.array(solution.x)
-            if solution.status == clarabel.SolverStatus.Solved
-            else None
-        )
+            solver = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
+        solution = solver.solve()
+        if solution.status != clarabel.SolverStatus.Solved:
+            return None
+        return np.array(solution.x)
 
     return solve

@@ -1,5 +1,4 @@
-"""What the paper claims of its experiments, and whether it was reproduced: computed
-from the runs.
+"""What the paper claims of its experiments, and whether the runs reproduced it.
 
 Every error and time that the paper gives, and every statement of its experiments. What
 it derives is judged in ``corrections``.
@@ -24,6 +23,7 @@ RHO_WITHIN = 0.1  # share of the exact rho
 SEEN = -0.2  # [m] virtual axle from the CoM, in the paper's simulation
 SEEN_C = 0.43
 STEADY = 0.005  # [m] within which an axle has to stay to be called steady
+AXLE = "Virtual axle"
 KINDS = (
     ("time", ("motion_duration",)),
     (
@@ -32,6 +32,15 @@ KINDS = (
     ),
     ("distance from the goal", ("final_position_error", "final_yaw_error")),
 )
+
+
+STATUS = {
+    (True, True): "met or beaten",
+    (True, False): "missed",
+    (False, True): "reproduced",
+    (False, False): "not reproduced",
+}
+"""In words, of a (figure, reproduced) claim."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,61 +61,48 @@ class Claim:
         """What came of it, in words."""
         if self.reproduced is None:
             return "not run"
-        good, bad = (
-            ("met or beaten", "missed")
-            if self.figure
-            else ("reproduced", "not reproduced")
-        )
-        return good if self.reproduced else bad
+        return STATUS[self.figure, self.reproduced]
 
 
 def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]:
-    """Return the claims that the given experiments and the axle's analysis speak to,
-    judged.
-    """
-    out = []
+    """Return the claims on the given experiments and the virtual axle, judged."""
+    out: list[Claim] = []
     for experiment in experiments:
         for variant in experiment.variants:
-            out += list(
-                _figures(
-                    experiment, variant, evidence.result(experiment.name, variant.name)
-                )
-            )
-        for claim in STATEMENTS.get(experiment.name, _reached)(experiment, evidence):
-            out.append(claim)
+            result = evidence.result(experiment.name, variant.name)
+            out += _figures(experiment, variant, result)
+        judge = STATEMENTS.get(experiment.name, _reached)
+        out += judge(experiment, evidence)
     if evidence.axle is not None:
         out += _axle(evidence.axle)
     timed = [o.result for o in evidence.outcomes.values() if o.result is not None]
     return [*out, *_real_time(timed)]
 
 
+def _title(experiment: Experiment, variant: Variant) -> str:
+    return variant.title if len(experiment.variants) > 1 else experiment.title
+
+
 def _figures(
     experiment: Experiment, variant: Variant, result: Result | None
 ) -> Iterator[Claim]:
-    """Judge the figures that the paper gives for a variant, those that belong together
-    as one.
-    """
-    title = variant.title if len(experiment.variants) > 1 else experiment.title
+    """Judge the figures that the paper gives for a variant, each kind as one claim."""
+    title = _title(experiment, variant)
     for what, keys in KINDS:
         given = [key for key in keys if key in variant.paper]
         if not given:
             continue
-        met = (
-            None
-            if result is None
-            else all(result[k] <= variant.paper[k].value for k in given)
-        )
-        yield Claim(
-            experiment.title,
-            f"{title}: {what}",
-            ", ".join(paper_figure(variant.paper, key) for key in given),
-            ""
-            if result is None
-            else ", ".join(figure_of(result, key) for key in given),
-            met,
-            variant.why if met or result is None else str(result["reason"]["text"]),
-            figure=True,
-        )
+        paper = ", ".join(paper_figure(variant.paper, key) for key in given)
+        words = f"{title}: {what}"
+        if result is None:
+            yield Claim(
+                experiment.title, words, paper, "", None, variant.why, figure=True
+            )
+            continue
+        measured = ", ".join(figure_of(result, key) for key in given)
+        met = all(result[key] <= variant.paper[key].value for key in given)
+        why = variant.why if met else str(result["reason"]["text"])
+        yield Claim(experiment.title, words, paper, measured, met, why, figure=True)
 
 
 def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
@@ -114,7 +110,7 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
     for variant in experiment.variants:
         if variant.paper:
             continue
-        title = variant.title if len(experiment.variants) > 1 else experiment.title
+        title = _title(experiment, variant)
         words = f"{title}: the goal is reached"
         result = evidence.result(experiment.name, variant.name)
         if result is None:
@@ -129,23 +125,22 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 
 
 def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge whether the joint term makes a push by force faster and tighter, for each
-    of the forces.
-    """
+    """Judge whether the joint term makes a push by force faster and tighter."""
     for key, words, factor in (
         ("motion_duration", "is faster", FASTER),
         ("rms_position_error", "keeps the box closer to its reference", TIGHTER),
     ):
-        told = []
-        best = None
+        pairs = []
+        ratios = []
         for share, name in FORCES:
             alone, joined = (
                 evidence.result(experiment.name, n) for n in (name, f"{name}-joint")
             )
             if alone is None or joined is None or not alone[key] or not joined[key]:
                 continue
-            told.append(f"{share}: {figure_of(alone, key)} to {figure_of(joined, key)}")
-            best = max(best or 0.0, alone[key] / joined[key])
+            before = figure_of(alone, key)
+            pairs.append(f"{share}: {before} to {figure_of(joined, key)}")
+            ratios.append(alone[key] / joined[key])
         why = (
             "So it is where the force falls short of friction; where it equals or "
             "exceeds it, the force "
@@ -156,8 +151,8 @@ def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
             experiment.title,
             f"With the joint term a push {words}",
             f"{factor:.2f} times",
-            "; ".join(told),
-            None if best is None else best >= factor,
+            "; ".join(pairs),
+            max(ratios) >= factor if ratios else None,
             why,
         )
 
@@ -185,9 +180,7 @@ def _rho(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
 
 
 def _fixed_target(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge the literal reading of the paper's virtual target, by the figures asked of
-    the others.
-    """
+    """Judge the literal reading of the paper's virtual target by the paper's figures."""
     result = evidence.result(experiment.name, "fixed-target")
     asked = experiment.variants[0].paper
     words = "A virtual target fixed beyond the goal aligns the object"
@@ -208,81 +201,102 @@ STATEMENTS: dict[str, Callable[[Experiment, Evidence], Iterator[Claim]]] = {
 }
 
 
-def _axle(result: Result) -> Iterator[Claim]:
-    """Judge what the paper says of the virtual axle by the measured ones, under its
-    press at its height.
+def _axle(result: Result) -> list[Claim]:
+    """Judge what the paper says of the virtual axle, by the axles measured.
+
+    The rows are those of the paper's press at its height.
     """
-    source = "Virtual axle"
     rows = [row for row in result["rows"] if row["measured"] is not None]
     high = max((row["height"] for row in rows), default=0.0)
     ours = [row for row in rows if row["height"] == high]
     if not ours:
-        return
-    pulled, pushed = (pick(ours, key=lambda row: row["angle"]) for pick in (min, max))
-    both = f"{1e3 * pulled['measured']:+.0f} mm pulled, {1e3 * pushed['measured']:+.0f} mm pushed"
-    paper = pulled["paper"]
-    band = max(
-        row["measured_axle_band"][1] - row["measured_axle_band"][0] for row in ours
-    )
+        return []
+    return [*_axle_places(result, ours, high), *_axle_steadiness(result, ours)]
+
+
+def _axle_places(result: Result, rows: Sequence[Result], height: float) -> list[Claim]:
+    """Judge where the axle is, by the force that pulls most and that pushes most."""
+    pulled = min(rows, key=lambda row: row["angle"])
+    pushed = max(rows, key=lambda row: row["angle"])
+    axle = pushed["measured"]
+    both = f"{1e3 * pulled['measured']:+.0f} mm pulled, {1e3 * axle:+.0f} mm pushed"
+    shift = result["support_friction"] * height
+    cs = [_c_of(pulled["measured"], shift), _c_of(axle, -shift)]
+    tolerance = result["tolerance"]
+    return [
+        Claim(
+            AXLE,
+            "Axle from the CoM by the paper's formula",
+            "0.82 m",
+            both,
+            abs(abs(axle) - 0.82) <= tolerance,
+            f"By its own formula {1e3 * pulled['paper']:+.0f} mm; and c = 0.6 is not "
+            "the pressed bar's.",
+        ),
+        Claim(
+            AXLE,
+            "Axle from the CoM as seen in simulation",
+            f"{abs(SEEN):g} m",
+            both,
+            abs(axle - SEEN) <= tolerance,
+            "So it is when pushed; pulled, drag at the tip's height moves the load the "
+            "other way.",
+        ),
+        Claim(
+            AXLE,
+            "c falls from 0.6 to 0.43 under the arm's force",
+            f"{SEEN_C:g}",
+            f"{cs[0]:.2f} pulled, {cs[1]:.2f} pushed",
+            all(abs(c - SEEN_C) <= 0.03 for c in cs),
+            "From the measured axles and the moved centres of pressure: there is no "
+            "single c.",
+        ),
+    ]
+
+
+def _c_of(axle: float, shift: float) -> float:
+    """Return c = rho / r0 of the bar that turns about ``axle`` [m] from the CoM.
+
+    ``shift`` [m] is how far the drag moves the centre of pressure.
+    """
+    square = (BAR.cop[0] + shift - axle) * BAR.lever
+    return math.sqrt(max(square, 0.0)) / BAR.half_diagonal
+
+
+def _axle_steadiness(result: Result, rows: Sequence[Result]) -> list[Claim]:
+    """Judge whether the axle moves over time, with the force, and off its prediction."""
+    bands = [row["measured_axle_band"] for row in rows]
+    band = max(high - low for low, high in bands)
+    axles = [row["measured"] for row in rows]
+    spread = max(axles) - min(axles)
     worst = result["summary"]["predicted"]["max"]
-    shift = result["support_friction"] * high
-    cs = []
-    for row, sign in ((pulled, 1.0), (pushed, -1.0)):
-        square = (BAR.cop[0] + sign * shift - row["measured"]) * BAR.lever
-        cs.append(math.sqrt(max(square, 0.0)) / BAR.half_diagonal)
-    yield Claim(
-        source,
-        "Axle from the CoM by the paper's formula",
-        "0.82 m",
-        both,
-        abs(abs(pushed["measured"]) - 0.82) <= result["tolerance"],
-        f"By its own formula {1e3 * paper:+.0f} mm; and c = 0.6 is not the pressed "
-        "bar's.",
-    )
-    yield Claim(
-        source,
-        "Axle from the CoM as seen in simulation",
-        f"{abs(SEEN):g} m",
-        both,
-        abs(pushed["measured"] - SEEN) <= result["tolerance"],
-        "So it is when pushed; pulled, drag at the tip's height moves the load the "
-        "other way.",
-    )
-    yield Claim(
-        source,
-        "c falls from 0.6 to 0.43 under the arm's force",
-        f"{SEEN_C:g}",
-        f"{cs[0]:.2f} pulled, {cs[1]:.2f} pushed",
-        all(abs(c - SEEN_C) <= 0.03 for c in cs),
-        "From the measured axles and the moved centres of pressure: there is no single "
-        "c.",
-    )
-    yield Claim(
-        source,
-        "The axle remains stable",
-        "",
-        f"within {1e3 * band:.1f} mm over time",
-        band <= STEADY,
-        "For a force of constant direction in the body, 5th to 95th percentile.",
-    )
-    spread = max(r["measured"] for r in ours) - min(r["measured"] for r in ours)
-    yield Claim(
-        source,
-        "The axle is invariant to the force's direction",
-        "0 mm",
-        f"moves by {1e3 * spread:.0f} mm",
-        spread <= STEADY,
-        "It moves with the direction through the exact surface's shape and the tip's "
-        "height.",
-    )
-    yield Claim(
-        source,
-        "The abstraction is valid: the object turns about a predictable axle",
-        "",
-        f"predicted within {1e3 * worst:.1f} mm",
-        worst <= result["tolerance"],
-        "With the exact surface and the height of the contact, in every probe.",
-    )
+    return [
+        Claim(
+            AXLE,
+            "The axle remains stable",
+            "",
+            f"within {1e3 * band:.1f} mm over time",
+            band <= STEADY,
+            "For a force of constant direction in the body, 5th to 95th percentile.",
+        ),
+        Claim(
+            AXLE,
+            "The axle is invariant to the force's direction",
+            "0 mm",
+            f"moves by {1e3 * spread:.0f} mm",
+            spread <= STEADY,
+            "It moves with the direction through the exact surface's shape and the "
+            "tip's height.",
+        ),
+        Claim(
+            AXLE,
+            "The abstraction is valid: the object turns about a predictable axle",
+            "",
+            f"predicted within {1e3 * worst:.1f} mm",
+            worst <= result["tolerance"],
+            "With the exact surface and the height of the contact, in every probe.",
+        ),
+    ]
 
 
 def _real_time(results: Sequence[Result]) -> Iterator[Claim]:

@@ -23,9 +23,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """A statement of the paper, what is wrong with it in one line, and the figures that
-    show it.
-    """
+    """A statement of the paper, what is wrong with it, and the figures that show it."""
 
     claim: str
     section: str  # of docs/mechanics.md

@@ -1,8 +1,8 @@
-"""Where the paper's text needs correction: its own figures beside what holds, computed
-when asked for.
+"""Where the paper's text needs correction: its figures beside what holds.
 
-One row for each of docs/mechanics.md, section 12. Renew the page by
-``python -m pushpressslide.studies.paper.corrections docs/corrections.md``.
+Both are computed when asked for. One row for each of docs/mechanics.md, section 12.
+Renew the page by ``python -m pushpressslide.studies.paper.corrections
+docs/corrections.md``.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
-from pushpressslide.report.page_tables import table
+from pushpressslide.report.page_tables import number_cells, table
 from pushpressslide.studies.paper import corrections_one_arm as one
 from pushpressslide.studies.paper import corrections_two_arms as two
 from pushpressslide.studies.paper.correction import Correction
@@ -54,13 +54,8 @@ def html(rows: Sequence[Correction]) -> str:
         )
         marks.append(' class="claim"')
         for figure in row.figures:
-            cells = (figure.shown(figure.paper), figure.shown(figure.holds))
-            lines.append(
-                [
-                    f'<th scope="row">{escape(figure.what)}</th>',
-                    *(f'<td class="n">{escape(cell)}</td>' for cell in cells),
-                ]
-            )
+            cells = number_cells(map(figure.shown, (figure.paper, figure.holds)))
+            lines.append([f'<th scope="row">{escape(figure.what)}</th>', *cells])
             marks.append("")
     return table(("Claim and figure", "Paper", "Holds"), lines, marks, numbers=2)
 
@@ -80,8 +75,9 @@ def markdown(rows: Sequence[Correction]) -> str:
 
 
 def with_corrections(page: str) -> str:
-    """Return a page with its corrections renewed; raises ValueError for a page without
-    the two marks.
+    """Return a page with its corrections renewed.
+
+    Raises ValueError for a page without the two marks.
     """
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)

@@ -1,5 +1,6 @@
-"""Corrections to what the paper says of support and one arm (docs/mechanics.md,
-sections 1 to 4).
+"""Corrections to what the paper says of support and one arm.
+
+docs/mechanics.md, sections 1 to 4.
 """
 
 from __future__ import annotations
@@ -96,10 +97,12 @@ def force_invariance() -> Correction:
     """Case 2: one axle for all forces."""
 
     def spread(distance: Callable[[float], float]) -> float:
+        """Ratio of the farthest to the nearest axle."""
         distances = [distance(angle) for angle in ANGLES]
         return max(distances) / min(distances)
 
     def on_ellipsoid(angle: float) -> float:
+        """Distance [m] of the axle by the ellipsoid."""
         force = (math.cos(angle), math.sin(angle))
         surface = EllipsoidLimitSurface(1.0, PAPER_C * BAR.half_diagonal)
         twist = surface.twist_direction(Wrench(*force, BAR.lever * force[1]))
@@ -151,6 +154,7 @@ def mobility_of_shift() -> Correction:
     centred = rho_straight(UNIFORM) ** 2
 
     def shifted(x: float) -> float:
+        """rho^2 [m^2] of a load with its centre at ``x`` [m]."""
         return rho_straight(rectangle_pressure(0.6, 0.2, 1.0, (x, 0.0))) ** 2
 
     return Correction(
@@ -231,8 +235,9 @@ def stanley_signs() -> Correction:
 
 
 def _steered(gain: float, offset: float, sign: float = 1.0) -> list[float]:
-    """Return the offsets [m] of a car's axle over 1 m, ``gain`` in units of the largest
-    without overshoot.
+    """Return the offsets [m] of a car's axle over 1 m.
+
+    ``gain`` is in units of the largest without overshoot.
     """
     wheelbase = 0.045
     step = 5e-4
@@ -312,8 +317,9 @@ def virtual_target() -> Correction:
 
 
 def _aligned(law: LookAheadAlignment) -> Point:
-    """Return offset [m] and heading [rad] at the goal, the origin, after 1 m from 0.1 m
-    aside.
+    """Return offset [m] and heading [rad] at the goal, the origin.
+
+    The motion begins 1 m before the goal, 0.1 m aside.
     """
     pose = Pose2(-1.0, 0.1, 0.0)
     step = 5e-4

@@ -156,8 +156,9 @@ def symmetric_split() -> Correction:
 
 
 def _covered(mu: float) -> float:
-    """Return the share of the possible wrenches, in random directions, that the even
-    split covers.
+    """Return the share of possible wrenches that the even split covers.
+
+    The wrenches have random directions.
     """
     rng = random.Random(0)
     d = 0.1

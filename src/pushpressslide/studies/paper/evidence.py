@@ -24,9 +24,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """All outcomes, by the names of experiment and variant, and the axle's analysis
-    where it was made.
-    """
+    """All outcomes by the names of experiment and variant, and the virtual axle's."""
 
     outcomes: Mapping[tuple[str, str], Outcome]
     axle: Result | None = None  # as of virtual_axle.result_of

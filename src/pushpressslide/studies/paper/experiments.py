@@ -36,11 +36,10 @@ EXPERIMENTS: dict[str, Experiment] = {
 
 
 def chosen(names: list[str] | None) -> tuple[tuple[Experiment, ...], bool]:
-    """Return the named experiments, each once, in the order given, and whether the
-    axle's analysis is among them; all of them for None.
+    """Return the named experiments, and whether the virtual axle's is among them.
 
-    Raises PushPressSlideError, naming the experiments that there are, for an unknown
-    name.
+    Each once, in the order given; all of them for None. Raises PushPressSlideError,
+    naming the experiments that there are, for an unknown name.
     """
     known = [*EXPERIMENTS, AXLE]
     for name in names or ():

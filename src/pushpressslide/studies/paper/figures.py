@@ -1,4 +1,4 @@
-"""The figures by which runs are held against the paper."""
+"""The figures by which runs are compared with the paper."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from pushpressslide.report.page_tables import Row, shown
+from pushpressslide.report.page_tables import Row
 from pushpressslide.studies.paper.experiment import PaperFigure
 
 DEGREE = 180.0 / math.pi
 FIGURES: tuple[Row, ...] = (
-    ("Time", "motion_duration", 1.0, "s", 1),
-    ("RMS box", "rms_position_error", 1e3, "mm", 1),
-    ("RMS tip", "rms_end_effector_error", 1e3, "mm", 1),
-    ("RMS yaw", "rms_yaw_error", DEGREE, "°", 2),
-    ("End, position", "final_position_error", 1e3, "mm", 1),
-    ("End, yaw", "final_yaw_error", DEGREE, "°", 2),
+    Row("Time", "motion_duration", 1.0, "s", 1),
+    Row("RMS box", "rms_position_error", 1e3, "mm", 1),
+    Row("RMS tip", "rms_end_effector_error", 1e3, "mm", 1),
+    Row("RMS yaw", "rms_yaw_error", DEGREE, "°", 2),
+    Row("End, position", "final_position_error", 1e3, "mm", 1),
+    Row("End, yaw", "final_yaw_error", DEGREE, "°", 2),
 )
-ROWS = {row[1]: row for row in FIGURES}
+ROWS = {row.key: row for row in FIGURES}
 SIGNS = {"over": "> ", "about": "≈ ", "within": "≤ ", "": ""}
 
 
@@ -31,5 +31,4 @@ def paper_figure(figures: Mapping[str, PaperFigure], key: str) -> str:
 
 def figure_of(result: Mapping[str, Any], key: str) -> str:
     """Return a run's figure with its unit, a dash where there is none."""
-    _, _, factor, unit, decimals = ROWS[key]
-    return shown(result, key, factor, unit, decimals)
+    return ROWS[key].text(result)

@@ -89,7 +89,7 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,
         predicted=segment.drive.rho or math.nan,
-        identified=math.sqrt(found.reach * press.lever),
+        identified=math.sqrt(found.effective_wheelbase * press.lever),
         exact=math.sqrt(reach * press.lever),
         axle=found.axle,
         exact_axle=math.hypot(*press.cop) + ahead,

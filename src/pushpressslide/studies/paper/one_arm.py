@@ -1,5 +1,6 @@
-"""The paper's experiments with one arm: shipped tasks, what is changed in them, and the
-paper's figures.
+"""The paper's experiments with one arm.
+
+Shipped tasks, what is changed in them, and the paper's figures.
 """
 
 from __future__ import annotations

@@ -1,12 +1,10 @@
-"""The page of the paper's experiments: claims, figures, pictures and plots,
-corrections.
-"""
+"""The page of the paper's experiments: claims, figures, plots, corrections."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
@@ -15,7 +13,12 @@ from pushpressslide.report import style
 from pushpressslide.report.axle_figures import axle_over_time, directions_figure
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page import document, image
-from pushpressslide.report.page_tables import comparison_table, table
+from pushpressslide.report.page_tables import (
+    comparison_table,
+    group_row,
+    number_cells,
+    table,
+)
 from pushpressslide.report.plane import path_figure
 from pushpressslide.report.plots import comparison_plot
 from pushpressslide.report.virtual_axle import page_body, write_virtual_axle
@@ -25,7 +28,7 @@ from pushpressslide.studies.paper.correction import Correction
 from pushpressslide.studies.paper.evidence import Evidence, Outcome
 from pushpressslide.studies.paper.experiment import Experiment, Variant
 from pushpressslide.studies.paper.experiments import AXLE
-from pushpressslide.studies.paper.figures import FIGURES, figure_of, paper_figure
+from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.pictures import CAPTION, NAME
 from pushpressslide.studies.paper.table import LEGEND, ending, findings, summary
 
@@ -59,8 +62,9 @@ def write_page(
     out: Path,
     made_by: str,
 ) -> Path:
-    """Write ``out``/report.html, and the axle's own page where it was analysed; return
-    the former's path.
+    """Write ``out``/report.html and return its path.
+
+    Where the virtual axle was analysed, its own page is written too.
     """
     page = out / "report.html"
     sections = [("claims", "Claims", _claims(judged))]
@@ -97,7 +101,7 @@ def _claims(judged: Sequence[Claim]) -> str:
     for claim in judged:
         if claim.source != source:
             source = claim.source
-            rows.append([f'<th colspan="5" scope="rowgroup">{escape(source)}</th>'])
+            rows.append(group_row(source, 5))
             marks.append(' class="group"')
         css = {True: "ok", False: "no", None: ""}[claim.reproduced]
         rows.append(
@@ -115,8 +119,8 @@ def _claims(judged: Sequence[Claim]) -> str:
         "it states of its "
         "experiments. What it derives is judged in the corrections."
     )
-    told = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
-    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{told}</div>'
+    body = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
+    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{body}</div>'
 
 
 def _unbroken(text: str) -> str:
@@ -125,65 +129,70 @@ def _unbroken(text: str) -> str:
 
 
 def _experiment(experiment: Experiment, evidence: Evidence, page: Path) -> str:
+    """Return claim, pictures, figures, findings and plots of one experiment."""
     runs: dict[str, Run] = {}
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]
         if outcome.result is not None:
-            runs[variant.name] = load_run(outcome.folder)
-    said = "".join(
-        f"<li>{escape(sentence)}</li>" for sentence in findings(experiment, evidence)
-    )
+            runs[variant.title] = load_run(outcome.folder)
     titles = {variant.name: variant.title for variant in experiment.variants}
+    pictured = [titles[name] for name in experiment.pictured]
     parts = [
         f"<p>{escape(experiment.source)}. {escape(experiment.claim)}</p>",
-        *(
-            _picture(runs[name], titles[name])
-            for name in experiment.pictured
-            if name in runs
-        ),
+        *(_picture(runs[title], title) for title in pictured if title in runs),
         _figures(experiment, evidence, page),
-        "<h3>What comes out</h3>"
-        + (f"<ul>{said}</ul>" if said else "")
-        + f"<p>{escape(experiment.why)}</p>",
+        _findings(experiment, evidence),
+        _plots(experiment, runs, titles),
     ]
-    wanted = tuple(runs) if experiment.plotted is None else experiment.plotted
-    plotted = [name for name in wanted if name in runs]
-    if plotted:
-        curves = [
-            (titles[name], runs[name].record, runs[name].task, runs[name].plan)
-            for name in plotted
-        ]
-        parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
-    if experiment.axle in runs:
-        run = runs[experiment.axle]
-        made = axle_over_time(run.task, run.plan, run.record)
-        if made is not None:
-            caption = f"{titles[experiment.axle]}: the virtual axle over time, and tracking errors."
-            parts.append(image(style.png(made), "virtual axle over time", caption))
     if len(runs) > 1:
-        rest = comparison_table(
-            [titles[name] for name in runs], [run.result for run in runs.values()]
-        )
+        rest = comparison_table(list(runs), [run.result for run in runs.values()])
         parts.append(
             f"<details><summary>All figures of these runs</summary>{rest}</details>"
         )
     return "".join(parts)
 
 
-def _picture(run: Run, title: str) -> str:
-    """Return the pictures of a run on its way, or where none could be rendered, the run
-    from above.
+def _findings(experiment: Experiment, evidence: Evidence) -> str:
+    sentences = findings(experiment, evidence)
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    listed = f"<ul>{items}</ul>" if items else ""
+    return f"<h3>What comes out</h3>{listed}<p>{escape(experiment.why)}</p>"
+
+
+def _plots(
+    experiment: Experiment, runs: Mapping[str, Run], titles: Mapping[str, str]
+) -> str:
+    """Return errors over time, and the virtual axle of the variant that asks for it.
+
+    ``runs`` are by title, ``titles`` by the variants' names.
     """
+    parts = []
+    names = titles if experiment.plotted is None else experiment.plotted
+    curves = []
+    for title in (titles[name] for name in names):
+        if title in runs:
+            run = runs[title]
+            curves.append((title, run.record, run.task, run.plan))
+    if curves:
+        parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
+    axle_title = titles.get(experiment.axle, "")
+    if axle_title in runs:
+        run = runs[axle_title]
+        made = axle_over_time(run.task, run.plan, run.record)
+        if made is not None:
+            caption = f"{axle_title}: the virtual axle over time, and tracking errors."
+            parts.append(image(style.png(made), "virtual axle over time", caption))
+    return "".join(parts)
+
+
+def _picture(run: Run, title: str) -> str:
+    """Return the pictures of a run in progress; without them, the run from above."""
     pictures = run.folder / NAME
     if pictures.is_file():
-        return image(
-            pictures.read_bytes(), f"{title}, on its way", f"{title}, {CAPTION}"
-        )
-    return image(
-        style.png(path_figure(run.task, run.plan, run.record)),
-        f"{title}, from above",
-        title,
-    )
+        png = pictures.read_bytes()
+        return image(png, f"{title}, on its way", f"{title}, {CAPTION}")
+    png = style.png(path_figure(run.task, run.plan, run.record))
+    return image(png, f"{title}, from above", title)
 
 
 def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
@@ -193,32 +202,30 @@ def _figures(experiment: Experiment, evidence: Evidence, page: Path) -> str:
     width = len(FIGURES) + 2
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]
-        rows.append(
-            [
-                f'<th colspan="{width}" scope="rowgroup">{_named(variant, outcome, page)}</th>'
-            ]
-        )
+        name = _named(variant, outcome, page)
+        rows.append([f'<th colspan="{width}" scope="rowgroup">{name}</th>'])
+        marks.append(' class="group"')
         if variant.paper:
-            cells = _cells(paper_figure(variant.paper, key) for _, key, *_ in FIGURES)
+            cells = number_cells(paper_figure(variant.paper, r.key) for r in FIGURES)
             rows.append(['<th scope="row">Paper</th>', *cells, "<td></td>"])
-        cells = _cells(figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES)
-        good = outcome.result is not None and bool(outcome.result["success"])
-        css = "n ok" if good else "no" if outcome.result is None else "n no"
-        verdict = f'<td class="{css}">{escape(ending(outcome))}</td>'
+            marks.append("")
+        cells = number_cells(r.text(outcome.result or {}) for r in FIGURES)
+        verdict = _outcome_cell(outcome)
         rows.append(['<th scope="row">Measured</th>', *cells, verdict])
-        marks += [' class="group"', *[""] * (2 if variant.paper else 1)]
-    head = ("", *(label for label, *_ in FIGURES), "Outcome")
+        marks.append("")
+    head = ("", *(row.label for row in FIGURES), "Outcome")
     return table(head, rows, marks, numbers=len(FIGURES) + 1)
 
 
-def _cells(texts: Iterable[str]) -> list[str]:
-    return [f'<td class="n">{escape(text)}</td>' for text in texts]
+def _outcome_cell(outcome: Outcome) -> str:
+    css = "no"
+    if outcome.result is not None:
+        css = "n ok" if outcome.result["success"] else "n no"
+    return f'<td class="{css}">{escape(ending(outcome))}</td>'
 
 
 def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
-    """Return a variant's title with links to its replay and report, and what it sets
-    otherwise.
-    """
+    """Return a variant's title, links to replay and report, and its settings."""
     parts = [f"<strong>{escape(variant.title)}</strong>"]
     folder = Path(
         os.path.relpath(outcome.folder.resolve(), page.resolve().parent)

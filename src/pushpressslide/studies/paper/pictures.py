@@ -18,20 +18,21 @@ CAPTION = "at the start, a third, two thirds and the end of the contact phase; p
 
 
 def write_pictures(folder: Path) -> Path | None:
-    """Render the run in ``folder`` into pictures.png beside its record, and return the
-    path; None where there is nothing to see, or this machine cannot render.
+    """Render the run in ``folder`` into its pictures.png and return the path.
+
+    None if nothing was in contact, or this machine cannot render.
     """
     from PIL import Image
 
     from pushpressslide.sim.view.frames import FrameRenderer
 
     run = load_run(folder)
-    (at,) = np.nonzero(series.contact_phase(run.record))
-    if len(at) == 0:
+    (ticks,) = np.nonzero(series.contact_phase(run.record))
+    if len(ticks) == 0:
         return None
-    first, last = run.record.arrays["time"][at[[0, -1]]]
+    first, last = run.record.arrays["time"][ticks[[0, -1]]]
     try:
-        renderer = FrameRenderer(run.task, run.plan, run.record, WIDTH, HEIGHT)
+        renderer = FrameRenderer(run.task, run.plan, run.record, (WIDTH, HEIGHT))
         images = [
             renderer.image(float(first + share * (last - first))) for share in SHARES
         ]

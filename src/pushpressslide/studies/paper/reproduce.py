@@ -1,11 +1,9 @@
-"""Every experiment of the paper, through the same pipeline as any task; one page, paper
-beside measured.
-"""
+"""Every experiment of the paper, run like any task; one page, paper beside measured."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -56,8 +54,7 @@ def reproduce(
     jobs: int = JOBS,
     progress: Progress | None = None,
 ) -> Path:
-    """Run the paper's experiments and return the path of the page; ``only`` names some
-    of them.
+    """Run the paper's experiments, or those in ``only``; return the path of the page.
 
     ``jobs`` runs go on at a time. Each variant leaves the files of a run in
     ``out``/<experiment>/<variant>, the axle's analysis (Drake only) its own in
@@ -66,46 +63,44 @@ def reproduce(
     PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
-    variants = {(e.name, v.name): (e, v) for e in experiments for v in e.variants}
-    work: dict[Any, Callable[[], Any]] = {
-        (experiment.name, variant.name): partial(
-            run_variant,
-            experiment,
-            variant,
-            out / experiment.name / variant.name,
-            seed,
-            engine,
+    cases = LIGHT if with_axle and engine == "drake" else ()
+    runs: dict[Any, Callable[[], Any]] = {
+        (e.name, v.name): partial(
+            run_variant, e, v, out / e.name / v.name, seed, engine
         )
-        for experiment, variant in variants.values()
+        for e in experiments
+        for v in e.variants
     }
     task = load_task(TASK)
-    cases = LIGHT if with_axle and engine == "drake" else ()
-    done = in_parallel({**work, **work_of(task, cases)}, jobs, progress)
+    done = in_parallel({**runs, **work_of(task, cases)}, jobs, progress)
     axle = result_of(task, [done[case] for case in cases]) if cases else None
+    evidence = Evidence({key: done[key] for key in runs}, axle)
     if axle is not None:
         write_whole(out / AXLE / "result.json", json.dumps(axle, indent=1) + "\n")
-    evidence = Evidence({key: done[key] for key in variants}, axle)
+    return _write(experiments, evidence, out, engine, seed)
+
+
+def _write(
+    experiments: Sequence[Experiment],
+    evidence: Evidence,
+    out: Path,
+    engine: Engine,
+    seed: int,
+) -> Path:
+    """Judge the claims, write page, table.md and result.json; return the page's path."""
+    axle = evidence.axle
     judged = claims(experiments, evidence)
     corrected = corrections()
     made_by = versions()
-    told = ", ".join(f"{name} {version}" for name, version in made_by.items())
-    page = write_page(
-        experiments,
-        evidence,
-        judged,
-        corrected,
-        out,
-        f"Engine {engine}, seed {seed}; {told}.",
-    )
+    programs = ", ".join(f"{name} {version}" for name, version in made_by.items())
+    footer = f"Engine {engine}, seed {seed}; {programs}."
+    page = write_page(experiments, evidence, judged, corrected, out, footer)
     write_table(experiments, evidence, judged, out / "table.md")
     summary = {
         "schema": SCHEMA,
         "engine": engine,
         "seed": seed,
-        "experiments": {
-            experiment.name: _summary(experiment, evidence)
-            for experiment in experiments
-        },
+        "experiments": {e.name: _summary(e, evidence) for e in experiments},
         "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
         "corrections": [asdict(row) for row in corrected],
         AXLE: None if axle is None else axle["summary"],
@@ -118,8 +113,9 @@ def reproduce(
 def run_variant(
     experiment: Experiment, variant: Variant, folder: Path, seed: int, engine: Engine
 ) -> Outcome:
-    """Run one variant and leave its files in ``folder``, with pictures where they are
-    asked for; what cannot be run comes back as words.
+    """Run one variant and leave its files in ``folder``, with pictures if asked for.
+
+    The outcome of a variant that cannot be run holds the error's text.
     """
     try:
         task = load_task(variant.task, variant.overrides)
@@ -140,15 +136,15 @@ def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
     for variant in experiment.variants:
         outcome = evidence.outcomes[experiment.name, variant.name]
         measured = outcome.result
+        if measured is not None:
+            measured = {key: measured[key] for key in KEPT}
         rows.append(
             {
                 "variant": variant.name,
                 "task": variant.task,
                 "overrides": list(variant.overrides),
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
-                "measured": None
-                if measured is None
-                else {key: measured[key] for key in KEPT},
+                "measured": measured,
                 "failure": outcome.failure or None,
                 "identified_rho": None if outcome.rho is None else asdict(outcome.rho),
             }

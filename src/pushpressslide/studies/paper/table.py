@@ -1,6 +1,4 @@
-"""The paper's experiments as Markdown: its figures beside the measured ones, what they
-say, the claims.
-"""
+"""The paper's experiments as Markdown: figures beside measured ones, findings, claims."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.studies.paper.claims import Claim
 from pushpressslide.studies.paper.evidence import Evidence, Outcome, Result
 from pushpressslide.studies.paper.experiment import Comparison, Experiment
-from pushpressslide.studies.paper.figures import FIGURES, figure_of, paper_figure
+from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.identified_rho import IdentifiedRho
 
 LEGEND = (
@@ -22,7 +20,7 @@ LEGEND = (
     "distance from the goal."
 )
 # in sentences
-TOLD = (
+MENTIONED = (
     "motion_duration",
     "rms_position_error",
     "rms_yaw_error",
@@ -38,25 +36,31 @@ def write_table(
     path: Path,
 ) -> Path:
     """Write figures and claims as a Markdown file and return its path."""
-    parts = [LEGEND + "\n"]
-    for experiment in experiments:
-        head = ["", "figures", *(label for label, *_ in FIGURES), "outcome"]
-        lines = [head, ["---"] * 2 + ["---:"] * len(FIGURES) + ["---"]]
-        for variant in experiment.variants:
-            outcome = evidence.outcomes[experiment.name, variant.name]
-            if variant.paper:
-                cells = [paper_figure(variant.paper, key) for _, key, *_ in FIGURES]
-                lines.append([variant.title, "paper", *cells, ""])
-            title = "" if variant.paper else variant.title
-            cells = [figure_of(outcome.result or {}, key) for _, key, *_ in FIGURES]
-            lines.append([title, "measured", *cells, ending(outcome)])
-        said = "\n".join(f"- {sentence}" for sentence in findings(experiment, evidence))
-        text = f"{said}\n\n{experiment.why}" if said else experiment.why
-        parts.append(f"## {experiment.title}\n\n{_rows(lines)}\n\n{text}\n")
+    parts = [f"{LEGEND}\n"]
+    parts += [_experiment(experiment, evidence) for experiment in experiments]
     lines = [["claim", "paper", "measured", "status", "why"], ["---"] * 5]
     lines += [[c.words, c.paper, c.measured, c.status, c.why] for c in judged]
     parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rows(lines)}\n")
     return write_whole(path, "\n".join(parts))
+
+
+def _experiment(experiment: Experiment, evidence: Evidence) -> str:
+    """Return heading, table of figures and findings of one experiment."""
+    head = ["", "figures", *(row.label for row in FIGURES), "outcome"]
+    lines = [head, ["---"] * 2 + ["---:"] * len(FIGURES) + ["---"]]
+    for variant in experiment.variants:
+        outcome = evidence.outcomes[experiment.name, variant.name]
+        title = variant.title
+        if variant.paper:
+            cells = [paper_figure(variant.paper, row.key) for row in FIGURES]
+            lines.append([title, "paper", *cells, ""])
+            title = ""
+        cells = [row.text(outcome.result or {}) for row in FIGURES]
+        lines.append([title, "measured", *cells, ending(outcome)])
+    text = "\n".join(f"- {sentence}" for sentence in findings(experiment, evidence))
+    if text:
+        text += "\n\n"
+    return f"## {experiment.title}\n\n{_rows(lines)}\n\n{text}{experiment.why}\n"
 
 
 def _rows(lines: Sequence[Sequence[str]]) -> str:
@@ -64,10 +68,8 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(judged: Sequence[Claim]) -> str:
-    """Say how many figures were met, how many statements reproduced, and how many were
-    not run.
-    """
-    told = []
+    """Count the figures met, the statements reproduced and the claims not run."""
+    counts = []
     for figure, what, good in (
         (True, "figures", "met or beaten"),
         (False, "statements", "reproduced"),
@@ -78,10 +80,11 @@ def summary(judged: Sequence[Claim]) -> str:
             if claim.figure is figure and claim.reproduced is not None
         ]
         if run:
-            told.append(f"{sum(run)} of {len(run)} {what} {good}")
+            counts.append(f"{sum(run)} of {len(run)} {what} {good}")
     rest = sum(claim.reproduced is None for claim in judged)
-    told += [f"{rest} not run"] if rest else []
-    return f"{', '.join(told)}."
+    if rest:
+        counts.append(f"{rest} not run")
+    return f"{', '.join(counts)}."
 
 
 def ending(outcome: Outcome) -> str:
@@ -92,22 +95,20 @@ def ending(outcome: Outcome) -> str:
 
 
 def findings(experiment: Experiment, evidence: Evidence) -> list[str]:
-    """Return sentences on the measured figures of the experiment; none where a run is
-    missing.
-    """
-    said = []
+    """Return sentences on the measured figures; none where a run is missing."""
+    sentences = []
     for comparison in experiment.comparisons:
         base, changed = (
             evidence.result(experiment.name, n)
             for n in (comparison.base, comparison.changed)
         )
         if base is not None and changed is not None:
-            said.append(_compared(comparison, base, changed))
+            sentences.append(_compared(comparison, base, changed))
     for variant in experiment.variants:
         outcome = evidence.outcomes.get((experiment.name, variant.name))
         if outcome is not None and outcome.rho is not None:
-            said.append(identified(outcome.rho))
-    return said
+            sentences.append(identified(outcome.rho))
+    return sentences
 
 
 def identified(rho: IdentifiedRho) -> str:
@@ -125,19 +126,21 @@ def identified(rho: IdentifiedRho) -> str:
 
 def _compared(comparison: Comparison, base: Result, changed: Result) -> str:
     """Say what a change did to time, RMS error and end."""
-    told = []
-    for label, key, factor, _, decimals in FIGURES:
-        before = base[key]
-        after = changed[key]
-        if key not in TOLD or before is None or after is None:
+    changes = []
+    for row in FIGURES:
+        before = base[row.key]
+        after = changed[row.key]
+        if row.key not in MENTIONED or before is None or after is None:
             continue
-        told.append(
-            f"{label} {factor * before:.{decimals}f} to "
-            f"{figure_of(changed, key)}{_ratio(before, after)}"
+        changes.append(
+            f"{row.label} {row.factor * before:.{row.decimals}f} to "
+            f"{row.text(changed)}{_ratio(before, after)}"
         )
     words = comparison.words[0].upper() + comparison.words[1:]
-    end = "" if changed["success"] else f" It ends with: {changed['reason']['text']}."
-    return f"{words}: {'; '.join(told)}.{end}"
+    sentence = f"{words}: {'; '.join(changes)}."
+    if changed["success"]:
+        return sentence
+    return f"{sentence} It ends with: {changed['reason']['text']}."
 
 
 def _ratio(before: float, after: float) -> str:
@@ -146,4 +149,5 @@ def _ratio(before: float, after: float) -> str:
     if abs(after / before - 1.0) <= ALIKE:
         return " (alike)"
     ratio = after / before
-    return f" (× {ratio:.2f})" if ratio < 10.0 else f" (× {ratio:.0f})"
+    decimals = 2 if ratio < 10.0 else 0
+    return f" (× {ratio:.{decimals}f})"

@@ -1,5 +1,6 @@
-"""The paper's experiments with two arms: shipped tasks, and what the paper says; it
-gives no figure.
+"""The paper's experiments with two arms: shipped tasks, and what the paper says.
+
+It gives no figure.
 """
 
 from __future__ import annotations

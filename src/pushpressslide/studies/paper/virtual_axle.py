@@ -1,5 +1,4 @@
-"""Where a pressed object turns about: measured in Drake, predicted, and by the paper's
-formula, in one table.
+"""The virtual axle of a pressed object: measured in Drake, predicted, the paper's.
 
 The box of the task ``press-slide``, pressed with several loads at two heights and
 dragged in many directions, open loop. Source: docs/mechanics.md, sections 4 and 4.1;
@@ -42,7 +41,7 @@ CURVE = range(2, 179, 4)  # [deg] where the predicted lines are computed
 MOST_USE = 0.95
 
 CHECKED = ((5, 8.0, 0.10), (75, 8.0, 0.10), (175, 16.0, 0.10))
-"""Done again with one thing changed: straight, turning about a point under the object,
+"""Done again with one press changed: straight, turning about a point under the object,
 the farthest axle.
 """
 VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
@@ -53,6 +52,8 @@ VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
     "hand's yaw held": ({"hold_yaw": True}, 0.004),
 }
 """What is changed: fields of the probe, and the time step [s]."""
+DIRECTIONS = {-1: "forward", 0: "across", 1: "backward"}
+"""Of the force, by the sign of its angle from the line to the contact less 90 deg."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +75,9 @@ LIGHT = tuple(
 def virtual_axle(
     out: Path, jobs: int = 0, quick: bool = False, progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Run the probes and return the result; ``out`` gets result.json, table.md,
-    axles.png and report.html.
+    """Run the probes and return the result.
+
+    ``out`` gets result.json, table.md, axles.png and report.html.
 
     ``jobs``: processes, 0 for one per core. ``quick``: ten probes only. Where the
     contact is predicted to slip or the object to tip, nothing is run and the row says
@@ -126,8 +128,9 @@ def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def pressed(task: Task, load: float, height: float) -> Press:
-    """Return the task's box, ``height`` [m] tall, pressed where the task says with
-    ``load`` [N].
+    """Return the task's box, ``height`` [m] tall, under a press of ``load`` [N].
+
+    The press is where the task puts it.
     """
     shape = task.object.shape
     places = task.motion.contacts
@@ -140,36 +143,34 @@ def pressed(task: Task, load: float, height: float) -> Press:
 
 
 def predict(task: Task, case: Case) -> dict[str, Any]:
-    """Return what is expected of a case: axles [m] from the CoM, and why it cannot be
-    measured, if so.
+    """Return the axles [m] from the CoM that a case is expected to have.
+
+    ``skipped`` says why it cannot be measured; empty if it can.
     """
-    thing = pressed(task, case.load, case.height)
+    press = pressed(task, case.load, case.height)
     angle = math.radians(case.angle)
     row = {
         **asdict(case),
-        "direction": "forward"
-        if case.angle < 90
-        else "backward"
-        if case.angle > 90
-        else "across",
+        "direction": DIRECTIONS[(case.angle > 90.0) - (case.angle < 90.0)],
         "predicted": None,
         "without_height": None,
-        "paper": thing.paper_axle(),
+        "paper": press.paper_axle(),
         "skipped": "",
     }
     try:
         row |= {
-            "predicted": thing.axle(angle),
-            "without_height": thing.axle(angle, 0.0),
+            "predicted": press.axle(angle),
+            "without_height": press.axle(angle, 0.0),
         }
     except ValueError as error:
         return {**row, "skipped": f"tips: {error}"}
-    use = friction_use(
-        case.load, thing.weight, task.support.friction, task.contact_friction
+    utilisation = friction_use(
+        case.load, press.weight, task.support.friction, task.contact_friction
     )
-    if use > MOST_USE:
+    if utilisation > MOST_USE:
         row["skipped"] = (
-            f"slips: takes {use:.2f} of the tip's friction, at most {MOST_USE:g}"
+            f"slips: takes {utilisation:.2f} of the tip's friction, at most "
+            f"{MOST_USE:g}"
         )
     return row
 
@@ -181,11 +182,11 @@ def run_case(task: Task, case: Case) -> dict[str, Any]:
     row = predict(task, case)
     if row["skipped"]:
         return {**row, "measured": None}
-    thing = pressed(task, case.load, case.height)
+    press = pressed(task, case.load, case.height)
     changes, time_step = VARIANTS.get(case.variant, ({}, 0.004))
-    probe: Probe = Probe(thing.contact, case.load, math.radians(case.angle), **changes)
+    probe: Probe = Probe(press.contact, case.load, math.radians(case.angle), **changes)
     try:
-        measured = probe_axle(replace(task, object=thing.body), probe, time_step)
+        measured = probe_axle(replace(task, object=press.body), probe, time_step)
     except SimulationError as error:
         return {**row, "measured": None, "skipped": str(error)}
     figures = asdict(measured)
@@ -197,16 +198,15 @@ def run_case(task: Task, case: Case) -> dict[str, Any]:
 
 
 def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return counts, and the largest and median error [m] of the prediction, without
-    height, and of the paper's formula.
-    """
+    """Return counts, and the median and largest error [m] of each formula."""
     measured = [row for row in rows if row["measured"] is not None]
 
     def spread(key: str) -> dict[str, float] | None:
+        """Median and largest error [m] of a formula."""
         errors = sorted(abs(row["measured"] - row[key]) for row in measured)
-        return (
-            {"median": errors[len(errors) // 2], "max": errors[-1]} if errors else None
-        )
+        if not errors:
+            return None
+        return {"median": errors[len(errors) // 2], "max": errors[-1]}
 
     return {
         "probes": len(rows),
@@ -218,60 +218,72 @@ def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _curve(thing: Press) -> dict[str, Any]:
-    """Return the predicted lines over the force's angle, and the paper's figures, for
-    one load and height.
-    """
+def _curve(press: Press) -> dict[str, Any]:
+    """Return predictions over the force's angle for one load and height."""
     angles = [math.radians(a) for a in CURVE]
     return {
-        "height": thing.body.shape.height,
-        "load": thing.load,
+        "height": press.body.shape.height,
+        "load": press.load,
         "angle": list(CURVE),
-        "predicted": [_unless_tipped(thing, a, None) for a in angles],
-        "without_height": [_unless_tipped(thing, a, 0.0) for a in angles],
-        "cop": math.hypot(*thing.cop),
-        "lever": thing.lever,
-        "paper": thing.paper_axle(),
-        "paper_from_cop": thing.paper_distance(),
-        "paper_printed": thing.paper_printed(),
+        "predicted": [_unless_tipped(press, a, None) for a in angles],
+        "without_height": [_unless_tipped(press, a, 0.0) for a in angles],
+        "cop": math.hypot(*press.cop),
+        "lever": press.lever,
+        "paper": press.paper_axle(),
+        "paper_from_cop": press.paper_distance(),
+        "paper_printed": press.paper_printed(),
     }
 
 
-def _unless_tipped(thing: Press, angle: float, height: float | None) -> float | None:
+def _unless_tipped(press: Press, angle: float, height: float | None) -> float | None:
     try:
-        return thing.axle(angle, height)
+        return press.axle(angle, height)
     except ValueError:
         return None
 
 
-def paper_figures(task: Task) -> list[dict[str, Any]]:
-    """Return the paper's figures of this experiment, recomputed by its own formulas,
-    and by the exact model.
+@dataclass(frozen=True, slots=True)
+class PaperAxleFigure:
+    """A figure of the paper's experiment; None where there is nothing to say."""
 
-    Each with ``what``, ``paper`` as printed, ``recomputed``, ``exact``, ``unit`` and
-    ``note``; None where there is nothing to say. Axles from the CoM are positive
-    towards the contact, which makes what the paper calls a distance negative. It gives
-    neither friction nor height to go with them; ours are the task's.
+    what: str
+    paper: float | None  # as printed
+    recomputed: float | None  # by the paper's own formulas
+    exact: float | None  # by the exact model
+    unit: str = "m"
+    note: str = ""
+
+
+def paper_figures(task: Task) -> list[dict[str, Any]]:
+    """Return the paper's figures of this experiment as fields of ``PaperAxleFigure``.
+
+    Axles from the CoM are positive towards the contact, which makes what the paper
+    calls a distance negative. It gives neither friction nor height to go with them;
+    ours are the task's.
     """
-    thing = pressed(task, 8.0, task.object.shape.height)
-    cop = math.hypot(*thing.cop)
-    d = thing.lever
-    r0 = thing.half_diagonal
-    pressure = thing.pressure(thing.cop, 20)
+    press = pressed(task, 8.0, task.object.shape.height)
+    cop = math.hypot(*press.cop)
+    d = press.lever
+    r0 = press.half_diagonal
+    pressure = press.pressure(press.cop, 20)
     straight = rho_straight(pressure)
     pole = rho_pole(pressure)
     seen = 0.346  # [m] from the CoP, in the paper's simulation
-    rows: list[tuple[str, float | None, float | None, float | None, str, str]] = [
-        (
-            "centre of pressure from the CoM",
-            None,
-            cop,
-            cop,
-            "m",
-            "past a sixth of the length: an end lifts",
-        ),
-        ("lever d, centre of pressure to contact", 0.054, d, d, "m", ""),
-        (
+    end_lifts = "past a sixth of the length: an end lifts"
+    added = (
+        "printed as a distance, 0.82 m: the way from CoM to centre of pressure is "
+        "added, not taken off"
+    )
+    c = math.sqrt(seen * d) / r0
+    on_the_spot = (
+        f"exact: near straight motion; {pole / r0:.3f} for turning on the spot"
+    )
+    beyond = f"the paper's {seen} m from the centre of pressure"
+    f = PaperAxleFigure
+    figures = (
+        f("centre of pressure from the CoM", None, cop, cop, note=end_lifts),
+        f("lever d, centre of pressure to contact", 0.054, d, d),
+        f(
             "(c r0)^2 with c = 0.6",
             0.036,
             (PAPER_C * r0) ** 2,
@@ -279,61 +291,39 @@ def paper_figures(task: Task) -> list[dict[str, Any]]:
             "m²",
             "the pressure's variance",
         ),
-        (
+        f(
             "axle to centre of pressure, c = 0.6",
             0.67,
-            thing.paper_distance(),
+            press.paper_distance(),
             straight**2 / d,
-            "m",
-            "",
         ),
-        (
+        f(
             "axle from the CoM, c = 0.6",
             -0.82,
-            thing.paper_axle(),
-            thing.axle(0.0, 0.0),
-            "m",
-            "printed as a distance, 0.82 m: the way from CoM to centre of pressure is "
-            "added, not taken off",
+            press.paper_axle(),
+            press.axle(0.0, 0.0),
+            note=added,
         ),
-        (
-            "c for the axle that the paper saw",
-            0.43,
-            math.sqrt(seen * d) / r0,
-            straight / r0,
-            "",
-            f"exact: near straight motion; {pole / r0:.3f} for turning on the spot",
-        ),
-        (
+        f("c for the axle that the paper saw", 0.43, c, straight / r0, "", on_the_spot),
+        f(
             "axle that the paper saw, from the CoM",
             -0.2,
             cop - seen,
             None,
-            "m",
-            f"the paper's {seen} m from the centre of pressure",
+            note=beyond,
         ),
-        (
+        f(
             "the same, pushed, drag at the top's height",
             None,
             None,
-            thing.axle(math.pi),
-            "m",
-            "",
+            press.axle(math.pi),
         ),
-        (
+        f(
             "the same, pulled, drag at the top's height",
             None,
             None,
-            thing.axle(0.0),
-            "m",
-            "ahead of the CoM",
+            press.axle(0.0),
+            note="ahead of the CoM",
         ),
-    ]
-    return [
-        dict(
-            zip(
-                ("what", "paper", "recomputed", "exact", "unit", "note"), r, strict=True
-            )
-        )
-        for r in rows
-    ]
+    )
+    return [asdict(figure) for figure in figures]

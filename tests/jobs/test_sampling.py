@@ -1,7 +1,6 @@
-"""Random tasks for two arms: within the published ranges, in a direction that the mode
-can go.
-"""
+"""Random tasks are within the published ranges, and go where their mode can go."""
 
+import ast
 import json
 import math
 from dataclasses import replace
@@ -11,13 +10,19 @@ import pytest
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Cylinder, Task
-from pushpressslide.jobs.sweep import sample_task, sweep
-from pushpressslide.jobs.two_arm_sampling import (
+from pushpressslide.jobs import sampling
+from pushpressslide.jobs.sampling import (
     AHEAD,
+    AZIMUTH,
     DISTANCE,
-    REACH,
-    random_two_arm_task,
+    ONE_ARM_REACH,
+    TOP_CONTACT_EDGE,
+    TWO_ARM_REACH,
+    random_task,
 )
+from pushpressslide.jobs.sweep import sample_task, sweep
+from pushpressslide.mechanics.top import inside_top
+from pushpressslide.modes import MODES
 from pushpressslide.taskfile.load import load_task
 
 TURNS = {"parallel-push": 35.0, "orthogonal-push": 35.0, "bimanual-slide": 60.0}
@@ -28,8 +33,7 @@ HEIGHTS = {
 }
 BASES = {name: load_task(name) for name in TURNS}
 DRAWN = {
-    name: [random_two_arm_task(base, i, 3) for i in range(60)]
-    for name, base in BASES.items()
+    name: [random_task(base, i, 3) for i in range(60)] for name, base in BASES.items()
 }
 
 
@@ -41,7 +45,7 @@ def normals(task: Task) -> list[float]:
     """Return the directions [rad] in the world in which the faces are pushed, at the
     start.
     """
-    corners = [task.start.apply(corner) for corner in task.object.shape.footprint]
+    corners = [task.start.apply(corner) for corner in task.object.shape.corners]
     edges = zip(corners, (*corners[1:], corners[0]), strict=True)
     return [math.atan2(bx - ax, ay - by) for (ax, ay), (bx, by) in edges]
 
@@ -60,7 +64,11 @@ def test_the_draws_are_within_what_is_published(name: str) -> None:
         for place in (start, goal):
             assert place[0] >= AHEAD  # the shipped bases are on the world's y axis
             for robot in task.robots:
-                assert REACH[0] <= math.dist(place, robot.base[:2]) <= REACH[1]
+                assert (
+                    TWO_ARM_REACH[0]
+                    <= math.dist(place, robot.base[:2])
+                    <= TWO_ARM_REACH[1]
+                )
         assert task.believed.mass == task.object.mass
 
 
@@ -93,9 +101,9 @@ def test_pressed_objects_are_of_all_kinds_and_go_any_way() -> None:
 
 def test_a_draw_depends_on_seed_and_index_alone() -> None:
     base = BASES["orthogonal-push"]
-    assert sample_task(base, "tasks", 5, 1) == random_two_arm_task(base, 5, 1)
-    assert random_two_arm_task(base, 5, 1) != random_two_arm_task(base, 5, 2)
-    assert random_two_arm_task(base, 5, 1) != random_two_arm_task(base, 6, 1)
+    assert sample_task(base, "tasks", 5, 1) == random_task(base, 5, 1)
+    assert random_task(base, 5, 1) != random_task(base, 5, 2)
+    assert random_task(base, 5, 1) != random_task(base, 6, 1)
 
 
 def test_other_modes_are_refused_before_anything_runs(tmp_path: Path) -> None:
@@ -128,3 +136,66 @@ def test_a_sweep_draws_for_the_mode_and_goes_on_where_it_was(tmp_path: Path) -> 
         for row in json.loads((tmp_path / "result.json").read_text())["rows"]
     }
     assert names == {"bimanual-slide-random-1-000", "bimanual-slide-random-1-001"}
+
+
+ONE_ARM = {
+    name: [random_task(load_task(name), i, 3) for i in range(80)]
+    for name in ("press-slide", "rear-push-rear")
+}
+
+
+@pytest.mark.parametrize("name", ONE_ARM)
+def test_one_arm_gets_starts_and_goals_within_its_reach(name: str) -> None:
+    for task in ONE_ARM[name]:
+        (robot,) = task.robots
+        assert 0.3 <= task.object.mass <= 3.0
+        assert 0.2 <= task.support.friction <= 0.5
+        assert 0.4 <= task.contact_friction <= 1.0
+        for pose in (task.start, task.goal):
+            dx = pose.x - robot.base[0]
+            dy = pose.y - robot.base[1]
+            azimuth = math.remainder(math.atan2(dy, dx) - robot.base_yaw, 2.0 * math.pi)
+            assert ONE_ARM_REACH[0] <= math.hypot(dx, dy) <= ONE_ARM_REACH[1]
+            assert abs(azimuth) <= AZIMUTH
+            assert abs(pose.yaw) <= math.pi
+        ahead, left = task.start.unapply(task.goal.position)
+        assert DISTANCE[0] - 1e-9 <= math.hypot(ahead, left) <= DISTANCE[1] + 1e-9
+        assert abs(math.degrees(math.atan2(left, ahead))) <= 25.0 + 1e-6
+
+
+def test_only_pressed_objects_are_round_or_have_a_given_contact() -> None:
+    def marked(task: Task) -> tuple[bool, bool]:
+        return isinstance(task.object.shape, Cylinder), bool(task.motion.contacts)
+
+    round_pressed, given = zip(*map(marked, ONE_ARM["press-slide"]), strict=True)
+    assert any(round_pressed)
+    assert 0.1 < sum(given) / len(given) < 0.4
+    assert all(marked(task) == (False, False) for task in ONE_ARM["rear-push-rear"])
+
+
+def test_a_given_contact_is_inside_the_top() -> None:
+    for task in ONE_ARM["press-slide"]:
+        for x, y in task.motion.contacts or ():
+            cx, cy = task.object.center_of_mass
+            place = (x - cx, y - cy)
+            assert 0.02 <= math.hypot(*place) <= 0.1
+            assert inside_top(task.object, place, TOP_CONTACT_EDGE)
+
+
+def test_without_one_mode_a_single_arm_gets_tasks_of_a_push() -> None:
+    base = load_task("press-slide")
+    free = replace(base, modes=None)
+    push = replace(base, modes=("rear_push",))
+    for i in range(20):
+        drawn = random_task(free, i, 3)
+        assert replace(drawn, modes=push.modes) == random_task(push, i, 3)
+
+
+def test_sampling_knows_no_mode_by_name() -> None:
+    tree = ast.parse(Path(sampling.__file__).read_text(encoding="utf-8"))
+    texts = {
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    assert not texts & set(MODES)

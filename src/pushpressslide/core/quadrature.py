@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 
-Array = NDArray[np.float64]
+DISC_CORNERS = 64  # of the polygon that stands for a disc where a part of it lifts
 
 # Symmetric six-point triangle rule, exact to degree 4 (Strang and Fix 1973):
 # (barycentric coordinate, weight).
@@ -21,8 +21,9 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 
 
 def as_polygon(corners: Sequence[Point]) -> Array:
-    """Return the corners as an array (n, 2); raises ValueError unless convex and
-    counter-clockwise.
+    """Return the corners as an array (n, 2).
+
+    Raises ValueError unless convex and counter-clockwise.
     """
     polygon = np.array(corners, dtype=np.float64)
     if (
@@ -49,8 +50,9 @@ def as_polygon(corners: Sequence[Point]) -> Array:
 
 @lru_cache(maxsize=64)
 def base(corners: tuple[Point, ...]) -> Array:
-    """Return ``as_polygon`` of an object's outline, which is asked for again and again;
-    read-only.
+    """Return ``as_polygon`` of an object's outline, which is asked for again and again.
+
+    Read-only.
     """
     polygon = as_polygon(corners)
     polygon.setflags(write=False)
@@ -107,8 +109,9 @@ def moments(polygon: Array) -> tuple[float, Array, Array]:
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
-    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2); m =
-    0 if there is none.
+    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2).
+
+    m = 0 if there is none.
     """
     values = a + polygon @ b
     if values.min() >= 0.0:
@@ -125,20 +128,27 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
 
 
 def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
-    """Return (a, b) of the pressure max(0, a + b . r) with unit integral and its centre
-    at ``cop`` (2,).
+    """Return (a, b) of the pressure max(0, a + b . r) with its centre at ``cop`` (2,).
 
-    The solution minimises the convex function half the integral of max(0, a + b . r)^2,
-    less a + b . cop; damped Newton steps on it, in coordinates scaled to the polygon.
-    Raises ValueError for a CoP on or outside the outline.
+    Its integral is one. Raises ValueError for a CoP on or outside the outline.
     """
+    _check_inside(polygon, cop)
+    area, first, _ = moments(polygon)
+    center = first / area
+    scale = math.sqrt(area)
+    local = (polygon - center) / scale
+    x = _least_energy(local, np.append(1.0, (cop - center) / scale))
+    b = x[1:] / scale
+    return float(x[0] - b @ center) / area, b / area
+
+
+def _check_inside(polygon: Array, cop: Array) -> None:
     edges = np.roll(polygon, -1, axis=0) - polygon
     lengths = np.hypot(edges[:, 0], edges[:, 1])
-    kept = lengths > 0.0
+    real = lengths > 0.0
     to_cop = cop - polygon
-    inside = (edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0])[kept] / lengths[
-        kept
-    ]
+    turns = edges[:, 0] * to_cop[:, 1] - edges[:, 1] * to_cop[:, 0]
+    inside = turns[real] / lengths[real]
     size = float(lengths.max())
     if not inside.min() > 1e-4 * size:
         raise ValueError(
@@ -146,23 +156,12 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
             "m inside the outline "
             f"of the base; it must be at least {1e-4 * size:.2g} m inside"
         )
-    area, first, _ = moments(polygon)
-    center = first / area
-    scale = math.sqrt(area)
-    local = (polygon - center) / scale
-    target = np.append(1.0, (cop - center) / scale)
 
-    def evaluate(x: Array) -> tuple[float, Array, Array]:
-        patch = clipped(local, float(x[0]), x[1:])
-        hessian = np.zeros((3, 3))
-        if len(patch) >= 3:
-            hessian[0, 0], hessian[0, 1:], hessian[1:, 1:] = moments(patch)
-            hessian[1:, 0] = hessian[0, 1:]
-        integral = hessian @ x
-        return float(0.5 * x @ integral - x @ target), integral - target, hessian
 
+def _least_energy(polygon: Array, target: Array) -> Array:
+    """Return x = (a, b) (3,) of least ``_energy``, by damped Newton steps."""
     x = np.array([1.0, 0.0, 0.0])
-    value, gradient, hessian = evaluate(x)
+    value, gradient, hessian = _energy(polygon, target, x)
     for _ in range(100):
         if np.abs(gradient).max() < 1e-13:
             break
@@ -170,7 +169,9 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
         t = 1.0
         slope = float(gradient @ step)
         while t > 1e-9:
-            new_value, new_gradient, new_hessian = evaluate(x + t * step)
+            new_value, new_gradient, new_hessian = _energy(
+                polygon, target, x + t * step
+            )
             # Near the end the value is below its own round-off; there the gradient
             # decides.
             if (
@@ -185,8 +186,22 @@ def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
         value = new_value
         gradient = new_gradient
         hessian = new_hessian
-    b = x[1:] / scale
-    return float(x[0] - b @ center) / area, b / area
+    return x
+
+
+def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Array]:
+    """Return a convex function of x = (a, b), its gradient (3,) and Hessian (3, 3).
+
+    Half the integral of max(0, a + b . r)^2, less ``target`` . x: least where the
+    pressure has the load target[0] and the moments target[1:].
+    """
+    patch = clipped(polygon, float(x[0]), x[1:])
+    hessian = np.zeros((3, 3))
+    if len(patch) >= 3:
+        hessian[0, 0], hessian[0, 1:], hessian[1:, 1:] = moments(patch)
+        hessian[1:, 0] = hessian[0, 1:]
+    integral = hessian @ x
+    return float(0.5 * x @ integral - x @ target), integral - target, hessian
 
 
 def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
@@ -242,3 +257,43 @@ def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
     points = np.stack([r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)], axis=-1)
     areas = np.repeat(0.5 * radius * weights * r * (2.0 * math.pi / spokes), spokes)
     return points.reshape(-1, 2), areas
+
+
+def polygon_pressure(
+    corners: tuple[Point, ...], cop: Point, resolution: int
+) -> tuple[Array, Array, Array]:
+    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+
+    Raises ValueError for a CoP outside the polygon.
+    """
+    whole = whole_pressure(corners, cop)
+    if whole is not None:
+        points, areas = base_rule(corners, resolution)
+        return points, areas, whole[0] + points @ whole[1]
+    polygon = base(corners)
+    a, b = linear_pressure(polygon, np.array(cop, dtype=np.float64))
+    points, areas = polygon_rule(clipped(polygon, a, b), resolution)
+    return points, areas, a + points @ b
+
+
+def disc_pressure(
+    radius: float, cop: Point, resolution: int
+) -> tuple[Array, Array, Array]:
+    """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
+
+    The disc is about the origin. Where a part of it lifts, for |cop| > radius / 4, it
+    is integrated as a polygon of equal second moment. Raises ValueError for a CoP
+    outside it.
+    """
+    if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
+        points, areas = disc_rule(radius, resolution)
+        return points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop))
+    step = 2.0 * math.pi / DISC_CORNERS
+    # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
+    # (2 + cos(s)) / (3 s).
+    corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
+    corners = tuple(
+        (corner * math.cos(i * step), corner * math.sin(i * step))
+        for i in range(DISC_CORNERS)
+    )
+    return polygon_pressure(corners, cop, resolution)

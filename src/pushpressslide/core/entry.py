@@ -1,0 +1,52 @@
+"""What the task file says of a field of the data: metadata of the dataclasses.
+
+The reader, its messages, the dump, the tables of the documentation and the JSON Schema
+are all derived from it; a field is added where its dataclass is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+REQUIRED: Any = object()
+"""Default of a field that the file must give."""
+
+FRICTIONS = "(0, 2)"
+"""Range of the friction coefficient of a pair of surfaces."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One field of the task file."""
+
+    meaning: str
+    # of the file; an angle is in degrees there ("deg", key in _deg), in radians here
+    unit: str = ""
+    within: str = ""  # range of a number, an open end in a round bracket: "(0, 2]"
+    key: str = ""  # in the file, if it is not the field's name
+    section: str = ""  # meaning of the section of its own that ``a`` of key ``a.b`` is
+    default_in_file: Any = REQUIRED  # if it is not the data's
+    count: tuple[int, float] = (0, math.inf)  # least and most items of a list
+    is_name: bool = False  # a text that names something: letters, digits, - _ .
+
+
+def entry(
+    meaning: str, unit: str = "", within: str = "", **details: Any
+) -> Mapping[str, Entry]:
+    """Return the metadata of a field that the task file has; ``details`` as in
+    :class:`Entry`.
+    """
+    return {"entry": Entry(meaning, unit, within, **details)}
+
+
+def setting(
+    default: T, meaning: str, unit: str = "", within: str = "", **details: Any
+) -> T:
+    """Return a field with a default that the task file has."""
+    metadata = entry(meaning, unit, within, **details)
+    return field(default=default, metadata=metadata)

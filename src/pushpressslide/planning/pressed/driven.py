@@ -1,0 +1,216 @@
+"""An object that one press drives as one vehicle: the segments to a goal, and the rest
+of one from where object and contact really are.
+
+Source: docs/mechanics.md, sections 2 and 4.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import atan
+
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
+from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.top import inside_top
+from pushpressslide.planning.held_twist import EDGE
+from pushpressslide.planning.pressed.manoeuvre import CORRECTED
+from pushpressslide.planning.pressed.vehicle import (
+    BACK_UPS,
+    LOOP,
+    PLANNED,
+    RUN_INS,
+    SHORT_RUN_INS,
+    SWING,
+    PressedVehicle,
+    backing_up,
+    pressed_vehicle,
+    turns,
+    way_back,
+    way_to,
+)
+from pushpressslide.planning.run_in import gentlest
+from pushpressslide.planning.segments import run_time, segment
+from pushpressslide.planning.tool_drag import tool_load
+from pushpressslide.rom.drives import SpinDrive, SteeredDrive, TurnDrive, UnicycleDrive
+
+# half widths inside the base's edge from which on the object is driven at full speed
+SAFE_MARGIN = 0.5
+TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of a tool's face
+# share of the speed when pushed: what is ahead of the contact swings more
+PUSHED_SPEED = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """One contact with its load, and how it drives the object."""
+
+    contact: Contact
+    backward: bool
+    angle: float = 0.0  # [rad] of the force in turns
+    steepest: float = math.inf  # [rad] that it may be steered with
+    back_ups: Sequence[float] = BACK_UPS  # [m] to go back straight first, to try
+
+
+def driven_choice(task: Task, mode: str, press: Press) -> Choice:
+    """Judge one press and direction but for the arm's reach."""
+    contact = press.contact
+    backward = press.backward
+    pivots = task.motion.vehicle == "pivot"
+    how = "pushed" if backward else "pulled"
+    if pivots:
+        how = "turned on the spot"
+    x, y = contact.point
+    choice = Choice(mode, f"{how} at ({x:.3f}, {y:.3f})", (contact,))
+    if not inside_top(task.object, contact.point, EDGE):
+        text = "the contact must be {allowed:mm.0f} inside the object's top"
+        return choice.refused(Refusal("off_top", text, None, EDGE, "m"))
+    try:
+        vehicle = pressed_vehicle(task, contact, backward, press.angle, press.steepest)
+        back = None if pivots else way_back(task, vehicle.press, not backward)
+        pushed = _tool_drag(task, vehicle)
+        # where it cannot go back there is no retry: only with a long run-in
+        returns = back is not None
+        segments: Sequence[Segment] = (
+            [_spin(task, mode, contact, vehicle)]
+            if pivots
+            else _drive(task, mode, press, vehicle, returns)
+        )
+    except ValueError as error:
+        return choice.refused(refusal_of(error, "tipping"))
+    belief = task.believed
+    mu = belief.contact_friction
+    used = friction_use(
+        contact.load, vehicle.press.weight, belief.support_friction, mu, pushed
+    )
+    margin = atan(mu) - atan(used * mu)
+    segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
+    last = segments[-1]
+    distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
+    merits = (
+        f"{contact.load:.1f} N, path {last.path.length:.3f} m, virtual axle "
+        f"{1e3 * distance:.0f} mm from the centre of pressure, {used:.2f} of the "
+        "tip's friction used"
+    )
+    for piece in segments[:-1]:
+        merits += f", {piece.path.length:g} m back first"
+    time = run_time(task, segments, pressed=True)
+    return replace(choice, segments=segments, time=time, merits=merits)
+
+
+def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> Segment:
+    """Return the segment that turns the object on the spot. Raises RefusedError
+    where the goal is elsewhere.
+    """
+    X_BV = vehicle.X_BV
+    start, goal = _ends(task, X_BV)
+    path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
+    moved = math.dist(start.position, goal.position)
+    allowed = task.tolerance.position
+    if moved > allowed:
+        text = (
+            "the point about which it turns has to stay in its place, from start "
+            "to goal it moves by {figure:mm.1f}, allowed {allowed:mmg}"
+        )
+        raise RefusedError(Refusal("pin_moves", text, moved, allowed, "m"))
+    drive = SpinDrive(vehicle.car, _max_friction(task, contact), X_BV)
+    speed = task.motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
+    return segment(task, mode, (contact,), drive, path, speed=speed)
+
+
+def _drive(
+    task: Task, mode: str, press: Press, vehicle: PressedVehicle, returns: bool
+) -> tuple[Segment, ...]:
+    """Return the segments of a path of one vehicle; ``returns``: it can go back.
+    Raises RefusedError where there is only a loop.
+    """
+    motion = task.motion
+    car = vehicle.car
+    contact = press.contact
+    start, goal = _ends(task, vehicle.X_BV)
+    look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
+    straight = 0.0 if task.tool is None else task.tool.straight
+    tried = RUN_INS if returns else RUN_INS[:2]
+    run_ins = [straight + k * look_ahead for k in tried]
+    back_ups = press.back_ups if returns else (0.0,)
+    way = way_to(start, goal, vehicle, run_ins, back_ups)
+    # where a loop is too long a manoeuvre is better, if one is allowed
+    loop = LOOP if motion.vehicle or task.tool else 0.0
+    if way.too_long > loop:
+        text = (
+            f"only by a loop of {way.path.length:.2f} m, {{figure:m.2f}} too long, "
+            "allowed {allowed:mg}"
+        )
+        raise RefusedError(Refusal("loop", text, way.too_long, loop, "m"))
+    speed = motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
+    speed *= PUSHED_SPEED if press.backward else 1.0
+    speed *= min(1.0, SWING / (car.length * way.curvature))
+    drive = UnicycleDrive(
+        car,
+        _max_friction(task, contact),
+        vehicle.steepest,
+        look_ahead,
+        way.curvature,
+        way.run_in,
+    )
+    piece = segment(task, mode, (contact,), drive, way.path, speed=speed)
+    if not way.back_up:
+        return (piece,)
+    return (backing_up(task, vehicle, piece, way.back_up), piece)
+
+
+def _max_friction(task: Task, contact: Contact) -> float:
+    """Friction of the support [N] under a press."""
+    belief = task.believed
+    return belief.support_friction * (belief.mass * GRAVITY + contact.load)
+
+
+def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
+    """Return what a body pushed by the object adds to the drag [N]. Raises RefusedError
+    where the object drives askew to its pushing face.
+    """
+    drag, skew = tool_load(task, vehicle.X_BV.yaw)
+    if skew > TOOL_SKEW:
+        text = (
+            "it drives {figure:deg.1f} off the normal of tool.face, allowed "
+            "{allowed:degg}"
+        )
+        raise RefusedError(Refusal("tool_skew", text, skew, TOOL_SKEW, "rad"))
+    return drag
+
+
+def _ends(task: Task, X_BV: Pose2) -> tuple[Pose2, Pose2]:
+    """Return V at the task's start and goal."""
+    X_GB = task.object.X_GB
+    return task.start.compose(X_GB).compose(X_BV), task.goal.compose(X_GB).compose(X_BV)
+
+
+def ends_onward(
+    task: Task, segment: Segment, X_WB: Pose2, X_BV: Pose2
+) -> tuple[Pose2, Pose2]:
+    """Return V at the object's pose and at a segment's goal."""
+    goal = segment.goal.compose(task.object.X_GB).compose(X_BV)
+    return X_WB.compose(X_BV), goal
+
+
+def steered_path(
+    task: Task, segment: Segment, X_WB: Pose2, drive: SteeredDrive, longest: float
+) -> MotionPath:
+    """Return the gentlest path of ``drive`` to a segment's goal; straight ahead where
+    steering along a run-in is enough.
+    """
+    start, goal = ends_onward(task, segment, X_WB, drive.X_BV)
+    ahead, left = goal.unapply(start.position)
+    if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < CORRECTED:
+        return ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
+    car = drive.car
+    tightest = math.tan(PLANNED * drive.steepest) / abs(car.effective_wheelbase)
+    run_ins = [k * drive.look_ahead for k in SHORT_RUN_INS]
+    return gentlest(start, goal, turns(car, tightest), run_ins, longest)[2]

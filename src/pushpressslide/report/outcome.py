@@ -1,0 +1,99 @@
+"""How a run ended: its success, the reason in words, the errors at the goal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import wrap_angle
+from pushpressslide.core.record import Record
+from pushpressslide.core.task import Task
+from pushpressslide.report import series
+from pushpressslide.report.support import seat_error
+
+
+@dataclass(frozen=True, slots=True)
+class GoalError:
+    """How far the body that the goal names ends from the goal; NaN if unknown."""
+
+    ahead: float = math.nan  # [m] along the goal's x axis
+    left: float = math.nan  # [m] along the goal's y axis
+    yaw: float = math.nan  # [rad], >= 0
+
+    @property
+    def position(self) -> float:
+        """Distance [m] from the goal."""
+        return math.hypot(self.ahead, self.left)
+
+
+def outcome_figures(task: Task, record: Record) -> dict[str, Any]:
+    """Return success, reason, errors at the goal and tolerance, as in result.json."""
+    error = goal_error(task, record)
+    within = _within_tolerance(task, record, error)
+    tolerance = task.tolerance
+    return {
+        "success": record.reason == "goal_reached" and within,
+        "reason": _reason(task, record, error, within),
+        "final_position_error": error.position,
+        "final_yaw_error": error.yaw,
+        "final_error_xy": [error.ahead, error.left],
+        "tolerance": {"position": tolerance.position, "yaw": tolerance.yaw},
+    }
+
+
+def goal_error(task: Task, record: Record) -> GoalError:
+    """Return where the body that the goal names ends, relative to the goal."""
+    poses: Array | None = record.arrays.get("object_pose")
+    goal = task.goal
+    if task.tool is not None:
+        body = record.arrays.get(f"body_{task.tool.body}")
+        poses = None if body is None else series.planar_poses(body)
+        goal = task.tool.goal
+    if poses is None or not len(poses):
+        return GoalError()
+    x, y, yaw = (float(v) for v in poses[-1])
+    if not all(math.isfinite(v) for v in (x, y, yaw)):
+        return GoalError()
+    ahead, left = goal.unapply((x, y))
+    return GoalError(ahead, left, abs(wrap_angle(yaw - goal.yaw)))
+
+
+def _within_tolerance(task: Task, record: Record, error: GoalError) -> bool:
+    """Whether the body ends within the tolerance; False where that is not known."""
+    distance = max(error.position, seat_error(task, record))
+    return distance <= task.tolerance.position and error.yaw <= task.tolerance.yaw
+
+
+def _reason(
+    task: Task, record: Record, error: GoalError, within: bool
+) -> dict[str, str]:
+    """Code and text of the end of a run."""
+    text = record.reason_text
+    place = _final_place(task, record, error)
+    if record.reason != "goal_reached":
+        return {"code": record.reason, "text": text or place}
+    return {
+        "code": "goal_reached" if within else "goal_missed",
+        "text": "; ".join(filter(None, (text, place))),
+    }
+
+
+def _final_place(task: Task, record: Record, error: GoalError) -> str:
+    """Say where the body that the goal names ended."""
+    if task.tool is not None and f"body_{task.tool.body}" not in record.arrays:
+        return (
+            f"engine {record.engine} does not move {task.tool.body!r}: where it ends "
+            "is not known"
+        )
+    allowed = task.tolerance
+    place = (
+        f"ended {1e3 * error.position:.1f} mm and {math.degrees(error.yaw):.2f} deg "
+        f"from the goal, tolerance {1e3 * allowed.position:g} mm and "
+        f"{math.degrees(allowed.yaw):g} deg"
+    )
+    seat = seat_error(task, record)
+    if seat > allowed.position:
+        place += f", {1e3 * seat:.0f} mm short of the opening's back"
+    return place

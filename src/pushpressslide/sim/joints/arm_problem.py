@@ -1,0 +1,178 @@
+"""What one arm has to do in a plan: bring its tip to its contact and follow it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.plan import Contact, Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Robot
+from pushpressslide.modes.base import TURNING, tool_azimuths
+from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.arm_model import ArmModel
+from pushpressslide.sim.joints.approach import Approach
+from pushpressslide.sim.joints.clearance import ClearanceModel
+from pushpressslide.sim.joints.postures import POSE, TipPath, ToolOption, tool_options
+
+STEP = 0.015  # [m] of the object's path between samples
+TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
+# [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
+# spare
+CLEARANCE = 0.005
+
+
+@dataclass(frozen=True)
+class ObjectPath:
+    """The object's planned path as k samples, over all segments of one placement."""
+
+    arc_length: Array  # (k,) [m]
+    bodies: list[Pose2]  # X_WB
+    shapes: list[Pose2]  # X_WG
+
+
+@dataclass(frozen=True)
+class ContactPath:
+    """A contact that moves with the object, and the tip path that it asks for."""
+
+    contact: Contact
+    tip: TipPath
+    normal: Vector3  # world; from the tip into the object, at the start
+
+
+@dataclass(frozen=True, eq=False)
+class ArmProblem:
+    """One arm of a plan, with the posture that it starts from.
+
+    Derived parts (kinematics, planning plant, approach) are built on first use.
+    """
+
+    plan: Plan
+    arm: int
+    start: Array | None = None  # (n,) [rad]; None: the ready posture
+    holds: bool = False  # the arm has its contact at the start, and keeps it
+    # postures (n,) of the arms that stand still, by index
+    others: Mapping[int, Array] = field(default_factory=dict)
+
+    @property
+    def robot(self) -> Robot:
+        """The arm as the task describes it."""
+        return self.plan.task.robots[self.arm]
+
+    @cached_property
+    def kin(self) -> ArmKinematics:
+        """The arm's kinematics."""
+        return arm_kinematics(self.robot)
+
+    @cached_property
+    def dynamics(self) -> ArmModel:
+        """The arm's dynamics, for the torque that holds a contact."""
+        return ArmModel(self.robot)
+
+    @cached_property
+    def clearance(self) -> ClearanceModel:
+        """Distances of the arm to everything else."""
+        return ClearanceModel(self.plan, self.arm, self.others)
+
+    @cached_property
+    def object_path(self) -> ObjectPath:
+        """The object's path, sampled."""
+        return object_path(self.plan)
+
+    @cached_property
+    def along(self) -> ContactPath | None:
+        """The arm's contact along the object's path; None for an arm without one."""
+        contact = next((c for c in self.plan.contacts if c.arm == self.arm), None)
+        if contact is None:
+            return None
+        path = self.object_path
+        inside, height = contact.tip_place(self.robot.tip_radius)
+        frame = self.plan.task.support.frame
+        positions = [frame.point((*X.apply(inside), height)) for X in path.bodies]
+        yaws = np.unwrap(np.array([X.yaw for X in path.bodies]))
+        tip = TipPath(np.array(positions), yaws, path.shapes)
+        normal = frame.direction(contact.direction(path.bodies[0]))
+        return ContactPath(contact, tip, normal)
+
+    @property
+    def posture(self) -> Array:
+        """The posture (n,) [rad] that the arm starts from."""
+        return self.kin.facts.home if self.start is None else self.start
+
+    @cached_property
+    def approach(self) -> Approach:
+        """The approaches from the starting posture."""
+        return Approach(
+            self.plan.task,
+            self.kin,
+            lambda q: self.free(self.clearance, q),
+            self.start,
+        )
+
+    def tool_options(self, along: ContactPath) -> list[ToolOption]:
+        """Return how the tool may be held along a contact, the preferred option first.
+
+        An arm with fewer than six joints keeps its tool upright.
+        """
+        contact = along.contact
+        axes = self.plan.task.support.frame.axes
+        bodies = self.object_path.bodies
+        middle = len(bodies) // 2
+        base = self.plan.task.bases[self.arm]
+        azimuths = tool_azimuths(contact, bodies[middle], base)
+        if self.kin.facts.size < POSE:
+            return [(ToolAttitude(0.0, azimuths[0], axes), np.zeros(1))]
+        if contact.kind == "side":
+            # a tool that leans aside must turn with the object; those come last
+            azimuths = azimuths[:1]
+        yaws = along.tip.yaws
+        rolls = contact.kind == "top" and float(np.ptp(yaws)) > TURNING
+        return tool_options(azimuths, float(yaws[middle]), axes, rolls=rolls)
+
+    def contact_clearance(self, postures: Array) -> tuple[float, str]:
+        """Return the least distance [m] of postures (k, n) along the contact, and of
+        which pair.
+        """
+        return self.clearance.least(postures, self.object_path.shapes, touching=True)
+
+    def approach_clearance(
+        self, model: ClearanceModel, postures: Array
+    ) -> tuple[float, str]:
+        """Return the least distance [m] of postures (m, n) before the contact, and of
+        which pair.
+        """
+        poses = self.object_path.shapes[:1] * len(postures)
+        return model.least(postures, poses, touching=False)
+
+    def free(self, model: ClearanceModel, q: Array) -> bool:
+        """Return whether a posture (n,) before the contact keeps its clearance."""
+        return self.approach_clearance(model, q[None])[0] >= CLEARANCE
+
+
+def object_path(plan: Plan) -> ObjectPath:
+    """Return the object's path over all segments of ``plan``, sampled by arc length."""
+    lengths: list[float] = []
+    bodies: list[Pose2] = []
+    done = 0.0
+    for segment in plan.segments:
+        length = segment.path.length
+        X_VB = segment.X_BV.inverse()
+        turned = sum(
+            abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(segment.path.starts)
+        )
+        count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
+        grid = np.linspace(0.0, length, count + 1)[0 if not lengths else 1 :]
+        lengths += [done + float(s) for s in grid]
+        bodies += [segment.path.pose(float(s)).compose(X_VB) for s in grid]
+        done += length
+    X_BG = plan.task.object.X_GB.inverse()
+    shapes = [X.compose(X_BG) for X in bodies]
+    return ObjectPath(np.array(lengths), bodies, shapes)

@@ -1,0 +1,270 @@
+"""Kinds of fields: what each takes in words, how it is read, and its JSON Schema.
+
+Reading is apart from decoding, so that each field is known to be sound before fields
+are compared: ``read`` gives plain data in the file's units with every default resolved,
+``decode`` makes the data of a task of it, and ``encode`` is the inverse of ``decode``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from dataclasses import fields as dataclass_fields
+from typing import Any
+
+from pushpressslide.core.entry import REQUIRED
+from pushpressslide.core.errors import TaskError
+from pushpressslide.taskfile.place import Place, nearest
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def attributes(data: Any) -> dict[str, Any]:
+    """Return the fields of a dataclass by name."""
+    return {field.name: getattr(data, field.name) for field in dataclass_fields(data)}
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What values a field takes."""
+
+    words: str  # what it takes
+    many: str  # what several of it take
+    json: Mapping[str, Any]  # JSON Schema
+    read: Callable[[Any, Place], Any]  # raises TaskError
+    decode: Callable[[Any], Any] = _same
+    encode: Callable[[Any], Any] = _same
+    absent: Any = REQUIRED  # plain value of a field that the file leaves out
+    fields: Mapping[str, Field] | None = None  # of a section, or of each in a list
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a section."""
+
+    kind: Kind
+    meaning: str
+    default: Any = REQUIRED  # plain, in the file's units
+    name: str = ""  # in the data, if it is not the key without _deg
+
+    @property
+    def absent(self) -> Any:
+        """What is read where the file leaves the field out; REQUIRED: it must not."""
+        return self.kind.absent if self.default is REQUIRED else self.default
+
+
+def number(
+    unit: str, within: str, words: tuple[str, ...] = (), whole: bool = False
+) -> Kind:
+    """Return the kind of a finite number in a range, or of a word in place of it.
+
+    An end of ``within`` in a round bracket is open. An angle is in degrees in the file
+    (unit "deg") and in radians in the data.
+    """
+    low, high = (float(end) for end in within[1:-1].split(","))
+    types = int if whole else (int, float)
+
+    def read(value: Any, place: Place) -> Any:
+        if value in words:
+            return value
+        if isinstance(value, bool) or not isinstance(value, types):
+            raise place.refused(value)
+        # an integer may be too long for a float; a comparison takes it
+        above = value > low if within[0] == "(" else value >= low
+        below = value < high if within[-1] == ")" else value <= high
+        if not (above and below):
+            raise place.refused(value)
+        return value if whole else float(value)
+
+    schema: dict[str, Any] = {
+        "type": "integer" if whole else "number",
+        "exclusiveMinimum" if within[0] == "(" else "minimum": low,
+        "exclusiveMaximum" if within[-1] == ")" else "maximum": high,
+    }
+    if words:
+        schema = {"anyOf": [{"enum": list(words)}, schema]}
+    span = f"[{unit}] in {within}" if unit else f"in {within}"
+    one = f"a {'whole' if whole else 'finite'} number {span}"
+    kind = Kind(", ".join((*words, one)), f"finite numbers {span}", schema, read)
+    if unit == "deg":
+        return replace(kind, decode=math.radians, encode=degrees)
+    return kind
+
+
+def _leaf(
+    words: str, many: str, json: Mapping[str, Any], sound: Callable[[Any], bool]
+) -> Kind:
+    """Return the kind of a value that is as it should be, or is refused."""
+
+    def read(value: Any, place: Place) -> Any:
+        if not sound(value):
+            raise place.refused(value)
+        return value
+
+    return Kind(words, many, json, read)
+
+
+def text(words: str, many: str = "", pattern: str = r"[\s\S]*") -> Kind:
+    """Return the kind of a text of a pattern."""
+    sound = re.compile(pattern).fullmatch
+    json = {"type": "string", "pattern": f"^{pattern}$"}
+    return _leaf(words, many, json, lambda v: isinstance(v, str) and bool(sound(v)))
+
+
+def choice(*words: str) -> Kind:
+    """Return the kind of one of some words."""
+    json = {"enum": list(words)}
+    return _leaf(f"one of {', '.join(words)}", "", json, lambda v: v in words)
+
+
+FLAG = _leaf("true or false", "", {"type": "boolean"}, lambda v: isinstance(v, bool))
+TEXT = text("text")
+NAME = text(
+    "a name: a letter, then letters, digits, '-', '_' or '.', at most 64 characters",
+    pattern="[A-Za-z][A-Za-z0-9_.-]{0,63}",
+)
+
+
+def array(item: Kind, low: float, high: float) -> Kind:
+    """Return the kind of a list; it is a tuple in the data."""
+    size = f"{low:g} to {high:g}"
+    if low == high:
+        size = f"{low:g}"
+    elif math.isinf(high):
+        size = f"{low:g} or more"
+    words = f"a list of {size} {item.many}"
+
+    def read(value: Any, place: Place) -> Any:
+        if not isinstance(value, list) or not low <= len(value) <= high:
+            raise place.refused(value)
+        # of sections the whole list is said, with what each takes
+        allowed = place.allowed if item.fields else item.words
+        return tuple(
+            item.read(one, place.item(i, allowed)) for i, one in enumerate(value)
+        )
+
+    schema = {"type": "array", "items": item.json, "minItems": low}
+    if math.isfinite(high):
+        schema["maxItems"] = high
+    return Kind(
+        words,
+        "",
+        schema,
+        read,
+        lambda value: tuple(item.decode(one) for one in value),
+        lambda value: [item.encode(one) for one in value],
+        REQUIRED if low else [],
+        item.fields,
+    )
+
+
+def point(unit: str, within: str) -> Kind:
+    """Return the kind of a point or vector in the plane."""
+    axis = number(unit, within)
+    words = f"a point [x, y] of two finite numbers [{unit}]"
+    return replace(
+        array(axis, 2, 2), words=words, many=f"points [x, y], each two {axis.many}"
+    )
+
+
+def _object_schema(fields: Mapping[str, Field], required: list[str]) -> dict[str, Any]:
+    properties = {}
+    for key, field in fields.items():
+        properties[key] = {**field.kind.json, "description": field.meaning}
+        if key not in required:
+            properties[key]["default"] = field.absent
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": False,
+    }
+
+
+def section(
+    fields: Mapping[str, Field],
+    make: Callable[..., Any],
+    take: Callable[[Any], Mapping[str, Any]] = attributes,
+) -> Kind:
+    """Return the kind of a section with some fields by their keys.
+
+    In the data it is what ``make`` makes of the fields by their names. ``take`` is the
+    inverse; what it leaves out is not written.
+    """
+    listed = f"with the fields {', '.join(fields)}"
+    names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
+    required = [key for key, field in fields.items() if field.absent is REQUIRED]
+
+    def read(value: Any, place: Place) -> Any:
+        if not isinstance(value, dict):
+            raise place.refused(value)
+        for key in value:
+            if key not in fields:
+                path = " ".join(place.field(key).path[:200].split())
+                reason = f"unknown field; {nearest(key, fields)}"
+                raise TaskError(place.source, path, key, reason)
+        plain = {}
+        for key, field in fields.items():
+            here = place.field(key, field.kind.words)
+            if key not in value and key in required:
+                raise here.refused(None, "it is missing; ")
+            plain[key] = field.kind.read(value.get(key, field.absent), here)
+        return plain
+
+    def decode(value: Any) -> Any:
+        return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
+
+    def encode(value: Any) -> Any:
+        values = take(value)
+        return {
+            key: field.kind.encode(values[names[key]])
+            for key, field in fields.items()
+            if names[key] in values
+        }
+
+    return Kind(
+        f"a section {listed}",
+        f"sections {listed}",
+        _object_schema(fields, required),
+        read,
+        decode,
+        encode,
+        REQUIRED if required else {},
+        fields,
+    )
+
+
+def nullable(kind: Kind) -> Kind:
+    """Return the kind of what may be null, and is null where the file leaves it out."""
+
+    def unless_null(step: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda value, *place: None if value is None else step(value, *place)
+
+    return replace(
+        kind,
+        words=f"{kind.words} or null",
+        json={"anyOf": [kind.json, {"type": "null"}]},
+        read=unless_null(kind.read),
+        decode=unless_null(kind.decode),
+        encode=unless_null(kind.encode),
+        absent=None,
+    )
+
+
+def degrees(radians: float) -> float:
+    """Return the angle [deg] that math.radians turns back into the same ``radians``, if
+    there is one.
+    """
+    value = math.degrees(radians)
+    candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)]
+    candidates.append(value)
+    down = up = value
+    for _ in range(4):
+        down = math.nextafter(down, -math.inf)
+        up = math.nextafter(up, math.inf)
+        candidates += [down, up]
+    return next((c for c in candidates if math.radians(c) == radians), value)

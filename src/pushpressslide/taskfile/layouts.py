@@ -1,0 +1,67 @@
+"""Sections of the task file that are laid out otherwise than the data."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.taskfile.kinds import NAME, Field, array, nullable, number, section
+
+
+class Stand(NamedTuple):
+    """Where something stands in the world, and where it heads."""
+
+    x: float  # [m]
+    y: float
+    z: float
+    yaw: float  # [rad]
+
+
+_METRES = number("m", "[-10, 10]")
+_BOUNDS = array(_METRES, 2, 2)
+_HEADING = number("deg", "[-360, 360]")
+_ERROR = number("m", "[-1, 1]")
+
+_POSE = {
+    "x": Field(_METRES, "along x of the support"),
+    "y": Field(_METRES, "along y of the support"),
+    "yaw_deg": Field(_HEADING, "from x towards y", 0.0),
+}
+_BODY = Field(nullable(NAME), "the body to be moved: object, or an obstacle")
+
+POSE = section(_POSE, Pose2)
+GOAL = section({**_POSE, "body": _BODY}, lambda body, **pose: Pose2(**pose))
+START_ERROR = section(
+    {
+        "x": Field(_ERROR, "along x", 0.0),
+        "y": Field(_ERROR, "along y", 0.0),
+        "yaw_deg": Field(number("deg", "[-180, 180]"), "counter-clockwise", 0.0),
+    },
+    Pose2,
+)
+STAND = section(
+    {
+        "x": Field(_METRES, "position in the world", 0.0),
+        "y": Field(_METRES, "position in the world", 0.0),
+        "z": Field(_METRES, "height above the table or floor", 0.0),
+        "yaw_deg": Field(_HEADING, "heading in the world", 0.0),
+    },
+    Stand,
+    Stand._asdict,
+)
+CENTER = section(
+    {
+        "x": Field(_METRES, "along x", 0.0),
+        "y": Field(_METRES, "along y", 0.0),
+    },
+    lambda x, y: (x, y),
+    lambda center: dict(zip("xy", center, strict=True)),
+)
+WORKSPACE = section(
+    {
+        "x": Field(_BOUNDS, "lower and upper bound"),
+        "y": Field(_BOUNDS, "lower and upper bound"),
+    },
+    lambda x, y: (*x, *y),
+    lambda region: {"x": region[:2], "y": region[2:]},
+)

@@ -1,0 +1,49 @@
+"""Where in a task file a value stands, and how it is refused there."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from pushpressslide.core.errors import TaskError
+
+Fault = tuple[str, object, str]
+"""What is wrong in a file: the field's dotted name, its value, and what is allowed."""
+
+
+def refuse(source: str, faults: Iterable[Fault]) -> None:
+    """Raise TaskError for the first of the faults, if there is one."""
+    for fault in faults:
+        raise TaskError(source, *fault)
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """Return ``did you mean 'x'? known: ...``, the hint only if a known name is near."""
+    names = list(known)
+    close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"{hint}known: {', '.join(names)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A field of a file, or the whole file."""
+
+    source: str  # names the file
+    path: str = ""  # dotted name of the field, list items by index
+    allowed: str = ""  # what the field takes, in words
+
+    def field(self, key: object, allowed: str = "") -> Place:
+        """Return the place of a field of the section that is here."""
+        path = f"{self.path}.{key}" if self.path else str(key)
+        return Place(self.source, path, allowed)
+
+    def item(self, index: int, allowed: str = "") -> Place:
+        """Return the place of an item of the list that is here."""
+        return Place(self.source, f"{self.path}[{index}]", allowed)
+
+    def refused(self, value: object, fault: str = "") -> TaskError:
+        """Return the error for a value here: what is wrong, and what is allowed."""
+        reason = f"{fault}allowed: {self.allowed}"
+        return TaskError(self.source, self.path, value, reason)

@@ -1,0 +1,175 @@
+"""The search for a joint path: frozen results, no more work than is asked for, refusals
+that follow from the result alone.
+"""
+
+from dataclasses import FrozenInstanceError, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.robots.tool import UPRIGHT
+from pushpressslide.selection.planner import plan as make_plan
+from pushpressslide.sim.joints import arms
+from pushpressslide.sim.joints.arm_problem import STEP, ArmProblem, object_path
+from pushpressslide.sim.joints.arms import Conflict
+from pushpressslide.sim.joints.clearance import ClearanceModel
+from pushpressslide.sim.joints.joint_path import SearchResult, joint_path, search
+from pushpressslide.sim.joints.postures import (
+    YAW_OFFSETS,
+    Miss,
+    Posture,
+    continued_moves,
+    tool_options,
+)
+
+POSTURE = Posture(UPRIGHT, 0.0, np.zeros((2, 7)))
+
+
+@pytest.fixture(scope="module")
+def push() -> Plan:
+    return pps.plan(pps.load_task("rear-push-rear"))
+
+
+@pytest.fixture(scope="module")
+def results(push: Plan) -> list[SearchResult]:
+    return list(search(ArmProblem(push, 0)))
+
+
+def hopeless() -> Plan:
+    """A push whose tip begins in the robot's base."""
+    task = pps.load_task("rear-push-rear")
+    start = Pose2(0.095 + task.robots[0].tip_radius, 0.0, 0.0)
+    goal = start.compose(Pose2(0.25, 0.03, 0.26))
+    return make_plan(replace(task, start=start, goal=goal), force=True)
+
+
+def test_each_result_extends_the_one_before_by_one_solution(
+    results: list[SearchResult],
+) -> None:
+    assert len(results) > 1
+    for i, result in enumerate(results):
+        assert len(result.solutions) == i + 1
+    for before, after in pairwise(results):
+        assert after.solutions[:-1] == before.solutions
+
+
+def test_the_first_result_costs_only_the_first_solution(
+    push: Plan, results: list[SearchResult], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    postures = 0
+    least = ClearanceModel.least
+
+    def counted(model, q, poses, *, touching):
+        nonlocal postures
+        postures += len(q)
+        return least(model, q, poses, touching=touching)
+
+    monkeypatch.setattr(ClearanceModel, "least", counted)
+    stream = search(ArmProblem(push, 0))
+    assert postures == 0
+    first = next(stream)
+    begun = postures
+    path = first.solutions[0].path
+    np.testing.assert_array_equal(path.move, results[0].solutions[0].path.move)
+    assert len(list(stream)) == len(results) - 1
+    assert begun <= postures / len(results) * 2.0
+
+
+def test_the_joint_path_is_the_best_of_the_first_result(
+    push: Plan, results: list[SearchResult]
+) -> None:
+    path, attitude = joint_path(push)
+    best = results[-1].best(ArmProblem(push, 0))
+    np.testing.assert_array_equal(path.approach, best.path.approach)
+    assert attitude == best.move.posture.attitude
+
+
+def test_a_search_without_a_solution_has_one_result_with_its_misses() -> None:
+    plan = hopeless()
+    problem = ArmProblem(plan, 0)
+    (result,) = search(problem)
+    assert not result.solutions
+    assert result.misses
+    with pytest.raises(InfeasibleTaskError) as caught:
+        result.best(problem)
+    assert str(caught.value).endswith(result.misses[0].why)
+    (forced, *_) = search(problem, force=True)
+    assert forced.solutions
+
+
+def test_the_refusal_depends_on_nothing_but_the_result(push: Plan) -> None:
+    problem = ArmProblem(push, 0)
+    misses = tuple(Miss(0.1 * i, f"miss {i}", POSTURE) for i in (1, 2))
+    result = SearchResult((), misses)
+    for _ in range(2):
+        with pytest.raises(InfeasibleTaskError, match="along the contact: miss 1"):
+            result.best(problem)
+    with pytest.raises(FrozenInstanceError):
+        result.misses = ()  # type: ignore[misc]
+
+
+def test_the_object_path_is_sampled_finely_from_start_to_goal(push: Plan) -> None:
+    path = object_path(push)
+    assert np.diff(path.arc_length).min() > 0.0
+    assert np.diff(path.arc_length).max() <= STEP + 1e-12
+    for X_WG, planned in ((path.shapes[0], push.task.start), (path.shapes[-1], None)):
+        last = push.segments[-1]
+        X = planned or push.object_pose(last, last.path.length)
+        assert (X_WG.x, X_WG.y) == pytest.approx((X.x, X.y))
+    X_GB = push.task.object.X_GB
+    for X_WG, X_WB in zip(path.shapes, path.bodies, strict=True):
+        again = X_WG.compose(X_GB)
+        assert (again.x, again.y) == pytest.approx((X_WB.x, X_WB.y))
+
+
+def test_an_arm_that_keeps_its_contact_goes_on_from_its_posture(
+    push: Plan, results: list[SearchResult]
+) -> None:
+    q = results[0].solutions[0].path.move
+    problem = ArmProblem(push, 0, q[0], holds=True)
+    assert problem.along is not None
+    axes = push.task.support.frame.axes
+    tip = problem.along.tip
+    (move,) = continued_moves(problem.kin, tip, q[0], axes, force=False)
+    np.testing.assert_allclose(move.posture.q[0], q[0], atol=1e-5)
+    (elsewhere,) = continued_moves(problem.kin, tip, q[0] + 0.2, axes, force=False)
+    assert isinstance(elsewhere, Miss)
+    assert "holds on is elsewhere" in elsewhere.why
+    solution = next(search(problem)).best(problem)
+    assert (solution.path.approach == q[0]).all()
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+def test_an_upright_tool_comes_first_and_every_other_option_leans(rolls: bool) -> None:
+    axes = pps.load_task("rear-push-rear").support.frame.axes
+    upright, *others = tool_options((0.3, 0.9), 0.2, axes, rolls=rolls)
+    assert upright[0].tilt == 0.0
+    np.testing.assert_array_equal(upright[1], YAW_OFFSETS)
+    assert all(tool.tilt > 0.0 for tool, _ in others)
+    assert others[0][0].turns == rolls
+    for tool, offsets in others:
+        assert len(offsets) == len(YAW_OFFSETS) or tool.turns
+
+
+def test_the_conflict_of_the_latest_stage_decides_then_the_largest_distance() -> None:
+    contact = Conflict(0, "along the contacts", 0.004)
+    near = Conflict(1, "on the way to the object", -0.01)
+    nearly = Conflict(1, "on the way to the object", 0.003)
+    assert max([nearly, contact, near]) == nearly
+    assert max([contact, near]) == near
+
+
+def test_two_arms_are_refused_with_their_greatest_conflict(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = pps.plan(pps.load_task("orthogonal-push"))
+    monkeypatch.setattr(arms, "least_distance", lambda *_: 0.0012)
+    with pytest.raises(InfeasibleTaskError, match="along the contacts the arms come"):
+        arms.joint_paths(plan)
+    with pytest.raises(InfeasibleTaskError, match=r"as near as 1\.2 mm to each other"):
+        arms.joint_paths(plan)
