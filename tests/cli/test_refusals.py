@@ -2,7 +2,9 @@
 fields.
 """
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -164,6 +166,59 @@ def test_a_folder_that_cannot_be_made_is_refused(
     assert "--out" in refusal(
         "run", "rear-push-rear", "--out", str(tmp_path / "file" / "below")
     )
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that ``pps run`` has written."""
+    folder = tmp_path_factory.mktemp("run")
+    args = ("--engine", "planar", "--force", "--quiet", "--out", str(folder))
+    assert pps("run", "rear-push-rear", *args).returncode == 0
+    return folder
+
+
+OLD_PATH = {"start": [0.45, 0.0, 0.0], "pieces": [[0.0, 0.2]]}
+OLD_CHOICE = {
+    "mode": "rear_push",
+    "feasible": True,
+    "reason": "behind, 20 mm to the left",
+    "contacts": [],
+    "path_length": 0.2,
+    "time": 9.0,
+    "friction_margin": 0.3,
+    "parameters": {"rho": 0.05, "push_force": 3.0},
+    "path": OLD_PATH,
+    "goal": None,
+    "leg": 0,
+    "judged": True,
+    "following": None,
+}
+OLD_STRETCH = {
+    "path": OLD_PATH,
+    "profile": {"length": 0.2, "speed": 0.05, "acceleration": 0.1},
+    "X_BV": [0.05, 0.0, 0.0],
+}
+OLD_PLAN = {
+    "schema": 3,
+    "task": "rear-push-rear",
+    "grasps": [{"choice": OLD_CHOICE, "stretches": [OLD_STRETCH]}],
+    "choices": [OLD_CHOICE],
+}
+
+
+def test_a_folder_with_a_plan_of_schema_three_is_refused_by_its_schema(
+    run_folder: Path, tmp_path: Path, refusal: Refusal
+) -> None:
+    folder = shutil.copytree(run_folder, tmp_path / "old")
+    (folder / "plan.json").write_text(json.dumps(OLD_PLAN))
+    (folder / "report.html").unlink()
+    line = refusal("report", str(folder))
+    assert str(folder / "plan.json") in line
+    assert "schema 3, this version reads 4" in line
+    assert "run the task again" in line
+    # beside a folder that can be read too
+    assert line == refusal("report", str(run_folder), str(folder))
+    assert not (folder / "report.html").exists()
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Joint paths from one grasp to the next, and of two arms that keep apart."""
+"""Joint paths from one placement to the next, and of two arms that keep apart."""
 
 import math
 from collections.abc import Collection
@@ -82,7 +82,7 @@ def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
         np.asarray(kin.tip_pose(q)[1]) for q in (postures[0], first[0][0].move[-1])
     )
     np.testing.assert_allclose(above - contact, (0.0, 0.0, RETREAT), atol=1e-5)
-    start = press.stretches[-1].goal
+    start = press.segments[-1].goal
     push = pps.plan(
         replace(
             press.task,

@@ -10,10 +10,9 @@ def share(overrides: list[str]) -> float:
     light = pps.plan(pps.load_task("press-slide"))
     plan = pps.plan(pps.load_task("press-slide", overrides))
     path, _ = joint_path(light)
-    bodies = [
-        light.object_pose(s).compose(light.task.object.X_GB) for s in path.arc_length
-    ]
-    contact = plan.choice.contacts[0]
+    (segment,) = light.segments
+    bodies = [segment.body_pose(s) for s in path.arc_length]
+    contact = plan.contacts[0]
     return largest_share(
         plan, contact, ArmModel(plan.task.robots[0]), path.move, bodies
     )

@@ -43,11 +43,10 @@ def tip_errors(
 ) -> tuple[float, float]:
     """Return how far the tip [m] and the tool's turn [rad] are off at the samples."""
     kin = arm_kinematics(plan.task.robots[0])
-    contact = plan.choice.contacts[0]
+    (segment,) = plan.segments
+    (contact,) = segment.contacts
     inside, height = contact.tip_place(plan.task.robots[0].tip_radius)
-    bodies = [
-        plan.path.pose(float(x)).compose(plan.X_BV.inverse()) for x in path.arc_length
-    ]
+    bodies = [segment.body_pose(float(x)) for x in path.arc_length]
     R, p = kin.tip_pose(path.move)
     off = p - np.array([(*X.apply(inside), height) for X in bodies])
     wanted = attitude.rotation(np.array([X.yaw for X in bodies]) + path.tool_yaw_offset)
@@ -65,14 +64,15 @@ def check(plan: Plan, path: JointPath, attitude: ToolAttitude) -> None:
     assert np.linalg.cond(kin.jacobian(path.move)).max() < CONDITION_LIMIT
     model = ClearanceModel(plan, 0)
     start = plan.task.start
-    objects = [plan.object_pose(float(s)) for s in path.arc_length]
+    (segment,) = plan.segments
+    objects = [plan.object_pose(segment, float(s)) for s in path.arc_length]
     assert model.least(path.move, objects, touching=True)[0] >= CLEARANCE
     assert (
         model.least(path.approach, [start] * len(path.approach), touching=False)[0]
         >= CLEARANCE
     )
     assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
-    gap = path.gap * np.array(plan.choice.contacts[0].direction(plan.object_pose(0.0)))
+    gap = path.gap * np.array(plan.contacts[0].direction(objects[0]))
     end, first = (
         np.asarray(kin.tip_pose(q)[1]) for q in (path.approach[-1], path.move[0])
     )
@@ -114,7 +114,7 @@ def test_the_smooth_distance_is_a_lower_bound_and_its_gradient_is_right() -> Non
     rng = np.random.default_rng(0)
     for i in np.linspace(0, len(path.move) - 1, 5).astype(int):
         q = path.move[i] + rng.normal(0.0, 0.05, path.move.shape[1])
-        pose = plan.object_pose(0.0)
+        pose = plan.object_pose(plan.segments[0], 0.0)
         smooth, gradient = model.smooth_least(q, pose, touching=False)
         exact, _ = model.least(q[None], [pose], touching=False)
         assert exact - 2e-3 < smooth <= exact

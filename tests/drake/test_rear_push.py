@@ -94,9 +94,9 @@ def test_drake_and_the_planar_engine_move_the_object_along_the_same_path(
 @pytest.mark.parametrize("name", TASKS)
 def test_the_object_follows_its_plan(name: str) -> None:
     plan, record = run_of(name)
-    planned = np.array(
-        [plan.object_pose(s).position for s in np.linspace(0.0, plan.path.length, 400)]
-    )
+    (segment,) = plan.segments
+    lengths = np.linspace(0.0, segment.path.length, 400)
+    planned = np.array([plan.object_pose(segment, s).position for s in lengths])
     way = moving_path(record)
     nearest = np.min(np.linalg.norm(way[:, None] - planned[None], axis=2), axis=1)
     assert nearest.max() < 0.010

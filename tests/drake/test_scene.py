@@ -13,7 +13,7 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 
 from pushpressslide.core.path import ArcPath, SpeedProfile
-from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     Box,
@@ -26,8 +26,10 @@ from pushpressslide.core.task import (
     Task,
 )
 from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.scenes import build_scene, rest_height, solid_inertia
 from pushpressslide.sim.surfaces import OBJECT_FRICTION, partner_friction
@@ -70,13 +72,9 @@ def still_plan(
     )
     task = replace(task, robots=(), motion=replace(task.motion, time_step=time_step))
     path = ArcPath(START, ((0.0, 0.0),))
-    return Plan(
-        task,
-        Choice("rear_push", True, "test"),
-        path,
-        SpeedProfile(0.0, 0.05, 0.1),
-        Pose2(),
-    )
+    profile = SpeedProfile(0.0, 0.05, 0.1)
+    drive = TwistDrive(DraggedSurface(1.0, 0.1), 0.1)
+    return Plan(task, (Segment("rear_push", (), drive, path, profile, START),))
 
 
 class Dragged:
@@ -264,9 +262,9 @@ def measured_tip_friction(pair: float) -> float:
     height = 0.05
     robot = Robot("hand", (0.0, 0.0, 0.0), tip_radius=radius)
     task = replace(plan.task, start=Pose2(0.5, 0.0, 0.0), robots=(robot,))
-    scene = build_scene(
-        replace(plan, task=task, path=ArcPath(task.start, ((0.0, 0.0),)))
-    )
+    (segment,) = plan.segments
+    segment = replace(segment, path=ArcPath(task.start, ((0.0, 0.0),)))
+    scene = build_scene(replace(plan, task=task, segments=(segment,)))
     simulator = Simulator(scene.builder.Build())
     context = scene.plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     scene.plant.SetFreeBodyPose(

@@ -13,12 +13,14 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import Simulator
 
 from pushpressslide.core.path import ArcPath, SpeedProfile
-from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Box, ObjectModel, Opening, Support, Task
 from pushpressslide.jobs.run import simulate
+from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.sim.convert import (
     planar_pose,
     planar_pose_from_positions,
@@ -61,13 +63,10 @@ class Pressed:
             (),
             support,
         )
-        plan = Plan(
-            task,
-            Choice("", True, ""),
-            ArcPath(start, ()),
-            SpeedProfile(0.0, 0.05, 0.1),
-            Pose2(),
-        )
+        drive = TwistDrive(DraggedSurface(1.0, 0.1), 0.1)
+        profile = SpeedProfile(0.0, 0.05, 0.1)
+        segment = Segment("", (), drive, ArcPath(start, ()), profile, start)
+        plan = Plan(task, (segment,))
         self.scene = build_scene(plan, time_step=0.002)
         self.diagram = self.scene.builder.Build()
         self.simulator = Simulator(self.diagram)
@@ -148,7 +147,7 @@ def test_the_press_fit_ends_in_the_opening_and_never_leaves_the_wall(overrides) 
     # the landing on the back too
     assert found["max_normal_force"] < task.limits.normal_force
     assert 0.0 < found["fall_height"] < 0.04
-    assert len(plan.grasps) == 1  # nothing let go on the way
+    assert len(plan.placements) == 1  # nothing let go on the way
     entered = np.argmax(record.arrays["tip_position"][:, :, 2].max(axis=1) < 0.255)
     before = record.arrays["phase"][:entered]
     # pressed from the touch to the opening, without a break

@@ -77,9 +77,9 @@ def test_a_run_can_be_stopped_and_says_so(idle):
 def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
     task, plan, record = idle
     press = Contact(1, "top", (0.0, 0.0), (0.0, 0.0), 0.15, 5.0)
-    plan = replace(
-        plan, choice=replace(plan.choice, contacts=(*plan.choice.contacts, press))
-    )
+    (segment,) = plan.segments
+    segment = replace(segment, contacts=(*segment.contacts, press))
+    plan = replace(plan, segments=(segment,))
     force = record.arrays["measured_force"].copy()
     force[:, 1, 2] = -5.0
     record = replace(record, arrays={**record.arrays, "measured_force": force})

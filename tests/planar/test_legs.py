@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import lasting_arms
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
@@ -99,20 +100,20 @@ def task(data: dict[str, Any]) -> Task:
     return task_from_data(data, "by-hand")
 
 
-@pytest.mark.parametrize(("data", "grasps"), [(LET_GO, 2), (KEPT, 1), (HELD, 2)])
+@pytest.mark.parametrize(("data", "placements"), [(LET_GO, 2), (KEPT, 1), (HELD, 2)])
 def test_the_legs_take_the_object_to_its_goal(
-    data: dict[str, Any], grasps: int
+    data: dict[str, Any], placements: int
 ) -> None:
     made, record, _ = simulate(task(data), engine="planar")
     found = result(task(data), made, record, {})
     assert found["success"], found["reason"]
-    assert len(made.grasps) == grasps
+    assert len(made.placements) == placements
     assert np.array_equal(np.unique(record.arrays["leg"]), [0.0, 1.0])
     assert np.all(np.diff(record.arrays["leg"]) >= 0.0)
     assert record.modes == tuple(dict.fromkeys(leg["mode"] for leg in data["legs"]))
 
 
-def test_every_grasp_has_its_own_figures() -> None:
+def test_every_placement_has_its_own_figures() -> None:
     made, record, _ = simulate(task(LET_GO), engine="planar")
     found = result(task(LET_GO), made, record, {})
     assert [(c["leg"], c["kind"]) for c in found["contacts"]] == [
@@ -132,11 +133,11 @@ def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew(
     None
 ):
     made, record, _ = simulate(task(HELD), engine="planar")
-    assert made.kept(made.grasps[1]) == {0}
+    assert lasting_arms(*made.placements) == {0}
     began = int(np.argmax(record.arrays["leg"] == 1.0))
     moved = began + int(np.argmax(record.arrays["phase"][began:] == 2.0))
     press = -record.arrays["measured_force"][began + 1 : moved, 0, 2]
-    assert press.min() > 0.9 * made.choice.contacts[0].load
+    assert press.min() > 0.9 * made.contacts[0].load
     assert np.ptp(record.arrays["object_pose"][began:moved, :2], axis=0).max() < 3e-3
 
 

@@ -9,11 +9,14 @@ import pytest
 
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.path import ArcPath, SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Contact, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Box, ObjectModel, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.rom.drives import HeldDrive, RearSteerDrive
+from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 DT = 0.01
 TOUCH = 20
@@ -38,6 +41,21 @@ class Made:
     def with_record(self, **fields):
         return replace(self, record=replace(self.record, **fields))
 
+    def with_segments(self, *segments):
+        return replace(self, plan=replace(self.plan, segments=segments))
+
+    def with_contacts(self, *contacts):
+        return self.with_segments(
+            *(replace(segment, contacts=contacts) for segment in self.plan.segments)
+        )
+
+    @property
+    def choice(self):
+        """The choice that the plan was made from."""
+        plan = self.plan
+        mode = plan.segments[0].mode
+        return Choice(mode, "by hand", plan.contacts, plan.segments, 5.0)
+
     @property
     def move(self):
         return self.record.arrays["phase"] == PHASES.index("move")
@@ -49,10 +67,12 @@ def perfect(model="hand"):
     """
     start = Pose2(0.4, -0.1, 0.2)
     length = 0.3
-    path = ArcPath(
-        Pose2(0.4, -0.1, 0.2).compose(Pose2(0.05, 0.0, 0.0)), ((2.0, length),)
-    )
-    X_BV = Pose2(0.05, 0.0, 0.0)
+    # its axle is 0.05 m ahead of the CoM
+    rho = math.sqrt(0.05 * 0.075)
+    car = RearSteerCar((-0.075, 0.0), (1.0, 0.0), (0.0, 0.0), rho, 0.5)
+    drive = RearSteerDrive(car, shift=0.0, max_friction=PUSH)
+    X_BV = drive.X_BV
+    path = ArcPath(start.compose(X_BV), ((2.0, length),))
     goal = path.end.compose(X_BV.inverse())
     body = ObjectModel(Box((0.15, 0.10, 0.08)), 1.0, (0.0, 0.0))
     task = Task(
@@ -64,17 +84,16 @@ def perfect(model="hand"):
         contact_friction=0.5,
     )
     contact = Contact(0, "side", (-0.075, 0.0), (1.0, 0.0), 0.03)
-    choice = Choice(
-        "rear_push", True, "by hand", (contact,), length, 5.0, 0.1, {"rho": 0.05}, path
-    )
-    plan = Plan(task, choice, path, SpeedProfile(length, 0.1, 0.5), X_BV)
+    profile = SpeedProfile(length, 0.1, 0.5)
+    segment = Segment("rear_push", (contact,), drive, path, profile, goal, 0.1)
+    plan = Plan(task, (segment,))
 
     n = TOUCH + MOVE + RELEASE
     phase = np.repeat(
         [PHASES.index(p) for p in ("touch", "move", "release")], [TOUCH, MOVE, RELEASE]
     )
     s = np.clip((np.arange(n) - TOUCH) / (MOVE - 1), 0.0, 1.0) * length
-    poses = [plan.object_pose(v) for v in s]
+    poses = [plan.object_pose(segment, v) for v in s]
     pose = np.array([(p.x, p.y, p.yaw) for p in poses])
     tip = np.array([[(*p.apply((-0.075 - 0.02, 0.0)), 0.03)] for p in poses])
     force = np.array([[(*p.rotate((PUSH, 0.4 * PUSH)), 0.0)] for p in poses])
@@ -111,7 +130,7 @@ def perfect(model="hand"):
 
 
 def two_presses(model="hand"):
-    """The box pressed by two arms in two stretches: along the arc, then turned about
+    """The box pressed by two arms in two segments: along the arc, then turned about
     its CoM.
 
     Each with the load and the shear (in B) of PRESSES.
@@ -122,17 +141,24 @@ def two_presses(model="hand"):
         Contact(arm, "top", point, (0.0, 0.0), 0.08, load)
         for arm, point, load, _ in PRESSES
     )
-    first = made.plan
-    X_BV = Pose2(0.0, 0.0, 0.0)
+    (first,) = made.plan.segments
+    surface = DraggedSurface(PUSH, 0.05)
+    here = HeldDrive(surface, 0.1, (0.0, 0.0), 0.0, 0.5)
     corner = first.path.end.compose(first.X_BV.inverse())
     spin = TwistPath.between((corner, corner.compose(Pose2(0.0, 0.0, 0.5))), 0.1)
     task = replace(made.task, robots=robots, goal=spin.end)
-    choice = replace(first.choice, mode="bimanual_press_slide", contacts=contacts)
-    last = replace(choice, path=spin, path_length=spin.length, friction_margin=0.05)
     profile = SpeedProfile(spin.length, 0.1, 0.5)
-    then = Plan(task, last, spin, profile, X_BV)
-    first_choice = replace(choice, following=last, goal=corner)
-    plan = replace(first, task=task, choice=first_choice, following=then)
+    first = replace(
+        first,
+        mode="bimanual_press_slide",
+        contacts=contacts,
+        drive=replace(here, point=first.X_BV.position),
+        goal=corner,
+    )
+    then = replace(
+        first, drive=here, goal=spin.end, path=spin, profile=profile, cone_margin=0.05
+    )
+    plan = Plan(task, (first, then))
 
     arrays = dict(made.record.arrays)
     n = len(arrays["time"])
@@ -141,7 +167,7 @@ def two_presses(model="hand"):
     turn = np.clip((np.arange(n) - half) / (MOVE // 2 - 1), 0.0, 1.0) * spin.length
     stretch = (np.arange(n) >= half).astype(float)
     poses = [
-        then.object_pose(b) if k else plan.object_pose(a)
+        plan.object_pose(then, b) if k else plan.object_pose(first, a)
         for k, a, b in zip(stretch, s, turn, strict=True)
     ]
     pose = np.array([(p.x, p.y, p.yaw) for p in poses])
@@ -153,10 +179,10 @@ def two_presses(model="hand"):
         forces[move, arm] = [(*p.rotate(shear), -load) for p in compress(poses, move)]
     samples = [
         part.path.pose(v)
-        for part in plan.stretches
+        for part in plan.segments
         for v in np.linspace(0.0, part.path.length, 200)
     ]
-    frames = np.array([(f.x, f.y, f.yaw) for f in (first.X_BV, X_BV)])
+    frames = np.array([(f.x, f.y, f.yaw) for f in (first.X_BV, then.X_BV)])
     arrays |= {
         "object_pose": pose,
         "reference_pose": pose.copy(),

@@ -26,9 +26,7 @@ def pressed_run(run, request):
     body = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, com)
     task = replace(run.task, object=body)
     contact = Contact(0, "top", (0.12, 0.05), (0.0, 0.0), 0.1, LOAD)
-    plan = replace(
-        run.plan, task=task, choice=replace(run.plan.choice, contacts=(contact,))
-    )
+    plan = replace(run.with_contacts(contact).plan, task=task)
     time = run.record.arrays["time"]
     yaw = TURN * time
     ex = 12.0 / 13.0

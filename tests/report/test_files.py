@@ -10,6 +10,7 @@ from pushpressslide.core import whole_file
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.files import (
@@ -26,12 +27,13 @@ from pushpressslide.report.plan_files import (
     write_plan,
 )
 
-REFUSED = Choice("press_slide", False, "needs 60 N, limits.normal_force is 40 N")
-PASSED = Choice("press_slide", False, "not judged in full", judged=False)
+NEEDS = Refusal("load", "needs 60 N, limits.normal_force is 40 N")
+REFUSED = Choice("press_slide", refusal=NEEDS)
+PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not judged in full"))
 
 
 def save(run, folder):
-    choices = (run.plan.choice, REFUSED, PASSED)
+    choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
         run.task,
@@ -73,35 +75,38 @@ def test_the_same_record_gives_the_same_bytes(run):
 def test_a_plan_survives_its_file(run):
     data = json.loads(
         json.dumps(
-            plan_to_dict(run.plan, (run.plan.choice, REFUSED, PASSED)), allow_nan=False
+            plan_to_dict(run.plan, (run.choice, REFUSED, PASSED)), allow_nan=False
         )
     )
     plan = plan_from_dict(data, run.task)
     assert plan == run.plan
-    assert choices_from_dict(data) == (run.plan.choice, REFUSED, PASSED)
+    assert choices_from_dict(data) == (run.choice, REFUSED, PASSED)
 
 
-def test_a_plan_of_two_stretches_survives_its_file(pressed):
+def test_a_plan_of_two_segments_survives_its_file(pressed):
     data = json.loads(
         json.dumps(
-            plan_to_dict(pressed.plan, (pressed.plan.choice, REFUSED)), allow_nan=False
+            plan_to_dict(pressed.plan, (pressed.choice, REFUSED)), allow_nan=False
         )
     )
     plan = plan_from_dict(data, pressed.task)
     assert plan == pressed.plan
-    assert [type(stretch.path) for stretch in plan.stretches] == [ArcPath, TwistPath]
-    assert choices_from_dict(data) == (pressed.plan.choice, REFUSED)
+    assert [type(segment.path) for segment in plan.segments] == [ArcPath, TwistPath]
+    assert choices_from_dict(data) == (pressed.choice, REFUSED)
 
 
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 3"),
-        (lambda data: data["grasps"][0].update(stretches=[]), "shorter|longer"),
-        (lambda data: data.update(grasps=[]), "a plan without grasps"),
+        (lambda data: data.update(schema=1), "schema 1, this version reads 4"),
+        (
+            lambda data: data["segments"][0]["drive"].update(point=[0.0]),
+            "shorter|longer",
+        ),
+        (lambda data: data.update(segments=[]), "a plan without segments"),
     ],
 )
-def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(
+def test_a_plan_of_another_schema_or_with_a_part_too_few_is_refused(
     pressed, change, what
 ):
     data = plan_to_dict(pressed.plan)
@@ -110,9 +115,9 @@ def test_a_plan_of_another_schema_or_with_a_stretch_too_few_is_refused(
         plan_from_dict(data, pressed.task)
 
 
-def test_a_saved_run_of_two_stretches_gives_the_same_figures_again(pressed, tmp_path):
+def test_a_saved_run_of_two_segments_gives_the_same_figures_again(pressed, tmp_path):
     back = load_run(save(pressed, tmp_path / "run"))
-    assert back.plan.following.path == pressed.plan.following.path
+    assert back.plan.segments[1].path == pressed.plan.segments[1].path
     assert result(back.task, back.plan, back.record, {}) == result(
         pressed.task, pressed.plan, pressed.record, {}
     )
@@ -121,7 +126,7 @@ def test_a_saved_run_of_two_stretches_gives_the_same_figures_again(pressed, tmp_
 def test_a_saved_run_gives_the_same_figures_again(run, tmp_path):
     back = load_run(save(run, tmp_path / "run"))
     same_record(run.record, back.record)
-    assert back.plan.path == run.plan.path
+    assert back.plan.segments[0].path == run.plan.segments[0].path
     assert back.choices[1:] == (REFUSED, PASSED)
     assert result(back.task, back.plan, back.record, {}) == result(
         run.task, run.plan, run.record, {}
@@ -188,6 +193,6 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path, monkeypatch):
 
 
 def test_write_plan_leaves_data_and_picture(run, tmp_path):
-    data, picture = write_plan(run.plan, tmp_path, (run.plan.choice, REFUSED))
+    data, picture = write_plan(run.plan, tmp_path, (run.choice, REFUSED))
     assert json.loads(data.read_text())["choices"][1]["reason"] == REFUSED.reason
     assert picture.read_bytes().startswith(b"\x89PNG")

@@ -235,9 +235,9 @@ def test_the_distance_to_a_polyline_is_that_to_its_nearest_point():
 
 def test_a_press_is_measured_downwards(run):
     contact = replace(
-        run.plan.choice.contacts[0], kind="top", point=(0.0, 0.0), normal=(0.0, 0.0)
+        run.plan.contacts[0], kind="top", point=(0.0, 0.0), normal=(0.0, 0.0)
     )
-    plan = replace(run.plan, choice=replace(run.plan.choice, contacts=(contact,)))
+    plan = run.with_contacts(contact).plan
     force = run.record.arrays["measured_force"].copy()
     force[run.move, 0] = (1.0, 2.0, -10.0)
     normals, tangents = series.contact_forces(
@@ -249,7 +249,7 @@ def test_a_press_is_measured_downwards(run):
     )
 
 
-def test_stretches_are_held_each_to_its_own_path_and_tracking_point(pressed):
+def test_segments_are_held_each_to_its_own_path_and_tracking_point(pressed):
     out = figures(pressed)
     assert out["success"]
     assert out["path_rms_error"] < 1e-6
@@ -257,9 +257,9 @@ def test_stretches_are_held_each_to_its_own_path_and_tracking_point(pressed):
     assert out["path_length"] == pytest.approx(0.3, rel=1e-5)
     assert out["planned"]["path_length"] == pytest.approx(0.3)
     assert out["planned"]["motion_duration"] == sum(
-        p.profile.duration for p in pressed.plan.stretches
+        p.profile.duration for p in pressed.plan.segments
     )
-    assert out["planned"]["friction_margin"] == 0.05  # the least of its stretches
+    assert out["planned"]["friction_margin"] == 0.05  # the least of its segments
     swapped = 1.0 - pressed.record.arrays["stretch"]
     assert figures(pressed.with_arrays(stretch=swapped))["path_rms_error"] > 0.01
 
@@ -299,8 +299,7 @@ def test_what_one_arm_loses_is_not_put_down_to_the_other(pressed):
 
 
 def test_an_arm_without_a_contact_counts_for_nothing(pressed):
-    choice = replace(pressed.plan.choice, contacts=pressed.plan.choice.contacts[:1])
-    one = replace(pressed, plan=replace(pressed.plan, choice=choice))
+    one = pressed.with_contacts(pressed.plan.contacts[0])
     rng = np.random.default_rng(2)
     changed = {
         n: one.record.arrays[n].copy()

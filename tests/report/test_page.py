@@ -10,6 +10,7 @@ import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.refusal import SKIPPED, Refusal
 from pushpressslide.planar.replay import write_replay
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
@@ -17,14 +18,13 @@ from pushpressslide.report.page import write_report
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
 
-REFUSED = Choice(
-    "press_slide", False, "needs 60 N & more, limits.normal_force is <40> N"
-)
-PASSED = Choice("press_slide", False, "not judged in full", judged=False)
+NEEDS = Refusal("load", "needs 60 N & more, limits.normal_force is <40> N")
+REFUSED = Choice("press_slide", refusal=NEEDS)
+PASSED = Choice("press_slide", refusal=Refusal(SKIPPED, "not judged in full"))
 
 
 def save(run, folder):
-    choices = (run.plan.choice, REFUSED, PASSED)
+    choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
         run.task,
@@ -103,7 +103,7 @@ def test_every_figure_is_made_where_the_record_has_the_data(run, arm_run):
 
 
 def test_two_arms_and_presses_have_their_own_panels(run):
-    first = run.plan.choice.contacts[0]
+    first = run.plan.contacts[0]
     press = replace(
         first, arm=1, kind="top", point=(0.02, 0.0), normal=(0.0, 0.0), height=0.08
     )
@@ -114,23 +114,21 @@ def test_two_arms_and_presses_have_their_own_panels(run):
     }
     made = run.with_arrays(**doubled)
     task = replace(run.task, robots=run.task.robots * 2)
-    plan = replace(
-        run.plan, task=task, choice=replace(run.plan.choice, contacts=(first, press))
-    )
+    plan = replace(run.with_contacts(first, press).plan, task=task)
     drawn = figures(task, plan, made.record)
     assert len(drawn["forces"].axes) == 4
     assert result(task, plan, made.record)["success"]
 
 
-def test_a_press_alone_shows_its_axle_and_stretches_are_listed(pressed, tmp_path):
+def test_a_press_alone_shows_its_axle_and_segments_are_listed(pressed, tmp_path):
     text = write_report([save(pressed, tmp_path / "run")]).read_text()
     assert "Tracking point, from the CoM" in text
     assert text.count("press on top") == 2
     assert "Arm 1: hand" in text
     # two presses have no one axle
     assert "axle" not in figures(pressed.task, pressed.plan, pressed.record)
-    choice = replace(pressed.plan.choice, contacts=pressed.plan.choice.contacts[:1])
-    plan = replace(pressed.plan, choice=choice, following=None)
+    alone = pressed.with_segments(pressed.plan.segments[0])
+    plan = alone.with_contacts(pressed.plan.contacts[0]).plan
     one = pressed.with_arrays(stretch=np.zeros_like(pressed.record.arrays["stretch"]))
     assert "axle" in figures(pressed.task, plan, one.record)
 
@@ -150,11 +148,7 @@ def test_shear_of_a_press_is_drawn_with_its_load(pressed, presses):
 
 
 def test_a_second_attempt_goes_beyond_the_plan(pressed):
-    plan = replace(
-        pressed.plan,
-        choice=replace(pressed.plan.choice, following=None),
-        following=None,
-    )
+    plan = pressed.with_segments(pressed.plan.segments[0]).plan
     assert result(pressed.task, plan, pressed.record)["path_rms_error"] < 1e-6
     panel = figures(pressed.task, plan, pressed.record)["forces"].axes[0]
     (load,) = (

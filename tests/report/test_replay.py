@@ -30,14 +30,13 @@ def two_arms(made, arm_run):
         replace(arm_run.task.robots[0], base=(-0.2, y, 0.0)) for y in (0.4, -0.4)
     )
     task = replace(made.task, robots=robots)
-    then = replace(made.plan.following, task=task)
     joints = {
         f"joint_position_{i}": arm_run.record.arrays["joint_position_0"] for i in (0, 1)
     }
     return replace(
         made.with_arrays(**joints),
         task=task,
-        plan=replace(made.plan, task=task, following=then),
+        plan=replace(made.plan, task=task),
     )
 
 
@@ -180,15 +179,15 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["run.webp"]
 
 
-def test_the_axle_is_that_of_the_stretch_that_is_followed(pressed, arm_run):
+def test_the_axle_is_that_of_the_segment_that_is_followed(pressed, arm_run):
     made = two_arms(pressed, arm_run)
     playback = Playback(made.task, made.plan, made.record)
     first = playback.vehicle_pose(100)
     last = playback.vehicle_pose(400)
     assert first.position == pytest.approx(
-        made.plan.path.pose(made.record.arrays["progress"][100]).position
+        made.plan.segments[0].path.pose(made.record.arrays["progress"][100]).position
     )
-    assert last.position == pytest.approx(made.plan.following.path.end.position)
+    assert last.position == pytest.approx(made.plan.segments[1].path.end.position)
 
 
 def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
