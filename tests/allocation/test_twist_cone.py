@@ -113,8 +113,3 @@ def test_what_only_a_squeeze_could_give_is_outside() -> None:
     cone = TwistCone(facing, 1.2, SURFACE)
     assert cone.spare(1.0, 0.0, 0.0) > 0.5
     assert cone.spare(-1.0, 0.0, 0.0) < 0.0
-
-
-def test_a_choice_remembers_the_surface() -> None:
-    again = TwistCone.remembered(CONE.figures, ORTHOGONAL, MU)
-    assert again.surface == SURFACE

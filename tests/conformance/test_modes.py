@@ -1,16 +1,23 @@
 """Every mode of the library keeps the contract; a new mode is tested by being there."""
 
 import importlib
+import inspect
+import json
 import math
 import random
-from dataclasses import replace
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 
-from pushpressslide import load_task
-from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.core.pose import Pose2, cross
+from pushpressslide import load_task, modes
+from pushpressslide.core.drive import Drive
+from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import Choice, Plan, Segment
+from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Robot, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Wrench
@@ -21,13 +28,30 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface, exact_
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.mechanics.virtual_axle import sliding
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import Mode
+from pushpressslide.modes.base import Allocator, Mode
+from pushpressslide.planar.engine import run
 from pushpressslide.planning.pressed.vehicle import press_of
+from pushpressslide.report.metrics import result
+from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
+from pushpressslide.rom.drives import (
+    CarDrive,
+    PinnedDrive,
+    RearSteerDrive,
+    SurfaceDrive,
+    TurnDrive,
+    UnicycleDrive,
+)
 from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
 
 BASE = load_task("rear-push-rear")
-every_mode = pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))
+LAWS: list[Callable[[Mode], None]] = []
+
+
+def every_mode(law: Callable[[Mode], None]):
+    """Test a law on every mode of the library; it is kept for modes made by a test."""
+    LAWS.append(law)
+    return pytest.mark.parametrize("mode", MODES.values(), ids=list(MODES))(law)
 
 
 def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
@@ -35,7 +59,7 @@ def random_tasks(mode: Mode, count: int, robot: str = "hand") -> list[Task]:
     base = replace(BASE, modes=(mode.name,), robots=robots[:1])
     drawn = [random_task(base, index, seed=7) for index in range(count)]
     tasks = [replace(task, robots=robots) for task in drawn]
-    if mode.name == "press_and_push":
+    if PinnedDrive in mode.drives:
         return [
             turned_about_a_point(task, random.Random(i)) for i, task in enumerate(tasks)
         ]
@@ -73,33 +97,46 @@ def planned(mode: Mode, count: int) -> list[tuple[Choice, Plan]]:
     return out
 
 
-def guided(mode: Mode, made: Plan, rng: random.Random):
+def guided(mode: Mode, made: Plan, rng: random.Random) -> tuple[Guidance, Segment]:
     """Return what the mode's tracker asks for near some point of the plan's path, and
-    the stretch it is on.
+    the segment it is on.
     """
-    made = rng.choice(made.stretches)
-    s = rng.uniform(0.0, made.path.length)
-    X_WV = made.path.pose(s).compose(
+    segment = rng.choice(made.segments)
+    path = segment.path
+    s = rng.uniform(0.0, path.length)
+    X_WV = path.pose(s).compose(
         Pose2(0.0, rng.uniform(-0.01, 0.01), rng.uniform(-0.1, 0.1))
         if rng.random() < 0.8
         else Pose2()
     )
-    X_WB = X_WV.compose(made.X_BV.inverse())
+    X_WB = X_WV.compose(segment.X_BV.inverse())
     grip = rng.choice([1.0, 0.6])
-    return mode.tracker(made).step(
-        made.path, X_WB, s, rng.uniform(0.005, 0.1), grip
-    ), made
+    speed = rng.uniform(0.005, 0.1)
+    tracker = mode.tracker(made.part(segment), segment)
+    return tracker.step(path, X_WB, s, speed, grip), segment
 
 
-def allocator(mode: Mode, choice: Choice, friction: float):
-    """Return the allocator that a controller binds to a choice."""
-    p = choice.parameters
-    return mode.allocator(
-        choice.contacts,
-        friction,
-        p.get("rho"),
-        (p.get("cop_x", 0.0), p.get("cop_y", 0.0)),
-    )
+def allocator(mode: Mode, segment: Segment, friction: float) -> Allocator:
+    """Return the allocator that a controller binds to a segment."""
+    drive = segment.drive
+    return mode.allocator(segment.contacts, friction, drive.rho, drive.center)
+
+
+def surface_of(drive: Drive, about: Point) -> EllipsoidLimitSurface:
+    """Return the limit surface that a drive remembers."""
+    assert drive.rho is not None
+    return EllipsoidLimitSurface(drive.max_friction, drive.rho, about)
+
+
+def figures(data: object) -> Iterator[float]:
+    """Yield every number in a drive's data."""
+    if is_dataclass(data):
+        data = [getattr(data, field.name) for field in fields(data)]
+    if isinstance(data, list | tuple):
+        for part in data:
+            yield from figures(part)
+    elif isinstance(data, float | int):
+        yield data
 
 
 @every_mode
@@ -114,11 +151,11 @@ def test_a_mode_says_what_it_is(mode: Mode) -> None:
 
 
 @every_mode
-@pytest.mark.parametrize("robot", ["hand", "panda"])
 def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
-    mode: Mode, robot: str
+    mode: Mode,
 ) -> None:
-    for index in range(12 if robot == "hand" else 6):
+    tasks = [("hand", i) for i in range(12)] + [("panda", i) for i in range(6)]
+    for robot, index in tasks:
         task, choices = judged(mode.name, index, robot)
         assert choices
         for choice in choices:
@@ -126,14 +163,19 @@ def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
             assert choice.reason
             assert "\n" not in choice.reason
             if choice.feasible:
-                assert choice.path is not None
-                total = sum(stretch.path.length for stretch in choice.stretches)
+                assert choice.segments
+                total = sum(segment.path.length for segment in choice.segments)
                 assert choice.path_length == pytest.approx(total)
                 assert 0.0 < choice.path_length < math.inf
                 assert 0.0 < (choice.time or 0.0) <= task.limits.time
                 assert (choice.friction_margin or 0.0) > 0.0
                 assert len(choice.contacts) == mode.arms
-                assert all(math.isfinite(value) for value in choice.parameters.values())
+                for segment in choice.segments:
+                    assert segment.mode == mode.name
+                    assert isinstance(segment.drive, mode.drives)
+                    numbers = list(figures(segment.drive))
+                    assert numbers
+                    assert all(math.isfinite(value) for value in numbers)
 
 
 @every_mode
@@ -143,20 +185,22 @@ def test_a_task_with_another_number_of_arms_is_refused_with_the_numbers(
     robots = tuple(Robot("hand", (0.0, 0.2 * i, 0.0)) for i in range(3))
     (choice,) = select(replace(BASE, modes=(mode.name,), robots=robots))
     assert not choice.feasible
+    assert choice.refusal is not None
+    assert (choice.refusal.figure, choice.refusal.allowed) == (3, mode.arms)
     assert f"needs {mode.arms}" in choice.reason
 
 
 @every_mode
 def test_the_plan_leads_from_the_start_to_the_goal(mode: Mode) -> None:
     for _, made in planned(mode, 12):
-        last = made.stretches[-1]
+        first, last = made.segments[0], made.segments[-1]
         assert last.goal == made.task.goal
-        ends = [(made, 0.0, made.task.start), (last, last.path.length, made.task.goal)]
+        ends = [(first, 0.0, made.task.start), (last, last.path.length, made.task.goal)]
         ends += [
-            (stretch, stretch.path.length, stretch.goal) for stretch in made.stretches
+            (segment, segment.path.length, segment.goal) for segment in made.segments
         ]
-        for stretch, s, wanted in ends:
-            pose = stretch.object_pose(s)
+        for segment, s, wanted in ends:
+            pose = made.object_pose(segment, s)
             assert math.hypot(pose.x - wanted.x, pose.y - wanted.y) < 1e-7
             assert abs(math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi)) < 1e-7
 
@@ -169,9 +213,9 @@ def test_allocated_forces_add_up_to_the_wrench_that_the_tracker_asked_for(
     for choice, made in planned(mode, 12):
         friction = made.task.believed.contact_friction
         for _ in range(20):
-            guidance, stretch = guided(mode, made, rng)
+            guidance, segment = guided(mode, made, rng)
             wanted = guidance.wrench
-            allocation = allocator(mode, stretch.choice, friction)(
+            allocation = allocator(mode, segment, friction)(
                 wanted.fx, wanted.fy, wanted.tau
             )
             total = wrench_of_forces(
@@ -222,15 +266,12 @@ def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(
     for _, made in planned(mode, 12):
         friction = made.task.believed.contact_friction
         for _ in range(20):
-            guidance, stretch = guided(mode, made, rng)
+            guidance, segment = guided(mode, made, rng)
             wanted = guidance.wrench
-            figures = stretch.choice.parameters
-            surface = EllipsoidLimitSurface(
-                figures["push_force"], figures["rho"], wanted.about
-            )
-            allocate = allocator(mode, stretch.choice, friction)
+            surface = surface_of(segment.drive, wanted.about)
+            allocate = allocator(mode, segment, friction)
             # a manoeuvre's turns are on the exact surface: see below
-            if "turn" not in figures:
+            if not isinstance(segment.drive, TurnDrive):
                 assert surface.level(wanted) == pytest.approx(1.0, rel=1e-9)
             allocation = allocate(wanted.fx, wanted.fy, wanted.tau)
             assert allocation.status == "ok"
@@ -242,11 +283,11 @@ def test_the_tracking_point_does_not_slip_sideways(mode: Mode) -> None:
     rng = random.Random(4)
     for _, made in planned(mode, 12):
         for _ in range(20):
-            guidance, stretch = guided(mode, made, rng)
-            if isinstance(stretch.path, TwistPath):
+            guidance, segment = guided(mode, made, rng)
+            if isinstance(segment.path, TwistPath):
                 continue  # it slides any way
-            at_point = guidance.twist.moved_to(stretch.X_BV.position)
-            along, across = stretch.X_BV.unrotate((at_point.vx, at_point.vy))
+            at_point = guidance.twist.moved_to(segment.X_BV.position)
+            along, across = segment.X_BV.unrotate((at_point.vx, at_point.vy))
             assert along > 0.0
             assert across == pytest.approx(0.0, abs=1e-12)
 
@@ -256,21 +297,24 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
     rng = random.Random(5)
     for _, made in planned(mode, 12):
         for _ in range(10):
-            guidance, stretch = guided(mode, made, rng)
-            figures = stretch.choice.parameters
-            yaw = stretch.X_BV.yaw
+            guidance, segment = guided(mode, made, rng)
+            drive = segment.drive
+            yaw = segment.X_BV.yaw
             about = guidance.wrench.about
-            if "turn" in figures:
+            if isinstance(drive, TurnDrive):
                 continue  # on the exact surface: see below
-            surface = EllipsoidLimitSurface(
-                figures["push_force"], figures["rho"], about
-            )
+            surface = surface_of(drive, about)
             forward = (math.cos(yaw), math.sin(yaw))
-            shift = figures.get("height_shift", 0.0)
-            if "lift" in figures:  # along the force, whichever way that is
+            if isinstance(drive, SurfaceDrive):  # along the force, whichever way it is
                 fx, fy, size = *guidance.wrench[:2], math.hypot(*guidance.wrench[:2])
                 forward = (fx / size, fy / size)
-                shift = figures["lift"] * size / figures["push_force"]
+                shift = drive.surface.lift * size / drive.max_friction
+            elif isinstance(drive, UnicycleDrive):
+                shift = drive.car.shift
+            elif isinstance(drive, CarDrive):
+                shift = drive.car.axle - drive.car.lead
+            else:
+                shift = getattr(drive, "shift", 0.0)
             direction = surface.twist_direction(guidance.wrench)
             # the model's axle is moved ahead with the CoP by the height term: compare
             # about that CoP
@@ -298,12 +342,12 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
     }
     for made in reversed(quickest.values()):
         for _ in range(12):
-            guidance, stretch = guided(MODES["press_slide"], made, rng)
-            figures = stretch.choice.parameters
+            guidance, segment = guided(MODES["press_slide"], made, rng)
+            drive = segment.drive
             wanted = guidance.wrench
-            if "turn" not in figures:
+            if not isinstance(drive, TurnDrive):
                 continue
-            press = press_of(made.task, stretch.choice.contacts[0])
+            press = press_of(made.task, segment.contacts[0])
             size = math.hypot(wanted.fx, wanted.fy)
             direction = (wanted.fx / size, wanted.fy / size)
             height = press.body.shape.height
@@ -318,11 +362,11 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             level = exact_level(pressure, press.friction, wrench) * pressure.total_load
             near = 0.02 if abs(guidance.steering) < 0.01 else 0.1
             assert size == pytest.approx((press.weight + press.load) / level, rel=near)
-            twist = twist.moved_to(stretch.X_BV.position)
-            along, across = stretch.X_BV.unrotate((twist.vx, twist.vy))
+            twist = twist.moved_to(segment.X_BV.position)
+            along, across = segment.X_BV.unrotate((twist.vx, twist.vy))
             assert abs(math.atan2(across, along)) < math.radians(10.0)
-            turned_more = figures["gain"] * (
-                twist.w / math.hypot(along, across) - figures["turn"]
+            turned_more = drive.gain * (
+                twist.w / math.hypot(along, across) - drive.turn
             )
             if abs(guidance.steering) < 0.01:  # in terms of the force's angle
                 assert abs(turned_more) < 0.06
@@ -390,7 +434,7 @@ def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
         other = mode.choices(mirrored(task))
         assert len(own) == len(other)
 
-        def figures(choice: Choice, sign: float):
+        def shape(choice: Choice, sign: float):
             contacts = sorted(
                 (round(c.point[0], 6), round(sign * c.point[1], 6))
                 for c in choice.contacts
@@ -398,9 +442,9 @@ def test_the_mirrored_task_has_the_mirrored_choices(mode: Mode) -> None:
             return contacts, choice.feasible, choice.path_length, choice.friction_margin
 
         for choice in own:
-            wanted = figures(choice, 1.0)
+            wanted = shape(choice, 1.0)
             kind = choice.reason.split()[0]
-            twins = [figures(c, -1.0) for c in other if c.reason.split()[0] == kind]
+            twins = [shape(c, -1.0) for c in other if c.reason.split()[0] == kind]
             twin = min(
                 twins,
                 key=lambda f: (
@@ -427,25 +471,78 @@ def test_a_new_plan_from_the_planned_start_and_contacts_is_no_longer_than_the_ol
     for choice, made in planned(mode, 12):
         X_WB = made.task.start.compose(made.task.object.X_GB)
         touched = tuple(c.point for c in choice.contacts)
-        fresh = mode.replan(made, X_WB, touched, 1.01 * made.path.length)
-        assert fresh is not None
-        assert fresh.path.length <= 1.01 * made.path.length
+        segments = made.segments
+        length = segments[0].path.length
+        fresh = mode.replan(made.task, segments, X_WB, touched, 1.01 * length)
+        assert len(fresh) == len(segments)
+        assert fresh[0].path.length <= 1.01 * length
         # a manoeuvre may choose new places between its turns
-        for stretch in fresh.stretches:
-            reached = stretch.object_pose(stretch.path.length)
-            assert math.dist(reached.position, stretch.goal.position) < 1e-7
-        assert (
-            math.dist(
-                fresh.stretches[-1].goal.position, made.stretches[-1].goal.position
-            )
-            < 1e-7
-        )
-        short = mode.replan(made, X_WB, touched, 0.5 * made.path.length)
-        assert short is None or short.path.length <= 0.5 * made.path.length
-        assert mode.replan(made, X_WB, touched, 0.05 * made.path.length) is None
+        for segment in fresh:
+            reached = made.object_pose(segment, segment.path.length)
+            assert math.dist(reached.position, segment.goal.position) < 1e-7
+        assert math.dist(fresh[-1].goal.position, made.goal.position) < 1e-7
+        short = mode.replan(made.task, segments, X_WB, touched, 0.5 * length)
+        assert not short or short[0].path.length <= 0.5 * length
+        assert mode.replan(made.task, segments, X_WB, touched, 0.05 * length) == ()
 
 
 def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:
     """What the sums above rest on."""
     total = wrench_of_forces([(0.1, -0.2)], [(1.0, 2.0)])
     assert total == Wrench(1.0, 2.0, cross((0.1, -0.2), (1.0, 2.0)))
+
+
+TOY = "nudge"
+
+
+@pytest.fixture
+def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Mode]:
+    """A mode of one file outside the library: rear_push with a drive of its own."""
+    source = inspect.getsource(
+        importlib.import_module("pushpressslide.modes.rear_push")
+    )
+    own_drive = inspect.getsource(RearSteerDrive)
+    (line,) = (s for s in source.splitlines() if "import ORIGIN, RearSteerDrive" in s)
+    source = source.replace(line, "from pushpressslide.rom.drives import ORIGIN")
+    source = source.replace("class _Route", f"{own_drive}\n\nclass _Route", 1)
+    source = source.replace(
+        "from dataclasses import replace", "from dataclasses import dataclass, replace"
+    )
+    source = source.replace("RearSteerDrive", "NudgeDrive")
+    source = source.replace('name = "rear_push"', f'name = "{TOY}"')
+    (tmp_path / f"{TOY}.py").write_text(source)
+    monkeypatch.setattr(modes, "__path__", [*modes.__path__, str(tmp_path)])
+    mode = modes.discovered()[TOY]
+    monkeypatch.setitem(MODES, TOY, mode)
+    yield mode
+    del sys.modules[f"{modes.__name__}.{TOY}"]
+    delattr(modes, TOY)
+    judged.cache_clear()
+
+
+def test_a_mode_is_found_by_its_file(toy: Mode) -> None:
+    assert set(modes.discovered()) == set(MODES)
+    assert MODES[TOY] is toy
+    (kind,) = toy.drives
+    assert kind.__module__ == f"pushpressslide.modes.{TOY}"
+    assert kind is not RearSteerDrive
+
+
+@pytest.mark.parametrize(
+    "law", LAWS, ids=lambda law: law.__name__.removeprefix("test_")
+)
+def test_a_mode_of_one_file_keeps_every_law(
+    law: Callable[[Mode], None], toy: Mode
+) -> None:
+    law(toy)
+
+
+def test_a_mode_of_one_file_is_asked_for_planned_run_and_stored(toy: Mode) -> None:
+    task = load_task("rear-push-rear", [f"modes=[{TOY}]", "robots.0.model=hand"])
+    made = plan(task)
+    (segment,) = made.segments
+    assert segment.mode == TOY
+    data = json.loads(json.dumps(plan_to_dict(made)))
+    assert plan_from_dict(data, task) == made
+    figures_of_run = result(task, made, run(made), {})
+    assert figures_of_run["success"], figures_of_run["reason"]

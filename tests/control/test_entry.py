@@ -28,7 +28,8 @@ def at(left: float, right: float, speed: float = 0.0) -> Measurement:
 
 def test_the_depth_is_that_of_the_tip_below_where_it_touched() -> None:
     assert ENTRY.depths(at(0.0, 0.13)) == pytest.approx([0.13, 0.0])
-    made = entry(pps.plan(pps.load_task("press-fit")))
+    plan = pps.plan(pps.load_task("press-fit"))
+    made = entry(plan.part(plan.segments[-1]), plan.contacts)
     assert made is not None
     assert (made.stop, made.tips) == (0.15, ((0, 0.27), (1, 0.27)))
 

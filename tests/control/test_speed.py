@@ -7,8 +7,8 @@ import sys
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.control.state import bind
 from pushpressslide.core.pose import Pose2
-from pushpressslide.modes import MODES
 
 MOST_CALLS = 40  # Python functions that one track plus allocate may enter
 
@@ -36,21 +36,15 @@ def test_track_and_allocate_enter_at_most_forty_functions(
 ) -> None:
     task = pps.load_task(name)
     plan = pps.plan(task)
-    mode = MODES[plan.choice.mode]
-    choice = plan.choice
-    tracker = mode.tracker(plan)
-    allocate = mode.allocator(
-        choice.contacts, task.believed.contact_friction, choice.parameters.get("rho")
-    )
-    s = 0.3 * plan.path.length
-    X_WB = (
-        plan.path.pose(s)
-        .compose(Pose2(0.0, off, 10.0 * off))
-        .compose(plan.X_BV.inverse())
-    )
+    (segment,) = plan.segments
+    path = segment.path
+    binding = bind(task, segment)
+    s = 0.3 * path.length
+    X_WV = path.pose(s).compose(Pose2(0.0, off, 10.0 * off))
+    X_WB = X_WV.compose(segment.X_BV.inverse())
 
     def tick() -> None:
-        wrench = tracker.step(plan.path, X_WB, s, 0.05, 1.0).wrench
-        allocate(wrench.fx, wrench.fy, wrench.tau)
+        wrench = binding.tracker.step(path, X_WB, s, 0.05, 1.0).wrench
+        binding.allocate(wrench.fx, wrench.fy, wrench.tau)
 
     assert 0 < functions_entered(tick) <= MOST_CALLS

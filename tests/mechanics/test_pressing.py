@@ -4,8 +4,14 @@ import math
 
 import pytest
 
+from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
-from pushpressslide.mechanics.pressing import friction_use, least_load, press_loads
+from pushpressslide.mechanics.pressing import (
+    MOST_USE,
+    friction_use,
+    least_load,
+    press_loads,
+)
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
 
 BAR = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0))
@@ -19,28 +25,30 @@ def test_the_least_press_uses_all_of_its_friction() -> None:
 
 
 def test_what_the_object_pushes_is_dragged_along_too() -> None:
-    problem, loads = press_loads(5.0, 0.3, 0.9, 60.0, pushed=4.4)
-    assert problem is None
+    loads = press_loads(5.0, 0.3, 0.9, 60.0, pushed=4.4)
     assert friction_use(loads[0], 5.0, 0.3, 0.9, 4.4) == pytest.approx(0.7)
     assert loads[0] == pytest.approx((0.3 * 5.0 + 4.4) / (0.7 * 0.9 - 0.3))
-    problem, _ = press_loads(5.0, 0.3, 0.9, 60.0, 5.0, pushed=4.4)
-    assert problem is not None
-    assert "straight sliding takes 1.64 of its friction" in problem
+    with pytest.raises(
+        RefusedError, match=r"straight sliding takes 1\.64 of its friction"
+    ) as caught:
+        press_loads(5.0, 0.3, 0.9, 60.0, 5.0, pushed=4.4)
+    refusal = caught.value.refusal
+    assert (refusal.code, refusal.allowed) == ("friction", MOST_USE)
+    assert refusal.figure == pytest.approx(friction_use(5.0, 5.0, 0.3, 0.9, 4.4))
 
 
 def test_the_papers_bar_needs_a_friction_ratio_of_1_368() -> None:
     assert friction_use(8.0, 2.943, 0.3, 1.368 * 0.3) == pytest.approx(1.0, abs=1e-3)
-    problem, _ = press_loads(2.943, 0.3, 1.3 * 0.3, 60.0, 8.0)
-    assert problem is not None
-    assert "slips before the object" in problem
-    assert press_loads(2.943, 0.3, 1.5 * 0.3, 60.0, 8.0) == (None, [8.0])
+    with pytest.raises(RefusedError, match="slips before the object"):
+        press_loads(2.943, 0.3, 1.3 * 0.3, 60.0, 8.0)
+    assert press_loads(2.943, 0.3, 1.5 * 0.3, 60.0, 8.0) == [8.0]
 
 
 def test_a_tip_no_rougher_than_the_support_is_told_so() -> None:
-    problem, loads = press_loads(10.0, 0.4, 0.4, 60.0)
-    assert loads == []
-    assert problem is not None
-    assert "must exceed" in problem
+    with pytest.raises(RefusedError, match="must exceed") as caught:
+        press_loads(10.0, 0.4, 0.4, 60.0)
+    refusal = caught.value.refusal
+    assert (refusal.code, refusal.figure, refusal.allowed) == ("friction", 0.4, 0.4)
 
 
 @pytest.mark.parametrize(

@@ -10,15 +10,18 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
 from pushpressslide.core.wrench import Twist
 from pushpressslide.jobs.sampling import random_task, varied_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
-from pushpressslide.modes.bimanual_press_slide import APART, MODE, USE
+from pushpressslide.mechanics.pressure import center_of_pressure
+from pushpressslide.modes.bimanual_press_slide import APART, MODE, UTILISATION
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import HeldDrive
 
 GRAVITY = 9.81
 SIDES = ((0.0, 0.12), (0.0, -0.12))
@@ -60,6 +63,24 @@ def best(task: Task, cop=None) -> Choice:
     return choice
 
 
+def driven(choice: Choice) -> HeldDrive:
+    drive = choice.segments[0].drive
+    assert isinstance(drive, HeldDrive)
+    return drive
+
+
+def cop_fraction(task: Task, choice: Choice) -> float:
+    """The centre of pressure without drag, as part of the way from left to right."""
+    loads = [contact.load for contact in choice.contacts]
+    left, right = (contact.point for contact in choice.contacts)
+    weight = task.object.mass * GRAVITY
+    cop = center_of_pressure(weight, (0.0, 0.0), loads, (left, right))
+    line = ContactLine(left, right)
+    fraction = line.in_axes((cop[0] - left[0], cop[1] - left[1]))[0] / line.length
+    assert f"centre of pressure {fraction:.2f} of the way" in choice.reason
+    return fraction
+
+
 def run(made: Plan) -> dict:
     return result(made.task, made, run_planar(made), {})
 
@@ -91,7 +112,7 @@ def test_the_centre_of_pressure_goes_where_the_strategy_wants_it_and_the_goal_is
 ) -> None:
     task = slide(turned((0.0, 0.05), 40.0), SIDES)
     choice = best(task, cop)
-    fraction = choice.parameters["cop_fraction"]
+    fraction = cop_fraction(task, choice)
     if isinstance(cop, float):
         assert fraction == pytest.approx(cop)
     else:
@@ -108,12 +129,14 @@ def test_the_centre_of_pressure_goes_where_the_strategy_wants_it_and_the_goal_is
 def test_a_pivot_is_tracked_at_the_centre_of_pressure_and_any_other_motion_at_the_com() -> (
     None
 ):
-    pivot = best(slide(turned((0.0, 0.05), 40.0), SIDES), "left")
-    p = pivot.parameters
-    assert 0.02 < p["track_y"] < 0.12
-    assert 0.12 - 0.24 * p["cop_fraction"] == pytest.approx(p["track_y"])
+    task = slide(turned((0.0, 0.05), 40.0), SIDES)
+    pivot = best(task, "left")
+    _, y = driven(pivot).point
+    assert 0.02 < y < 0.12
+    assert 0.12 - 0.24 * cop_fraction(task, pivot) == pytest.approx(y)
     for goal in (Pose2(0.55, 0.2, 0.0), Pose2(0.65, -0.1, -0.3)):
-        assert MODE.vehicle_frame(best(slide(goal, SIDES), 0.4)) == Pose2()
+        (segment,) = best(slide(goal, SIDES), 0.4).segments
+        assert Pose2() == segment.X_BV
 
 
 def test_balanced_loads_hold_the_object_in_every_twist() -> None:
@@ -123,14 +146,14 @@ def test_balanced_loads_hold_the_object_in_every_twist() -> None:
     allocate = MODE.allocator(choice.contacts, task.contact_friction)
     weight = task.object.mass * GRAVITY
     level = task.support.friction * (weight + sum(c.load for c in choice.contacts))
-    surface = EllipsoidLimitSurface(level, choice.parameters["rho"])
+    surface = EllipsoidLimitSurface(level, driven(choice).rho)
     for _ in range(500):
         wrench = surface.wrench(Twist(*rng.normal(size=2), rng.normal() / 0.1))
         allocation = allocate(wrench.fx, wrench.fy, wrench.tau)
         assert allocation.status == "ok"
         assert (
             allocation.margin
-            > (1.0 - USE[-1]) * task.contact_friction * choice.contacts[0].load
+            > (1.0 - UTILISATION[-1]) * task.contact_friction * choice.contacts[0].load
         )
 
 
@@ -194,7 +217,7 @@ def test_the_strategy_of_the_task_file_is_the_one_that_is_planned() -> None:
     fractions = {}
     for cop in ("balanced", "left", "right", "0.55", "null"):
         task = pps.load_task("bimanual-slide", [f"motion.cop={cop}"])
-        fractions[cop] = best(task, task.motion.cop).parameters["cop_fraction"]
+        fractions[cop] = cop_fraction(task, best(task, task.motion.cop))
     assert fractions["left"] < 0.45 < 0.5 < fractions["right"]
     assert fractions["balanced"] == fractions["null"] == pytest.approx(0.5)
     assert fractions["0.55"] == pytest.approx(0.55)
@@ -223,11 +246,11 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
     held = replace_press(task, 7.5)
     why = refusal(replace_press(task, 6.2))
     use = float(why.split("takes ")[1].split()[0])
-    assert USE[-1] < use < 1.0
+    assert UTILISATION[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4
     lost = replace_press(task, 5.0)
     choice = MODE.choices(lost)[0]
-    assert choice.parameters["friction_use"] > 1.0
+    assert driven(choice).friction_utilisation > 1.0
     measured = run(pps.plan(lost, choice, force=True))
     assert measured["slip_distance"] > 0.01
 
@@ -250,7 +273,7 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
     task = random_task(pps.load_task("bimanual-slide"), 12, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
-    assert choice.parameters["friction_use"] <= USE[-1]
+    assert driven(choice).friction_utilisation <= UTILISATION[-1]
     assert choice.contacts[0].load > 33.8  # [N] which would do without a lever
     loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
     given = replace(task, motion=replace(task.motion, press_force=33.8))
@@ -271,16 +294,16 @@ def test_a_plan_made_anew_leads_from_the_true_pose_and_contacts_to_the_goal() ->
     made = pps.plan(task, best(task))
     X_WB = Pose2(0.56, 0.01, 0.05)
     touched = ((0.003, 0.118), (-0.002, -0.123))
-    fresh = MODE.replan(made, X_WB, touched, 1.0)
-    assert fresh is not None
-    assert tuple(c.point for c in fresh.choice.contacts) == touched
-    assert fresh.object_pose(0.0) == X_WB
-    goal = fresh.object_pose(fresh.path.length)
+    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.0)
+    assert tuple(c.point for c in fresh.contacts) == touched
+    assert made.object_pose(fresh, 0.0) == X_WB
+    length = fresh.path.length
+    goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
-    assert MODE.replan(made, X_WB, touched, 0.5 * fresh.path.length) is None
-    assert MODE.replan(made, task.goal, touched, 1.0) is None
+    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()
+    assert MODE.replan(task, made.segments, task.goal, touched, 1.0) == ()
     beyond = task.goal.compose(Pose2(0.004, 0.0, 0.0))
-    assert MODE.again(made, beyond, touched) is not None
+    assert len(MODE.again(task, made.segments[0], beyond, touched)) == 1
 
 
 @cache

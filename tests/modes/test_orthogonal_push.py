@@ -20,6 +20,7 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.orthogonal_push import OrthogonalPush
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
 
@@ -56,9 +57,11 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
 ):
     choice = select(SHIPPED)[0]
     assert choice.feasible, choice.reason
-    assert choice.parameters["radius"] == pytest.approx(math.hypot(0.2, 0.2))
-    assert isinstance(choice.path, TwistPath)
-    assert len(choice.path.pieces) == 1
+    (segment,) = choice.segments
+    assert isinstance(segment.drive, TwistDrive)
+    assert segment.drive.radius == pytest.approx(math.hypot(0.2, 0.2))
+    assert isinstance(segment.path, TwistPath)
+    assert len(segment.path.pieces) == 1
     assert choice.contacts[0].normal == pytest.approx((0.0, -1.0))
     assert choice.contacts[1].normal == pytest.approx((1.0, 0.0))
 
@@ -68,21 +71,19 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
 )
 def test_every_wrench_of_a_plan_is_given_with_both_contacts_pushing(goal) -> None:
     for choice in (c for c in MODE.choices(to(*goal)) if c.feasible):
-        made = plan(to(*goal), choice)
-        p = choice.parameters
-        allocate = MODE.allocator(
-            choice.contacts, MU, p["rho"], (p["cop_x"], p["cop_y"])
-        )
+        (segment,) = plan(to(*goal), choice).segments
+        drive = segment.drive
+        allocate = MODE.allocator(choice.contacts, MU, drive.rho, drive.center)
+        tracker = MODE.tracker(to(*goal), segment)
+        path = segment.path
         for i in range(20):
-            s = made.path.length * i / 19
-            guidance = MODE.tracker(made).step(
-                made.path, made.path.pose(s), s, 0.05, 1.0
-            )
+            s = path.length * i / 19
+            guidance = tracker.step(path, path.pose(s), s, 0.05, 1.0)
             allocation = allocate(*guidance.wrench[:3])
             assert allocation.status == "ok"
             for contact, force in zip(choice.contacts, allocation.forces, strict=True):
                 assert cone_margin(force, contact.normal, MU) >= -1e-9
-            assert min(allocation.normals) > 0.02 * p["push_force"]
+            assert min(allocation.normals) > 0.02 * drive.max_friction
 
 
 def test_back_it_is_refused_with_the_wrench_and_the_angle_that_decide() -> None:
@@ -119,9 +120,9 @@ def test_what_is_refused_no_placement_on_those_faces_can_give() -> None:
 def test_a_goal_beside_the_cone_takes_several_twists() -> None:
     """0.3 m ahead and 0.2 m to the left, of which the two faces push away."""
     paths = [
-        c.path
+        c.segments[0].path
         for c in on_rear_and_left(MODE.choices(to(0.3, 0.2, 0.0)))
-        if c.path is not None
+        if c.segments
     ]
     assert paths
     assert all(isinstance(path, TwistPath) and len(path.pieces) > 1 for path in paths)
@@ -183,13 +184,13 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal() -> N
     task = to(0.4, -0.25, 10.0)
     made = plan(task, MODE.choices(task)[0])
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
-    touched = tuple(c.point for c in made.choice.contacts)
-    fresh = MODE.replan(made, X_WB, touched, 1.2 * made.path.length)
-    assert fresh is not None
+    touched = tuple(c.point for c in made.contacts)
+    length = made.segments[0].path.length
+    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.2 * length)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
-        pose = fresh.object_pose(s)
+        pose = made.object_pose(fresh, s)
         assert math.dist(pose.position, wanted.position) < 1e-9
         assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
             0.0, abs=1e-9
         )
-    assert MODE.replan(made, X_WB, touched, 0.5 * made.path.length) is None
+    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()

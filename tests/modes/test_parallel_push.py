@@ -16,6 +16,7 @@ from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.modes import MODES
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import CarDrive
 from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
 
@@ -54,15 +55,15 @@ def allocations(made: Plan, count: int = 40):
     """Yield what the tracker wants along the path of a plan, and the forces that give
     it.
     """
-    tracker = MODE.tracker(made)
-    p = made.choice.parameters
-    cop = (p.get("cop_x", 0.0), p.get("cop_y", 0.0))
+    (segment,) = made.segments
+    tracker = MODE.tracker(made.task, segment)
+    drive = segment.drive
     friction = made.task.believed.contact_friction
-    allocate = MODE.allocator(made.choice.contacts, friction, p["rho"], cop)
+    allocate = MODE.allocator(segment.contacts, friction, drive.rho, drive.center)
+    path = segment.path
     for i in range(count + 1):
-        s = made.path.length * i / count
-        X_WB = made.path.pose(s).compose(made.X_BV.inverse())
-        guidance = tracker.step(made.path, X_WB, s, 0.05, 1.0)
+        s = path.length * i / count
+        guidance = tracker.step(path, segment.body_pose(s), s, 0.05, 1.0)
         yield guidance, allocate(*guidance.wrench[:3])
 
 
@@ -98,7 +99,7 @@ def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> No
     assert not car.feasible
     assert "a loop of" in car.reason
     choice = best(to(*aside))
-    assert isinstance(choice.path, TwistPath)
+    assert isinstance(choice.segments[0].path, TwistPath)
     assert "mixed" in choice.reason
     for _, allocation in allocations(plan(to(*aside), choice)):
         assert allocation.status == "ok"
@@ -121,8 +122,10 @@ def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
     told = replace(SHIPPED.believed, rho=0.13)
     for choice in MODE.choices(to(0.46, 0.05, 10.0, "differential", belief=told)):
         half_width = 0.5 * math.dist(*(c.point for c in choice.contacts))
-        assert choice.parameters["left"] == pytest.approx(half_width / 0.13**2)
-        assert choice.parameters["right"] == pytest.approx(half_width / 0.13**2)
+        drive = choice.segments[0].drive
+        assert isinstance(drive, CarDrive)
+        assert drive.car.left == pytest.approx(half_width / 0.13**2)
+        assert drive.car.right == pytest.approx(half_width / 0.13**2)
 
 
 def test_what_stands_against_it_is_told_with_the_number() -> None:
@@ -159,14 +162,14 @@ def test_a_plan_made_anew_starts_where_the_object_is_and_ends_at_the_goal(
     task = to(0.46, 0.05, 10.0, drive)
     made = plan(task, best(task))
     X_WB = task.start.compose(Pose2(0.004, -0.005, 0.03))
-    touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.choice.contacts)
-    fresh = MODE.replan(made, X_WB, touched, 1.2 * made.path.length)
-    assert fresh is not None
-    assert [c.point for c in fresh.choice.contacts] == list(touched)
+    touched = tuple((c.point[0], c.point[1] + 0.004) for c in made.contacts)
+    length = made.segments[0].path.length
+    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.2 * length)
+    assert [c.point for c in fresh.contacts] == list(touched)
     for s, wanted in ((0.0, X_WB), (fresh.path.length, task.goal)):
-        pose = fresh.object_pose(s)
+        pose = made.object_pose(fresh, s)
         assert math.dist(pose.position, wanted.position) < 1e-9
         assert math.remainder(pose.yaw - wanted.yaw, 2.0 * math.pi) == pytest.approx(
             0.0, abs=1e-9
         )
-    assert MODE.replan(made, X_WB, touched, 0.5 * made.path.length) is None
+    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()

@@ -21,12 +21,15 @@ from pushpressslide.core.task import (
     Task,
     Tolerance,
 )
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.jobs.sampling import varied_task
-from pushpressslide.modes.press_and_push import EDGE, MODE, USE
+from pushpressslide.modes.press_and_push import MODE, UTILISATION
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.planning import levers
+from pushpressslide.planning.held_twist import EDGE, twist_at
 from pushpressslide.report import series
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import PinnedDrive
 
 CORNER = (-0.08, 0.10)  # of the small box, in B
 HANDS = tuple(Robot("hand", (0.0, y, 0.2)) for y in (0.4, -0.4))
@@ -92,6 +95,23 @@ def best(task: Task) -> Choice:
     return choice
 
 
+def driven(of: Choice | Plan) -> PinnedDrive:
+    drive = of.segments[0].drive
+    assert isinstance(drive, PinnedDrive)
+    return drive
+
+
+def side_force(made: Plan) -> float:
+    """The push [N] with which the planned twist is driven."""
+    (segment,) = made.segments
+    drive = driven(made)
+    assert isinstance(segment.path, TwistPath)
+    wrench = drive.surface.wrench(twist_at(segment.path, drive.pin))
+    mu = made.task.believed.contact_friction
+    allocate = MODE.allocator(segment.contacts, mu, drive.rho, drive.center)
+    return allocate(wrench.fx, wrench.fy, wrench.tau).normals[1]
+
+
 def refusal(task: Task) -> str:
     choices = MODE.choices(task)
     assert not any(choice.feasible for choice in choices)
@@ -100,7 +120,7 @@ def refusal(task: Task) -> str:
 
 def strayed(made: Plan, record: Record) -> float:
     """How far the pressed point was from its place at most [m]."""
-    point = made.choice.contacts[0].point
+    point = made.contacts[0].point
     X_GB = made.task.object.X_GB
     poses = [
         Pose2(*pose).compose(X_GB).apply(point)
@@ -143,9 +163,11 @@ def test_every_push_has_a_lever_to_the_right_side_the_longest_first(
 
 def test_the_press_is_the_least_that_is_safe() -> None:
     choice = best(pivot())
-    assert choice.parameters["friction_use"] == pytest.approx(USE[0], abs=0.02)
+    assert driven(choice).friction_utilisation == pytest.approx(
+        UTILISATION[0], abs=0.02
+    )
     lighter = replace(pivot(), motion=Motion(press_force=0.8 * choice.contacts[0].load))
-    assert best(lighter).parameters["friction_use"] > USE[0]
+    assert driven(best(lighter)).friction_utilisation > UTILISATION[0]
 
 
 @pytest.mark.parametrize(
@@ -164,12 +186,12 @@ def test_the_forces_that_a_large_box_takes_are_foreseen(case, far_push) -> None:
     assert strayed(made, record) < 2e-4
     moving = series.in_phase(record, "move")
     normals, tangents = series.contact_forces(made, record)
-    figures = made.choice.parameters
+    drive = driven(made)
     shear = float(np.median(np.linalg.norm(tangents[moving, 0], axis=1)))
     held = made.task.contact_friction * float(np.median(normals[moving, 0]))
-    assert shear / held == pytest.approx(figures["friction_use"], rel=0.05)
+    assert shear / held == pytest.approx(drive.friction_utilisation, rel=0.05)
     assert float(np.median(normals[moving, 1])) == pytest.approx(
-        figures["side_force"], rel=0.03
+        side_force(made), rel=0.03
     )
 
 
@@ -214,25 +236,27 @@ def test_no_lever_no_pivot() -> None:
 def test_a_plan_made_anew_keeps_to_where_the_tips_truly_are() -> None:
     task = pivot()
     made = pps.plan(task, best(task))
-    press, push = (contact.point for contact in made.choice.contacts)
+    press, push = (contact.point for contact in made.contacts)
     touched = ((press[0] + 0.004, press[1] - 0.003), (push[0], push[1] + 0.005))
     X_WB = Pose2(0.503, 0.004, 0.1)
-    fresh = MODE.replan(made, X_WB, touched, 1.0)
-    assert fresh is not None
-    assert tuple(contact.point for contact in fresh.choice.contacts) == touched
+    (fresh,) = MODE.replan(task, made.segments, X_WB, touched, 1.0)
+    assert tuple(contact.point for contact in fresh.contacts) == touched
     assert fresh.X_BV.position == touched[0]
-    goal = fresh.object_pose(fresh.path.length)
+    length = fresh.path.length
+    goal = made.object_pose(fresh, length)
     assert math.dist(goal.position, task.goal.position) < 1e-9
-    assert MODE.replan(made, X_WB, touched, 0.5 * fresh.path.length) is None
+    assert MODE.replan(task, made.segments, X_WB, touched, 0.5 * length) == ()
 
 
 def test_a_push_cannot_turn_the_object_back() -> None:
     task = pivot()
     made = pps.plan(task, best(task))
-    contacts = tuple(contact.point for contact in made.choice.contacts)
+    contacts = tuple(contact.point for contact in made.contacts)
+    (segment,) = made.segments
     beyond = turned(task.start, CORNER, 50.0)
-    assert MODE.again(made, beyond, contacts) is None
-    assert MODE.again(made, turned(task.start, CORNER, 43.0), contacts) is not None
+    assert MODE.again(task, segment, beyond, contacts) == ()
+    short = turned(task.start, CORNER, 43.0)
+    assert len(MODE.again(task, segment, short, contacts)) == 1
 
 
 @pytest.mark.long
@@ -269,10 +293,10 @@ def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(
     assert strayed(made, record) < 2e-3
     normals, tangents = series.contact_forces(made, record)
     moving = series.in_phase(record, "move")
-    figures = made.choice.parameters
+    drive = driven(made)
     shear = np.linalg.norm(tangents[moving, 0], axis=1)
     use = float(np.median(shear / (0.7 * normals[moving, 0])))
-    assert use == pytest.approx(figures["friction_use"], rel=0.1)
+    assert use == pytest.approx(drive.friction_utilisation, rel=0.1)
     assert float(np.median(normals[moving, 1])) == pytest.approx(
-        figures["side_force"], rel=0.1
+        side_force(made), rel=0.1
     )

@@ -12,6 +12,7 @@ from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import press_of
+from pushpressslide.rom.drives import UnicycleDrive
 
 BASE = load_task("press-slide")
 
@@ -46,7 +47,7 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     best = MODE.choices(task)[0]
     assert best.feasible
     assert "manoeuvre" not in best.reason
-    assert (
-        steering_of(press_of(task, best.contacts[0]), best.parameters["backward"] > 0.0)
-        == 0.0
-    )
+    drive = best.segments[-1].drive
+    assert isinstance(drive, UnicycleDrive)
+    press = press_of(task, best.contacts[0])
+    assert steering_of(press, drive.car.backward) == 0.0

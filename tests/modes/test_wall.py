@@ -18,6 +18,7 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.bimanual_press_slide import MODE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import HeldDrive
 from pushpressslide.selection.select import select
 
 
@@ -46,14 +47,11 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
 ):
     task = turn()
     choice = next(c for c in MODE.choices(task) if c.feasible)
-    tracker = MODE.tracker(pps.plan(task, choice))
-    allocate = MODE.allocator(
-        choice.contacts,
-        0.8,
-        None,
-        (choice.parameters["cop_x"], choice.parameters["cop_y"]),
-    )
-    wrench = tracker.step(choice.path, task.goal, choice.path.length, 1e-9, 1.0).wrench
+    (segment,) = pps.plan(task, choice).segments
+    tracker = MODE.tracker(task, segment)
+    allocate = MODE.allocator(choice.contacts, 0.8, None, segment.drive.center)
+    path = segment.path
+    wrench = tracker.step(path, task.goal, path.length, 1e-9, 1.0).wrench
     forces = allocate(wrench.fx, wrench.fy, wrench.tau).forces
     loads = [c.load for c in choice.contacts]
     points = [c.point for c in choice.contacts]
@@ -91,12 +89,12 @@ def test_other_modes_say_that_they_cannot_hold_it() -> None:
     task = replace(
         turn(), modes=tuple(name for name, mode in MODES.items() if mode.arms == 2)
     )
-    refused = {c.mode: c.reason for c in select(task) if not MODES[c.mode].walls}
+    refused = {c.mode: c for c in select(task) if not MODES[c.mode].walls}
     assert set(refused) == {"parallel_push", "orthogonal_push", "press_and_push"}
-    assert all(
-        reason.startswith("cannot hold an object on a wall")
-        for reason in refused.values()
-    )
+    for choice in refused.values():
+        assert choice.refusal is not None
+        assert choice.refusal.code == "support"
+        assert choice.reason.startswith("cannot hold an object on a wall")
 
 
 @pytest.mark.parametrize(
@@ -156,7 +154,10 @@ def test_the_same_motion_in_a_mirror_needs_the_same_press() -> None:
         next(c for c in MODE.choices(t) if c.feasible) for t in (task, mirrored)
     )
     assert here.contacts[0].load == pytest.approx(there.contacts[0].load)
-    assert here.parameters["friction_use"] == pytest.approx(
-        there.parameters["friction_use"], rel=1e-6
-    )
+    used = []
+    for choice in (here, there):
+        drive = choice.segments[0].drive
+        assert isinstance(drive, HeldDrive)
+        used.append(drive.friction_utilisation)
+    assert used[0] == pytest.approx(used[1], rel=1e-6)
     assert math.isclose(here.path_length, there.path_length)

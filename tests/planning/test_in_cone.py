@@ -9,7 +9,11 @@ from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import screw
-from pushpressslide.planning.in_cone import least_spare, path_in_cone, told
+from pushpressslide.planning.in_cone import (
+    describe_cone_margin,
+    least_cone_margin,
+    path_in_cone,
+)
 
 RADIUS = 0.15
 LEAST = 0.05
@@ -55,7 +59,7 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
     )
     assert len(path.pieces) <= 3
     assert path.length <= 0.8 + 1e-9
-    assert least_spare(path, CONE) >= LEAST - 1e-9
+    assert least_cone_margin(path, CONE) >= LEAST - 1e-9
 
 
 def test_what_one_twist_can_do_is_done_by_one() -> None:
@@ -87,12 +91,12 @@ def test_a_path_longer_than_allowed_is_not_taken() -> None:
 
 
 def test_the_words_say_inside_or_outside_and_what_is_needed() -> None:
-    assert told(math.radians(20.0), LEAST) == "20 deg inside the cone"
+    assert describe_cone_margin(math.radians(20.0), LEAST) == "20 deg inside the cone"
     assert (
-        told(math.radians(-53.0), math.radians(6.0))
+        describe_cone_margin(math.radians(-53.0), math.radians(6.0))
         == "53 deg outside the cone, needed 6 deg inside"
     )
     assert (
-        told(math.radians(1.84), math.radians(6.0))
+        describe_cone_margin(math.radians(1.84), math.radians(6.0))
         == "1.8 deg inside the cone, needed 6 deg inside"
     )

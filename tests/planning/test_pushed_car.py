@@ -9,7 +9,7 @@ from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.face_push import Push, turnings
 from pushpressslide.mechanics.faces import faces
-from pushpressslide.planning.pushed_car import PushedCar, gentle_path, pushed_cars
+from pushpressslide.planning.pushed_car import gentle_path, pushed_cars
 
 TASK = load_task(
     "parallel-push",
@@ -59,11 +59,6 @@ def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(
     model = use * (D * limit[1] + limit[0]) / car.rho**2
     assert model == pytest.approx(-curvature, rel=1e-6)
     assert car.tightest <= abs(tightest) + 1e-9
-
-
-def test_a_choice_remembers_the_whole_car() -> None:
-    (car,) = pushed_cars(TASK, [(REAR, HALF)], HEIGHT, synchronised=False)
-    assert PushedCar.remembered(car.figures) == car
 
 
 def test_the_path_ends_straight_where_there_is_room_and_is_the_shortest_where_there_is_none() -> (

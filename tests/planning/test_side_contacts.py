@@ -12,7 +12,7 @@ from pushpressslide.mechanics.faces import faces
 from pushpressslide.planning.side_contacts import (
     assignments,
     contact_height,
-    drag_problem,
+    drag_refusal,
     given_to,
     least_distance,
     span,
@@ -82,13 +82,13 @@ def test_the_span_of_a_face_is_told_from_the_com() -> None:
 
 
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:
-    assert drag_problem(TASK, (REAR,), 0.09) is None
-    assert "200 mm high" in str(drag_problem(TASK, (REAR,), 0.21))
+    assert drag_refusal(TASK, (REAR,), 0.09) is None
+    assert "200 mm high" in str(drag_refusal(TASK, (REAR,), 0.21))
     heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
-    assert "needs 58.9 N" in str(drag_problem(heavy, (REAR,), 0.09))
+    assert "needs 58.9 N" in str(drag_refusal(heavy, (REAR,), 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
-    assert "allowed up to 133.3 mm" in str(drag_problem(tall, (rear,), 0.4))
+    assert "allowed up to 133.3 mm" in str(drag_refusal(tall, (rear,), 0.4))
 
 
 def test_tools_need_room() -> None:

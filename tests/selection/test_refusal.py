@@ -4,23 +4,31 @@ from dataclasses import replace
 
 import pushpressslide as pps
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.refusal import Refusal
 from pushpressslide.selection.planner import gathered, refusal
 
 
 def test_reasons_that_differ_in_their_numbers_are_said_once_and_counted() -> None:
+    slow = Refusal("time_limit", "needs about {figure:s.1f}", 60.5, 60.0, "s")
     far = [
-        Choice("rear_push", False, f"face {i}: needs about {60.5 + i} s")
+        Choice("rear_push", f"face {i}", refusal=replace(slow, figure=60.5 + i))
         for i in range(4)
     ]
-    other = Choice("rear_push", False, "face 4: it tips")
-    good = Choice("rear_push", True, "face 5: path 1 m")
-    found = gathered([good, replace(good, reason="face 6: path 2 m"), *far, other])
-    assert [c.reason for c in found] == [
-        "face 5: path 1 m",
-        "face 6: path 2 m",
-        "face 0: needs about 60.5 s (3 more like this)",
-        "face 4: it tips",
+    other = Choice("rear_push", "face 4", refusal=Refusal("tipping", "it tips"))
+    good = Choice("rear_push", "face 5", merits="path 1 m")
+    good_too = Choice("rear_push", "face 6", merits="path 2 m")
+    assert gathered([good, good_too, *far, other]) == [
+        (good, "face 5: path 1 m"),
+        (good_too, "face 6: path 2 m"),
+        (far[0], "face 0: needs about 60.5 s (3 more like this)"),
+        (other, "face 4: it tips"),
     ]
+
+
+def test_what_two_modes_are_refused_for_is_said_of_each() -> None:
+    same = Refusal("tipping", "it tips")
+    choices = [Choice(mode, refusal=same) for mode in ("rear_push", "press_slide")]
+    assert gathered(choices) == [(choice, "it tips") for choice in choices]
 
 
 def test_modes_for_another_number_of_arms_are_not_spoken_of() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.selection.select import grasps, select
+from pushpressslide.selection.select import FALLS, placements, select
 from pushpressslide.taskfile.load import dump_task, load_task, task_from_data
 from pushpressslide.taskfile.yaml_text import read_yaml
 
@@ -91,9 +91,10 @@ def test_beside_the_opening_it_is_carried() -> None:
 
 def test_arms_that_let_go_between_two_legs_must_leave_the_object_on_something() -> None:
     other = "legs.2.motion={contacts: [[0.02, 0.2], [0.02, -0.2]]}"
-    first, second, *_ = grasps(load_task("press-fit", [other]))
+    first, second, *_ = placements(load_task("press-fit", [other]))
     assert any(choice.feasible for choice in first)
     assert not any(choice.feasible for choice in second)
     assert any(
         "falls when the arms let go for it" in choice.reason for choice in second
     )
+    assert any(choice.refusal == FALLS for choice in second)

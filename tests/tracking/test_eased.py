@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.height_term import DraggedSurface
@@ -20,10 +21,11 @@ def asked(steepest: float) -> tuple[float, bool]:
     [rad]; and whether the law was left alone.
     """
 
-    def holds(wrench) -> bool:
-        return abs(math.atan2(wrench.fy, wrench.fx)) <= steepest
+    def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        margin = steepest - abs(math.atan2(fy, fx))
+        return Allocation(((fx, fy),), (0.0,), margin, "ok")
 
-    eased = EasedTracker(LAW, holds).step(PATH, OFF, 0.1, 0.05, 1.0)
+    eased = EasedTracker(LAW, allocate).step(PATH, OFF, 0.1, 0.05, 1.0)
     return math.atan2(eased.wrench.fy, eased.wrench.fx), eased == LAW.step(
         PATH, OFF, 0.1, 0.05, 1.0
     )

@@ -10,7 +10,8 @@ import pkgutil
 from pushpressslide.modes.base import Mode
 
 
-def _found() -> dict[str, Mode]:
+def discovered() -> dict[str, Mode]:
+    """Return the modes of all files on this package's path, by name."""
     modes: dict[str, Mode] = {}
     for info in pkgutil.iter_modules(__path__):
         if info.name == "base":
@@ -20,5 +21,5 @@ def _found() -> dict[str, Mode]:
     return modes
 
 
-MODES: dict[str, Mode] = _found()
+MODES: dict[str, Mode] = discovered()
 """Every mode by its name."""

@@ -1,0 +1,156 @@
+"""Segments, placements, choices and plans."""
+
+import math
+from dataclasses import dataclass, replace
+
+import pytest
+
+from pushpressslide import load_task
+from pushpressslide.core.path import ArcPath, SpeedProfile
+from pushpressslide.core.plan import (
+    Choice,
+    Contact,
+    Plan,
+    Segment,
+    lasting_arms,
+    same_places,
+)
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.refusal import SKIPPED, Refusal
+
+TASK = load_task("press-fit")  # four legs
+LEFT = Contact(0, "top", (0.0, 0.1), (0.0, 0.0), 0.1, load=5.0)
+RIGHT = Contact(1, "top", (0.0, -0.1), (0.0, 0.0), 0.1, load=5.0)
+MOVED = replace(RIGHT, point=(0.05, -0.1))
+HARDER = (replace(LEFT, load=9.0), replace(RIGHT, load=7.0))
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A drive of these tests."""
+
+    X_BV: Pose2
+    max_friction: float = 5.0
+    rho: float | None = None
+    center: Point = (0.0, 0.0)
+
+
+def made(*contacts: Contact, mode: str = "held", leg: int = 0, length=0.2) -> Segment:
+    path = ArcPath(Pose2(0.1 * leg, 0.0, 0.2), ((1.0, length),))
+    profile = SpeedProfile(length, 0.05, 0.5)
+    return Segment(
+        mode, contacts, Driven(Pose2(0.02, 0.01, 0.3)), path, profile, Pose2(), leg=leg
+    )
+
+
+PLAN = Plan(
+    TASK,
+    (
+        made(LEFT, RIGHT),
+        made(*HARDER, leg=1),
+        made(LEFT, MOVED, leg=2),
+        made(LEFT, MOVED, mode="other", leg=2),
+        made(LEFT, RIGHT, leg=3),
+    ),
+)
+
+
+def test_contacts_are_the_same_places_whatever_their_loads() -> None:
+    assert same_places((LEFT, RIGHT), HARDER)
+    assert not same_places((LEFT, RIGHT), (RIGHT, LEFT))
+    assert not same_places((LEFT, RIGHT), (LEFT, MOVED))
+    assert not same_places((LEFT, RIGHT), (LEFT,))
+
+
+def test_neighbours_with_the_same_contacts_are_one_placement_however_they_press() -> (
+    None
+):
+    sizes = [len(group) for group in PLAN.placements]
+    assert sizes == [2, 1, 1, 1]
+    # the first contacts again, but not without letting go in between
+    assert PLAN.placements[0][0].same_placement(PLAN.placements[-1][0])
+
+
+def test_the_plans_of_the_placements_have_all_segments_in_order() -> None:
+    parts = PLAN.by_placement
+    assert sum((part.segments for part in parts), ()) == PLAN.segments
+    for part, group in zip(parts, PLAN.placements, strict=True):
+        assert part.placements == (group,)
+        assert part.task == TASK.parts[group[0].leg]
+        assert part.duration == sum(s.profile.duration for s in group)
+    assert PLAN.duration == pytest.approx(sum(part.duration for part in parts))
+
+
+def test_each_leg_has_the_contacts_of_its_placement() -> None:
+    assert PLAN.contacts == (LEFT, RIGHT)
+    assert PLAN.contacts_by_leg == {
+        0: (LEFT, RIGHT),
+        1: (LEFT, RIGHT),
+        2: (LEFT, MOVED),
+        3: (LEFT, RIGHT),
+    }
+
+
+def test_an_arm_lasts_where_it_goes_on_with_its_contact() -> None:
+    first, second, third, last = PLAN.placements
+    assert lasting_arms(first, second) == {0}
+    assert lasting_arms(second, third) == {0, 1}
+    assert lasting_arms(third, last) == {0}
+    pushed = made(replace(LEFT, arm=1), RIGHT)
+    assert lasting_arms((pushed,), first) == {1}
+    assert lasting_arms(first, (made(MOVED),)) == frozenset()
+
+
+def test_a_segment_of_another_path_is_driven_at_the_same_speed() -> None:
+    (segment, *_) = PLAN.segments
+    path = ArcPath(Pose2(0.3, 0.1, 0.0), ((0.0, 0.7),))
+    led = segment.follows(path)
+    assert led.path is path
+    assert led.profile == SpeedProfile(0.7, 0.05, 0.5)
+    assert replace(led, path=segment.path, profile=segment.profile) == segment
+
+
+def test_the_poses_of_body_and_object_are_those_of_the_path() -> None:
+    (segment, *_) = PLAN.segments
+    X_GB = TASK.object.X_GB
+    for s in (0.0, 0.07, 0.2):
+        X_WV = PLAN.object_pose(segment, s).compose(X_GB).compose(segment.X_BV)
+        wanted = segment.path.pose(s)
+        assert math.dist(X_WV.position, wanted.position) < 1e-12
+        assert X_WV.yaw == pytest.approx(wanted.yaw)
+    assert segment.X_BV == segment.drive.X_BV
+
+
+def test_the_choices_that_a_plan_consists_of_are_found_again() -> None:
+    legs = [Choice("held", segments=(segment,)) for segment in PLAN.segments]
+    others = [Choice("held"), Choice("held", segments=(made(LEFT, length=0.3),))]
+    assert PLAN.chosen([others[0], *legs, others[1]]) == legs
+
+
+def test_a_choice_says_what_was_decided_of_it_and_why() -> None:
+    good = Choice("held", "face 1", merits="path 1 m")
+    assert (good.feasible, good.evaluated) == (True, True)
+    assert (good.verdict, good.reason) == ("possible", "face 1: path 1 m")
+    bad = good.refused(Refusal("tipping", "tips at {figure:mm.0f}", 0.2))
+    assert (bad.feasible, bad.evaluated) == (False, True)
+    assert (bad.verdict, bad.reason) == ("refused", "face 1: tips at 200 mm")
+    skipped = good.refused(Refusal(SKIPPED, "there is a quicker one"))
+    assert (skipped.feasible, skipped.evaluated) == (False, False)
+    assert skipped.verdict == "passed over"
+    assert skipped.reason == "face 1: there is a quicker one"
+    assert bad.refused(None) == good
+
+
+def test_a_reason_has_no_stray_colon() -> None:
+    assert Choice("held", "face 1").reason == "face 1"
+    assert Choice("held", merits="path 1 m").reason == "path 1 m"
+    assert Choice("held").reason == ""
+
+
+def test_a_choice_is_as_long_as_its_segments() -> None:
+    assert Choice("held").path_length is None
+    assert Choice("held").friction_margin is None
+    first = replace(made(LEFT, length=0.2), cone_margin=0.1)
+    choice = Choice("held", segments=(first, made(LEFT, length=0.3)))
+    assert choice.path_length == pytest.approx(0.5)
+    assert choice.friction_margin == 0.1
