@@ -493,6 +493,12 @@ def test_a_wrench_of_one_contact_has_the_moment_of_its_force() -> None:
 
 
 TOY = "nudge"
+OWN_DRIVE = '''
+class NudgeDrive(RearSteerDrive):
+    """A drive of the mode's own."""
+
+    __slots__ = ()
+'''
 
 
 @pytest.fixture
@@ -501,14 +507,10 @@ def toy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Mode]:
     source = inspect.getsource(
         importlib.import_module("pushpressslide.modes.rear_push")
     )
-    own_drive = inspect.getsource(RearSteerDrive)
-    (line,) = (s for s in source.splitlines() if "import ORIGIN, RearSteerDrive" in s)
-    source = source.replace(line, "from pushpressslide.rom.drives import ORIGIN")
-    source = source.replace("class _Route", f"{own_drive}\n\nclass _Route", 1)
-    source = source.replace(
-        "from dataclasses import replace", "from dataclasses import dataclass, replace"
-    )
-    source = source.replace("RearSteerDrive", "NudgeDrive")
+    begin = source.index("class RearPush(Mode)")
+    head = source[:begin]
+    body = source[begin:].replace("RearSteerDrive", "NudgeDrive")
+    source = f"{head}{OWN_DRIVE}\n\n{body}"
     source = source.replace('name = "rear_push"', f'name = "{TOY}"')
     (tmp_path / f"{TOY}.py").write_text(source)
     monkeypatch.setattr(modes, "__path__", [*modes.__path__, str(tmp_path)])

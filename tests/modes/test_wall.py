@@ -89,7 +89,7 @@ def test_other_modes_say_that_they_cannot_hold_it() -> None:
     task = replace(
         turn(), modes=tuple(name for name, mode in MODES.items() if mode.arms == 2)
     )
-    refused = {c.mode: c for c in select(task) if not MODES[c.mode].walls}
+    refused = {c.mode: c for c in select(task) if not MODES[c.mode].carries_weight}
     assert set(refused) == {"parallel_push", "orthogonal_push", "press_and_push"}
     for choice in refused.values():
         assert choice.refusal is not None
