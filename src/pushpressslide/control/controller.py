@@ -44,7 +44,6 @@ from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, mis
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
-from pushpressslide.core.footprint import carried
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Pose2, wrap_angle
@@ -121,7 +120,7 @@ class Controller:
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
-        self.holds = final and not carried(plan.task, last.goal)
+        self.holds = final and not plan.task.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
         self.lasting: frozenset[int] = frozenset()
         if not final:

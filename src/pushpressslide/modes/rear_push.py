@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
@@ -109,7 +108,7 @@ class RearPush(Mode):
             )
             return [choice.refused(refusal or Refusal("not_straight", straight))]
         belief = task.believed
-        max_friction = belief.support_friction * (belief.mass * GRAVITY)
+        max_friction = belief.support_friction * task.scene.weight_on
         drive = RearSteerDrive(car, shift, max_friction)
         best, looped = route(task, drive)
         share = best.curvature_share
