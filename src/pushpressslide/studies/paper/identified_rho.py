@@ -12,7 +12,12 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.identification.online import AxleState
+from pushpressslide.core.task import Task
+from pushpressslide.identification.online import (
+    AxleIdentifier,
+    AxleState,
+    Identified,
+)
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.modes import MODES
 from pushpressslide.modes.press_slide import PressSlide
@@ -60,17 +65,11 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     first, stop = _longest(exciting & (np.abs(turn_rate) > LEAST_TURN_RATE))
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
-    identifier = mode.identifier(segment)
-    X_GB = plan.task.object.X_GB
-    state = AxleState()
-    for k in range(first, stop):
-        X_WB = Pose2(*map(float, record.arrays["object_pose"][k])).compose(X_GB)
-        fx, fy = map(float, forces[k])
-        state = identifier.step(state, float(time[k]), X_WB, (fx, fy))
-    found = identifier.identified(state)
-    if found is None:
-        return None
     task = plan.task
+    identifier = mode.identifier(segment)
+    identified = _identified(identifier, task, record, forces, range(first, stop))
+    if identified is None:
+        return None
     load = float(np.mean(normals[first:stop, 0]))
     mean = float(np.mean(angle[first:stop]))
     press = Press(task.object, task.support.friction, contact.point, load)
@@ -79,11 +78,25 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,
         predicted=segment.drive.rho or math.nan,
-        identified=math.sqrt(found.effective_wheelbase * press.lever),
+        identified=math.sqrt(identified.effective_wheelbase * press.lever),
         exact=math.sqrt(reach * press.lever),
-        axle=found.axle,
+        axle=identified.axle,
         exact_axle=math.hypot(*press.cop) + ahead,
     )
+
+
+def _identified(
+    identifier: AxleIdentifier, task: Task, record: Record, forces: Array, ticks: range
+) -> Identified | None:
+    """Return the estimates after some ticks; ``forces`` (N, 2) [N] as in _steering."""
+    state = AxleState()
+    for k in ticks:
+        X_WG = Pose2(*map(float, record.arrays["object_pose"][k]))
+        X_WB = X_WG.compose(task.object.X_GB)
+        time = float(record.arrays["time"][k])
+        fx, fy = map(float, forces[k])
+        state = identifier.step(state, time, X_WB, (fx, fy))
+    return identifier.identified(state)
 
 
 def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, Array]:
