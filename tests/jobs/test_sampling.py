@@ -20,7 +20,7 @@ from pushpressslide.jobs.sampling import (
     TWO_ARM_REACH,
     random_task,
 )
-from pushpressslide.jobs.sweep import sample_task, sweep
+from pushpressslide.jobs.sweep import SweepOptions, sample_task, sweep
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.modes import MODES
 from pushpressslide.taskfile.load import load_task
@@ -111,26 +111,21 @@ def test_other_modes_are_refused_before_anything_runs(tmp_path: Path) -> None:
     with pytest.raises(
         TaskError, match=r"modes: \['press_and_push'\] is not allowed.*parallel_push"
     ):
-        sweep(task, samples=2, out=tmp_path, engine="planar", vary="tasks")
+        sweep(task, SweepOptions(2, "tasks", engine="planar"), tmp_path)
     assert not (tmp_path / "result.json").exists()
 
 
 def test_a_sweep_draws_for_the_mode_and_goes_on_where_it_was(tmp_path: Path) -> None:
     base = BASES["bimanual-slide"]
-    options = {"out": tmp_path, "engine": "planar", "jobs": 1}
-    told = []
-    first = sweep(base, samples=2, vary="tasks", seed=1, **options)
+    options = SweepOptions(2, "tasks", seed=1, engine="planar", jobs=1)
+    counts = []
+    first = sweep(base, options, tmp_path)
     again = sweep(
-        base,
-        samples=2,
-        vary="tasks",
-        seed=1,
-        progress=lambda n, of: told.append(n),
-        **options,
+        base, options, tmp_path, progress=lambda done, total: counts.append(done)
     )
     assert first["accepted"] == first["reached"] == 2
     assert again == first
-    assert told == []
+    assert counts == []
     names = {
         row["task"]
         for row in json.loads((tmp_path / "result.json").read_text())["rows"]

@@ -5,10 +5,13 @@ import math
 import pytest
 
 from pushpressslide.core.errors import TaskError
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Obstacle
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.tool_use import StraightPush
 from pushpressslide.taskfile.load import load_task
 
 
@@ -69,4 +72,30 @@ def test_a_mode_that_would_not_push_straight_with_the_tools_face_is_refused() ->
     assert any(
         "off the straight push by tool.face" in choice.reason
         for choice in select(curved)
+    )
+
+
+TRIANGLE = ((0.1, -0.05), (0.1, 0.05), (-0.1, 0.0))
+BODY = Obstacle("block", (0.08, 0.04, 0.05), Pose2(0.3, -0.2, 0.1), movable=True)
+
+
+@pytest.mark.parametrize("face", range(3))
+@pytest.mark.parametrize("direction", [-2.0, 0.1, 0.1 + 0.5 * math.pi, 3.0])
+def test_every_face_ends_square_to_the_push_and_against_the_body(
+    face: int, direction: float
+) -> None:
+    X_WG = StraightPush(BODY, direction, 0.25).tool_goal(TRIANGLE, face)
+    first = X_WG.apply(TRIANGLE[face])
+    second = X_WG.apply(TRIANGLE[(face + 1) % 3])
+    edge = (second[0] - first[0], second[1] - first[1])
+    ahead = (math.cos(direction), math.sin(direction))
+    assert edge[0] * ahead[0] + edge[1] * ahead[1] == pytest.approx(0.0, abs=1e-12)
+    lengthwise = abs(math.sin(direction - BODY.pose.yaw)) < 0.7
+    half = 0.5 * BODY.size[0 if lengthwise else 1]
+    middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
+    assert middle == pytest.approx(
+        (
+            BODY.pose.x + (0.25 - half) * ahead[0],
+            BODY.pose.y + (0.25 - half) * ahead[1],
+        )
     )

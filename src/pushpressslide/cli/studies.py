@@ -68,25 +68,22 @@ def sweep(options: SweepOptions) -> None:
 
     In parallel; with the same --out it goes on where it was interrupted.
     """
-    from pushpressslide.jobs.sweep import sweep as run_sweep
+    from pushpressslide.jobs import sweep as sweep_job
 
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, f"sweep-{task.name}", options.force)
-    engine = options.engine
-    label = f"{options.samples} samples on {engine}"
+    job = sweep_job.SweepOptions(
+        samples=options.samples,
+        vary=options.vary.value,
+        seed=options.seed,
+        engine=options.engine,
+        check_refusals=options.check_refusals,
+        jobs=options.jobs,
+        force=options.force,
+    )
+    label = f"{options.samples} samples on {options.engine}"
     with progress_bar(label, not options.quiet) as progress:
-        result = run_sweep(
-            task,
-            samples=options.samples,
-            out=folder,
-            progress=progress,
-            engine=engine,
-            jobs=options.jobs,
-            seed=options.seed,
-            force=options.force,
-            vary=options.vary.value,
-            check_refusals=options.check_refusals,
-        )
+        result = sweep_job.sweep(task, job, folder, progress)
     print_outcome(result, folder, options.as_json, options.quiet)
 
 

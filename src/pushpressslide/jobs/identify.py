@@ -40,12 +40,7 @@ def identify(
     sets, others = load_sets(data)
     identifications = []
     for done, push_set in enumerate(sets):
-
-        def moved(part: float, parts: float, done: int = done) -> None:
-            """Add the progress within a set to that over the sets."""
-            if progress is not None:
-                progress(done + part / parts, len(sets))
-
+        moved = _overall(progress, done, len(sets))
         identifications.append(identified(push_set, fit_share, splits, seed, moved))
     notes = _notes(identifications, others)
     result = {
@@ -62,10 +57,21 @@ def identify(
     }
     # of an older run: a folder that has one is complete
     (out / "result.json").unlink(missing_ok=True)
-    how = f"{splits} random splits, {100.0 * fit_share:g} % of each set's pushes fitted, the rest held out."
+    shares = f"{100.0 * fit_share:g} % of each set's pushes fitted, the rest held out"
+    how = f"{splits} random splits, {shares}."
     write_identification(identifications, out, how, notes)
     write_whole(out / "result.json", to_json(result))
     return result, identifications
+
+
+def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
+    """Return what adds the progress within a set to that over the ``sets``."""
+
+    def moved(part: float, parts: float) -> None:
+        if progress is not None:
+            progress(done + part / parts, sets)
+
+    return moved
 
 
 def _figures(one: Identification) -> dict[str, Any]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Hashable, Mapping
+import os
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from typing import TypeVar
 
 from pushpressslide.jobs.interrupt import blocked_for_children
@@ -12,6 +14,25 @@ from pushpressslide.jobs.interrupt import blocked_for_children
 Key = TypeVar("Key", bound=Hashable)
 Result = TypeVar("Result")
 Progress = Callable[[int, int], None]
+
+
+@contextmanager
+def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Give a pool of processes, which end at once where the block raises.
+
+    ``processes``: 0 for one per core.
+    """
+    context = multiprocessing.get_context("spawn")
+    count = processes or os.cpu_count() or 1
+    with ProcessPoolExecutor(count, mp_context=context) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in multiprocessing.active_children():
+                # its work is lost
+                process.terminate()
+            raise
 
 
 def in_parallel(
@@ -27,18 +48,11 @@ def in_parallel(
     that, and on Ctrl-C, the others are ended.
     """
     results: dict[Key, Result] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max(1, min(jobs, len(work))), mp_context=context) as pool:
+    with worker_pool(max(1, min(jobs, len(work)))) as pool:
         with blocked_for_children():
             waiting = {pool.submit(piece): key for key, piece in work.items()}
-        try:
-            for future in as_completed(waiting):
-                results[waiting[future]] = future.result()
-                if progress is not None:
-                    progress(len(results), len(work))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in multiprocessing.active_children():
-                process.terminate()
-            raise
+        for future in as_completed(waiting):
+            results[waiting[future]] = future.result()
+            if progress is not None:
+                progress(len(results), len(work))
     return {key: results[key] for key in work}

@@ -206,16 +206,13 @@ def run_task(
         result = measure(task, plan, record, versions())
         if out is not None:
             write_data(out.folder, task, plan, record, result, choices)
-    kept = "" if out is None else f"; record and result so far are in {out.folder}"
     if interrupt():
-        raise Interrupted(f"interrupted{kept}")
+        message = "interrupted"
+        if out is not None:
+            message += f"; record and result so far are in {out.folder}"
+        raise Interrupted(message)
     if out is not None:
-        try:
-            write_pages(out, task, plan, record, choices, models=models)
-        except KeyboardInterrupt:
-            raise Interrupted(
-                f"interrupted; record and result are in {out.folder}, its pages not all"
-            ) from None
+        write_pages(out, task, plan, record, choices, models=models)
     return result
 
 
@@ -252,15 +249,20 @@ def write_pages(
     *,
     models: str = "generated",
 ) -> None:
-    """Write the pictures, replay and report of a run whose data are in ``out``, each
-    whole or not at all.
-    """
-    from pushpressslide.report.page import write_report
-    from pushpressslide.report.plan_files import write_plan
+    """Write the pictures, replay and report of a run whose data are in ``out``.
 
+    Each is whole or not there. Raises Interrupted on Ctrl-C.
+    """
     folder = out.folder
-    write_plan(plan, folder, choices)
-    engine_named(record.engine).write_replay(
-        task, plan, record, folder, models=models, video=out.video
-    )
-    write_report([folder])
+    engine = engine_named(record.engine)
+    try:
+        from pushpressslide.report.page import write_report
+        from pushpressslide.report.plan_files import write_plan
+
+        write_plan(plan, folder, choices)
+        engine.write_replay(task, plan, record, folder, models=models, video=out.video)
+        write_report([folder])
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"interrupted; record and result are in {folder}, its pages not all"
+        ) from None

@@ -103,19 +103,17 @@ def random_task(base: Task, index: int, seed: int) -> Task:
     """
     faces = _pushed_faces(base)
     rng = np.random.default_rng([seed, index])
+    pressed = faces == 0
     single = len(base.robots) == 1
-    ranges = ONE_ARM if single else TWO_ARMS
-    shape = _shape(rng, ranges, pressed=faces == 0)
-    center = _centroid(shape)
-    mass = float(rng.uniform(*ranges.mass))
+    body = _object(rng, ONE_ARM if single else TWO_ARMS, pressed)
     support = float(rng.uniform(*SUPPORT_FRICTION))
     contact = float(rng.uniform(*CONTACT_FRICTION))
-    body = ObjectModel(shape, mass, center)
-    contacts = None
+    motion = replace(base.motion, face=None, contact_height=None, contacts=None)
+    motion = replace(motion, press_force=None, vehicle=None)
     if single:
         start, goal = _one_arm_poses(rng, base.robots[0])
-        if faces == 0 and rng.random() < TOP_CONTACT_SHARE:
-            contacts = (_top_contact(rng, body),)
+        if pressed and rng.random() < TOP_CONTACT_SHARE:
+            motion = replace(motion, contacts=(_top_contact(rng, body),))
     else:
         start, goal = _two_arm_poses(rng, base.robots, body, faces)
     return replace(
@@ -127,15 +125,8 @@ def random_task(base: Task, index: int, seed: int) -> Task:
         goal=_wrapped(goal),
         support=replace(base.support, friction=support),
         contact_friction=contact,
-        belief=Belief(support, contact, mass, None),
-        motion=replace(
-            base.motion,
-            face=None,
-            contact_height=None,
-            contacts=contacts,
-            press_force=None,
-            vehicle=None,
-        ),
+        belief=Belief(support, contact, body.mass, None),
+        motion=motion,
     )
 
 
@@ -181,6 +172,15 @@ def _pushed_faces(base: Task) -> int:
         return 1
     allowed = f"allowed where two arms' tasks are drawn: one of {', '.join(drawn)}"
     raise TaskError(base.source or base.name, "modes", list(names), allowed)
+
+
+def _object(
+    rng: np.random.Generator, ranges: ObjectRanges, pressed: bool
+) -> ObjectModel:
+    """Draw a shape and its mass."""
+    shape = _shape(rng, ranges, pressed)
+    mass = float(rng.uniform(*ranges.mass))
+    return ObjectModel(shape, mass, _centroid(shape))
 
 
 def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Shape:

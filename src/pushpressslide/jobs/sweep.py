@@ -1,15 +1,15 @@
-"""Many runs: one task under random variations, or many random tasks; in parallel,
-resumable, one table at the end.
+"""Many runs of one task under random variations, or of many random tasks.
+
+They run in parallel, are resumable, and leave one table at the end.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import multiprocessing
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,11 +18,25 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.engines import DEFAULT
 from pushpressslide.jobs.interrupt import blocked_for_children
+from pushpressslide.jobs.parallel import worker_pool
 from pushpressslide.jobs.run import simulate, versions
 from pushpressslide.jobs.sampling import random_task, varied_task
 
 Vary = Literal["truth", "tasks"]
 Progress = Callable[[int, int], None]
+FIGURES = (
+    "final_position_error",
+    "final_yaw_error",
+    "duration",
+    "rms_position_error",
+    "rms_yaw_error",
+    "max_normal_force",
+    "slip_distance",
+    "cone_violation_fraction",
+    "torque_limit_violation_fraction",
+    "realtime_factor",
+)
+"""Of a run's result, what its row holds."""
 
 
 def sample_task(task: Task, vary: Vary, index: int, seed: int) -> Task:
@@ -31,18 +45,45 @@ def sample_task(task: Task, vary: Vary, index: int, seed: int) -> Task:
     return draw(task, index, seed)
 
 
+@dataclass(frozen=True, slots=True)
+class SweepOptions:
+    """What a sweep draws, and how it runs the samples."""
+
+    samples: int
+    vary: Vary = "truth"  # what is true of the task, or new tasks for its robots
+    seed: int = 0
+    engine: str = DEFAULT
+    check_refusals: int = 0  # refused samples to run all the same
+    jobs: int = 0  # processes; 0: one for each core
+    force: bool = False  # run finished samples again
+
+    def settings(self, task: Task) -> dict[str, Any]:
+        """Return what a finished sample must agree with to stand for a new run."""
+        return {
+            "task": task.name,
+            "samples": self.samples,
+            "seed": self.seed,
+            "engine": self.engine,
+            "vary": self.vary,
+        }
+
+
 def run_sample(
-    task: Task, vary: Vary, index: int, seed: int, engine: str, anyway: bool
+    task: Task, options: SweepOptions, index: int, anyway: bool
 ) -> dict[str, Any]:
-    """Run one sample and return its row; ``anyway`` runs it even where it was judged
-    infeasible.
+    """Run one sample and return its row.
+
+    ``anyway`` runs it even where it was judged infeasible.
     """
     from pushpressslide.report.metrics import result as measure
 
-    sample = sample_task(task, vary, index, seed)
+    seed = options.seed
+    sample = sample_task(task, options.vary, index, seed)
     row: dict[str, Any] = {"index": index, "task": sample.name, "forced": anyway}
     try:
-        plan, record, choices = simulate(sample, engine=engine, seed=seed, force=anyway)
+        plan, record, choices = simulate(
+            sample, engine=options.engine, seed=seed, force=anyway
+        )
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
     except (SimulationError, ValueError, RuntimeError) as error:
@@ -50,111 +91,86 @@ def run_sample(
             raise
         return {**row, "status": "missed", "reason": f"could not even be run: {error}"}
     measured = measure(sample, plan, record, versions())
-    kept = (
-        "final_position_error",
-        "final_yaw_error",
-        "duration",
-        "rms_position_error",
-        "rms_yaw_error",
-        "max_normal_force",
-        "slip_distance",
-        "cone_violation_fraction",
-        "torque_limit_violation_fraction",
-        "realtime_factor",
-    )
     return {
         **row,
         "status": "reached" if measured["success"] else "missed",
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
         "choice": plan.chosen(choices)[0].reason,
-        **{name: measured[name] for name in kept},
+        **{name: measured[name] for name in FIGURES},
     }
 
 
 def sweep(
-    task: Task,
-    *,
-    samples: int,
-    out: Path,
-    progress: Progress | None = None,
-    engine: str = DEFAULT,
-    jobs: int = 0,
-    seed: int = 0,
-    force: bool = False,
-    vary: Vary = "truth",
-    check_refusals: int = 0,
+    task: Task, options: SweepOptions, out: Path, progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Run ``samples`` variations of ``task`` and return the summary; every finished
-    sample is kept in ``out``/samples.
+    """Run the samples of ``task`` and return the summary.
 
-    ``vary``: "truth" keeps the task and changes what is true of it, "tasks" draws new
-    tasks for the same robots. The first ``check_refusals`` refused samples are run all
-    the same: a refusal is true if that run misses the goal. Samples that are already
-    there are not run again, unless ``force``. Raises TaskError where no new tasks can
+    Every finished sample is kept in ``out``/samples and is not run again, unless
+    ``force``. The first ``check_refusals`` refused samples are run all the same: a
+    refusal is true if that run misses the goal. Raises TaskError where no new tasks can
     be drawn for ``task``.
     """
-    sample_task(task, vary, 0, seed)
+    sample_task(task, options.vary, 0, options.seed)
     folder = out / "samples"
     folder.mkdir(parents=True, exist_ok=True)
-    settings = {
-        "task": task.name,
-        "samples": samples,
-        "seed": seed,
-        "engine": engine,
-        "vary": vary,
-    }
-    rows: dict[int, dict[str, Any]] = {}
-    if not force:
-        for path in folder.glob("[0-9]*.json"):
-            row = json.loads(path.read_text())
-            if row.get("settings") == settings:
-                rows[int(row["index"])] = row
-    forced: dict[int, dict[str, Any]] = {}
-    total = samples + check_refusals
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs or os.cpu_count() or 1, mp_context=context) as pool:
+    settings = options.settings(task)
+    rows = {} if options.force else _finished(folder, settings)
+    forced: list[dict[str, Any]] = []
 
-        def work(
-            indices: list[int], anyway: bool, into: dict[int, dict[str, Any]]
-        ) -> None:
-            with blocked_for_children():
-                waiting = {
-                    pool.submit(run_sample, task, vary, i, seed, engine, anyway): i
-                    for i in indices
-                }
-            try:
-                for future in as_completed(waiting):
-                    row = {**future.result(), "settings": settings}
-                    into[waiting[future]] = row
-                    if not anyway:
-                        write_whole(
-                            folder / f"{row['index']:05d}.json",
-                            json.dumps(row, indent=1).encode(),
-                        )
-                    if progress is not None:
-                        progress(len(rows) + len(forced), total)
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                for process in multiprocessing.active_children():
-                    # its sample is lost; the finished ones are on disk
-                    process.terminate()
-                raise
+    def count() -> None:
+        """Report how many runs are done."""
+        if progress is not None:
+            total = options.samples + options.check_refusals
+            progress(len(rows) + len(forced), total)
 
-        work([i for i in range(samples) if i not in rows], False, rows)
-        refused = [i for i in sorted(rows) if rows[i]["status"] == "refused"][
-            :check_refusals
-        ]
-        work(refused, True, forced)
-    ordered = [rows[i] for i in sorted(rows)]
-    summary = {
-        **settings,
-        **summarise(ordered, [forced[i] for i in sorted(forced)]),
-        "versions": versions(),
-    }
-    write_whole(out / "table.md", table(ordered, list(forced.values())).encode())
-    write_whole(
-        out / "result.json", json.dumps({**summary, "rows": ordered}, indent=1).encode()
-    )
+    with worker_pool(options.jobs) as pool:
+        missing = [i for i in range(options.samples) if i not in rows]
+        for sample in _run_samples(pool, task, options, missing, anyway=False):
+            index = sample["index"]
+            rows[index] = {**sample, "settings": settings}
+            text = json.dumps(rows[index], indent=1)
+            write_whole(folder / f"{index:05d}.json", text.encode())
+            count()
+        refused = [i for i in sorted(rows) if rows[i]["status"] == "refused"]
+        checked = refused[: options.check_refusals]
+        for sample in _run_samples(pool, task, options, checked, anyway=True):
+            forced.append(sample)
+            count()
+    return _write_results(out, settings, [rows[i] for i in sorted(rows)], forced)
+
+
+def _finished(folder: Path, settings: dict[str, Any]) -> dict[int, dict[str, Any]]:
+    """Return the rows in ``folder`` that an earlier sweep with ``settings`` left."""
+    rows = [json.loads(path.read_text()) for path in folder.glob("[0-9]*.json")]
+    return {int(row["index"]): row for row in rows if row.get("settings") == settings}
+
+
+def _run_samples(
+    pool: ProcessPoolExecutor,
+    task: Task,
+    options: SweepOptions,
+    indices: list[int],
+    *,
+    anyway: bool,
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of some samples, the first to finish first."""
+    with blocked_for_children():
+        futures = [pool.submit(run_sample, task, options, i, anyway) for i in indices]
+    for future in as_completed(futures):
+        yield future.result()
+
+
+def _write_results(
+    out: Path,
+    settings: dict[str, Any],
+    rows: list[dict[str, Any]],
+    forced: list[dict[str, Any]],
+) -> dict[str, Any]:
+    """Write table and result, and return the summary."""
+    summary = {**settings, **summarise(rows, forced), "versions": versions()}
+    write_whole(out / "table.md", table(rows, forced).encode())
+    text = json.dumps({**summary, "rows": rows}, indent=1)
+    write_whole(out / "result.json", text.encode())
     return summary
 
 
@@ -164,6 +180,9 @@ def summarise(
     """Return counts and spreads; None where there is nothing to count."""
     reached = [r for r in rows if r["status"] == "reached"]
     accepted = [r for r in rows if r["status"] != "refused"]
+
+    def share(part: list[Any], whole: list[Any]) -> float | None:
+        return len(part) / len(whole) if whole else None
 
     def spread(name: str) -> dict[str, float] | None:
         values = sorted(float(r[name]) for r in accepted if r.get(name) is not None)
@@ -179,8 +198,8 @@ def summarise(
         "accepted": len(accepted),
         "reached": len(reached),
         "refused": len(rows) - len(accepted),
-        "accepted_share": len(accepted) / len(rows) if rows else None,
-        "reached_share_of_accepted": len(reached) / len(accepted) if accepted else None,
+        "accepted_share": share(accepted, rows),
+        "reached_share_of_accepted": share(reached, accepted),
         "refusals_run_anyway": len(forced),
         "refusals_that_failed": sum(r["status"] != "reached" for r in forced),
         "final_position_error": spread("final_position_error"),
@@ -191,8 +210,9 @@ def summarise(
 
 
 def table(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> str:
-    """Return the rows as a Markdown table, and below it the refusals that were run all
-    the same.
+    """Return the rows as a Markdown table.
+
+    The refusals that were run all the same are below it.
     """
 
     def line(r: dict[str, Any]) -> str:
@@ -203,16 +223,15 @@ def table(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> str:
         if position is not None and yaw is not None and time is not None:
             figures = f"{1e3 * position:.1f} | {math.degrees(yaw):.2f} | {time:.1f}"
         why = r.get("choice") if r["status"] == "reached" else r["reason"]
-        return f"| {r['index']} | {r['status']} | {figures} | {str(why).replace('|', '/')[:160]} |"
+        cell = str(why).replace("|", "/")[:160]
+        return f"| {r['index']} | {r['status']} | {figures} | {cell} |"
 
     head = "| sample | outcome | position error [mm] | yaw error [deg] | time [s] | why |\n"
     head += "|---|---|---|---|---|---|\n"
-    text = head + "\n".join(line(r) for r in rows) + "\n"
-    if forced:
-        text += (
-            "\nRefused, but run anyway:\n\n"
-            + head
-            + "\n".join(line(r) for r in forced)
-            + "\n"
-        )
-    return text
+
+    def listed(part: list[dict[str, Any]]) -> str:
+        return head + "\n".join(line(r) for r in part) + "\n"
+
+    if not forced:
+        return listed(rows)
+    return f"{listed(rows)}\nRefused, but run anyway:\n\n{listed(forced)}"

@@ -93,11 +93,15 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
 
 
 def _largest(values: Array) -> float | None:
-    return float(np.nanmax(values)) if values.size else None
+    if not values.size:
+        return None
+    return float(np.nanmax(values))
 
 
 def _mean(values: Array) -> float | None:
-    return float(values.mean()) if values.size else None
+    if not values.size:
+        return None
+    return float(values.mean())
 
 
 def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:

@@ -56,20 +56,16 @@ def result(
         **outcome_figures(task, record),
         **dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS),
     }
-    ran = series.ticks(record) > 0
-    if ran:
+    if series.ticks(record) > 0:
         grasps = series.by_grasp(plan, record)
         out |= motion_figures(task, grasps, record)
         out |= contact_figures(task, grasps)
         out["pivots"] = pivots(task, grasps)
     out |= {
         **torque_figures(task, record),
-        "joint_limit_margin": joint_margin(task, record) if ran else None,
-        "realtime_factor": _realtime_factor(record),
-        "wall_time": record.wall_time,
-        "time_step": record.meta.get("time_step"),
-        "tick_us": _tick_times(record) if ran else None,
-        "bodies": _bodies(record) if ran else {},
+        "joint_limit_margin": joint_margin(task, record),
+        **_time_figures(record),
+        "bodies": _bodies(record),
         **support_figures(task, record),
         "planned": _planned(plan, record),
         "versions": installed_versions() if versions is None else versions,
@@ -89,6 +85,16 @@ def installed_versions() -> dict[str, str | None]:
     return out
 
 
+def _time_figures(record: Record) -> dict[str, Any]:
+    """How fast the run was, and its ticks."""
+    return {
+        "realtime_factor": _realtime_factor(record),
+        "wall_time": record.wall_time,
+        "time_step": record.meta.get("time_step"),
+        "tick_us": _tick_times(record),
+    }
+
+
 def _realtime_factor(record: Record) -> float | None:
     if record.wall_time <= 0.0:
         return None
@@ -97,11 +103,13 @@ def _realtime_factor(record: Record) -> float | None:
     return duration / record.wall_time
 
 
-def _tick_times(record: Record) -> dict[str, dict[str, float] | None]:
+def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
     """Median and 99th percentile [us] of each part of a tick over phase "move".
 
-    None for a part that this engine does not have.
+    None for a part that this engine does not have, and where nothing ran.
     """
+    if series.ticks(record) == 0:
+        return None
     move = series.in_phase(record, "move")
     out: dict[str, dict[str, float] | None] = {}
     for part in ("track", "allocate", "execute", "total"):
@@ -120,6 +128,8 @@ def _bodies(record: Record) -> dict[str, Any]:
 
     ``final_pose`` is None where the yaw was not recorded.
     """
+    if series.ticks(record) == 0:
+        return {}
     poses = {"object": record.arrays["object_pose"]}
     for name, values in record.arrays.items():
         if name.startswith("body_"):

@@ -68,17 +68,23 @@ def motion_figures(
 
 
 def _rms(values: Array) -> float | None:
-    return float(np.sqrt(np.mean(values**2))) if values.size else None
+    if not values.size:
+        return None
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _largest(values: Array) -> float | None:
-    return float(np.abs(values).max()) if values.size else None
+    if not values.size:
+        return None
+    return float(np.abs(values).max())
 
 
 def _contact_duration(record: Record) -> float:
     """Time [s] from the first tick of the move to the last."""
     time = record.arrays["time"][series.contact_phase(record)]
-    return float(np.ptp(time)) if len(time) else 0.0
+    if not len(time):
+        return 0.0
+    return float(np.ptp(time))
 
 
 def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:

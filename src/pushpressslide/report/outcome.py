@@ -72,12 +72,12 @@ def _reason(
     """Code and text of the end of a run."""
     text = record.reason_text
     place = _final_place(task, record, error)
-    if record.reason != "goal_reached":
-        return {"code": record.reason, "text": text or place}
-    return {
-        "code": "goal_reached" if within else "goal_missed",
-        "text": "; ".join(filter(None, (text, place))),
-    }
+    code = record.reason
+    if code != "goal_reached":
+        return {"code": code, "text": text or place}
+    if not within:
+        code = "goal_missed"
+    return {"code": code, "text": "; ".join(filter(None, (text, place)))}
 
 
 def _final_place(task: Task, record: Record, error: GoalError) -> str:

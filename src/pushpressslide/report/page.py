@@ -53,8 +53,10 @@ def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
     runs = [load_run(Path(folder)) for folder in dirs]
     single = len(runs) == 1
     if out is None:
-        home = Path(os.path.commonpath([run.folder.resolve() for run in runs]))
-        out = (runs[0].folder if single else home) / "report.html"
+        home = runs[0].folder
+        if not single:
+            home = Path(os.path.commonpath([run.folder.resolve() for run in runs]))
+        out = home / "report.html"
     if single:
         title = runs[0].task.name
         sections = [_run_section(runs[0], out, "")]
@@ -170,7 +172,10 @@ def _links(run: Run, page: Path) -> str:
 def _caption(key: str) -> str:
     """What a figure shows; the names of those of one grasp end with its number."""
     name, _, grasp = key.partition("-")
-    return f"Grasp {grasp}. {CAPTIONS[name]}" if grasp else CAPTIONS[name]
+    caption = CAPTIONS[name]
+    if not grasp:
+        return caption
+    return f"Grasp {grasp}. {caption}"
 
 
 def _link(target: Path, page: Path) -> str:
@@ -183,8 +188,13 @@ def _choice_part(run: Run) -> str:
     rows = []
     marks = []
     for choice, reason in gathered(run.choices):
-        chosen = choice in taken
-        verdict = "chosen" if chosen else choice.verdict
+        verdict = choice.verdict
+        mark = ""
+        if choice in taken:
+            verdict = "chosen"
+            mark = ' class="chosen"'
+        elif not choice.feasible:
+            mark = ' class="refused"'
         rows.append(
             [
                 f"<td>{escape(verdict)}</td>",
@@ -195,16 +205,13 @@ def _choice_part(run: Run) -> str:
                 f"<td class=why>{escape(reason)}</td>",
             ]
         )
-        mark = ""
-        if chosen:
-            mark = ' class="chosen"'
-        elif not choice.feasible:
-            mark = ' class="refused"'
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
     return table(head, rows, marks)
 
 
 def _number_cell(value: float | None, factor: float, unit: str, decimals: int) -> str:
-    text = "" if value is None else f"{factor * value:.{decimals}f}{unit}"
+    text = ""
+    if value is not None:
+        text = f"{factor * value:.{decimals}f}{unit}"
     return f"<td class=n>{text}</td>"

@@ -249,16 +249,11 @@ def _judged(result: Mapping[str, Any], key: str) -> str:
 
 def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     """Return place, load and measured figures of each contact, one column each."""
-    grasps = plan.by_placement if result["contacts"] else (plan,)
-    contacts = [c for grasp in grasps for c in grasp.contacts]
+    plans = plan.by_placement if result["contacts"] else (plan,)
+    names = _contact_names(plan, plans)
+    contacts = [contact for part in plans for contact in part.contacts]
     measured = [*(result["contacts"] or ())]
     measured += [{}] * (len(contacts) - len(measured))
-    robots = plan.task.robots
-    names = [
-        f"{_which(grasp, plan)}arm {c.arm}: {Path(robots[c.arm].model).name}".capitalize()
-        for grasp in grasps
-        for c in grasp.contacts
-    ]
     lines = [
         ("Contact", [KINDS[c.kind] for c in contacts]),
         (
@@ -277,9 +272,19 @@ def contacts_table(plan: Plan, result: Mapping[str, Any]) -> str:
     return table(("", *names), rows, numbers=len(names))
 
 
-def _which(grasp: Plan, plan: Plan) -> str:
-    plans = plan.by_placement
-    return f"grasp {plans.index(grasp) + 1}, " if len(plans) > 1 else ""
+def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
+    """Name the contacts of ``parts`` by placement, arm and robot."""
+    robots = plan.task.robots
+    placements = plan.by_placement
+    names = []
+    for part in parts:
+        which = ""
+        if len(placements) > 1:
+            which = f"grasp {placements.index(part) + 1}, "
+        for contact in part.contacts:
+            model = Path(robots[contact.arm].model).name
+            names.append(f"{which}arm {contact.arm}: {model}".capitalize())
+    return names
 
 
 def stretches_table(plan: Plan) -> str:

@@ -70,10 +70,10 @@ def plan_figure(plan: Plan) -> Figure:
     length = sum(series.path_length(stretch.path) for stretch in stretches)
     seconds = sum(stretch.profile.duration for stretch in stretches)
     modes = ", ".join(grasp.segments[0].mode for grasp in plan.by_placement)
-    parts = f", {len(stretches)} stretches" if len(stretches) > 1 else ""
-    _frame(
-        ax, task, corners, f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s{parts}"
-    )
+    title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
+    if len(stretches) > 1:
+        title += f", {len(stretches)} stretches"
+    _frame(ax, task, corners, title)
     return made
 
 

@@ -36,10 +36,13 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
         return out
     gap = _gap(task, positions)
     inside = np.flatnonzero(gap < -ENTERED)
-    until = int(inside[0]) if len(inside) else len(gap)
+    until = len(gap)
+    if len(inside):
+        until = int(inside[0])
     before = gap[:until][series.contact_phase(record)[:until]]
     out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task, positions))))
-    out["support_gap_max"] = max(0.0, float(before.max())) if before.size else None
+    if before.size:
+        out["support_gap_max"] = max(0.0, float(before.max()))
     if not task.enters:
         return out
     out["seated_depth"] = -float(gap[-1])

@@ -72,10 +72,14 @@ def _robot(robot: Robot) -> str:
 
 
 def _obstacle(obstacle: Obstacle) -> str:
-    return obstacle.name + (" (can move)" if obstacle.movable else "")
+    if obstacle.movable:
+        return f"{obstacle.name} (can move)"
+    return obstacle.name
 
 
 def _engine(result: Mapping[str, Any]) -> str:
     text = f"{result['engine']}, seed {result['seed']}"
     step = result.get("time_step")
-    return f"{text}, time step {1e3 * step:g} ms" if step else text
+    if not step:
+        return text
+    return f"{text}, time step {1e3 * step:g} ms"

@@ -117,9 +117,11 @@ def verdict(result: Mapping[str, Any]) -> str:
     skipped = s["probes"] - s["measured"]
     text = (
         f"{s['within_tolerance']} of {s['measured']} probes are within "
-        f"{1e3 * result['tolerance']:.0f} mm of "
-        f"the prediction{f'; {skipped} were not run' if skipped else ''}."
+        f"{1e3 * result['tolerance']:.0f} mm of the prediction"
     )
+    if skipped:
+        text += f"; {skipped} were not run"
+    text += "."
     for key, words in (
         ("predicted", "predicted with the contact's height"),
         ("without_height", "without the height"),

@@ -12,18 +12,18 @@ from pushpressslide.selection.select import placements
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Return the plan for ``choice`` (default: the best one); of a task with legs, the
-    best choice does every placement but that one.
+    """Return the plan for ``choice``, by default the best one.
 
+    Of a task with legs, the best choice does every placement but that one.
     ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
     InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
     """
     if choice is not None and not task.legs:
         return plan_of(task, usable(task, [choice], force=force))
     chosen = []
-    for choices in placements(task):
-        given = choice is not None and choice.leg == choices[0].leg
-        candidates = [choice] if choice is not None and given else choices
+    for candidates in placements(task):
+        if choice is not None and choice.leg == candidates[0].leg:
+            candidates = [choice]
         chosen.append(usable(task, candidates, force=force)[0])
     return plan_of(task, chosen)
 
@@ -36,10 +36,10 @@ def plan_of(task: Task, chosen: Sequence[Choice]) -> Plan:
 def usable(
     task: Task, choices: Sequence[Choice], *, force: bool = False
 ) -> list[Choice]:
-    """Return the choices that can do their part of the task, or with ``force`` just
-    have a path for it.
+    """Return the choices that can do their part of the task.
 
-    Raises InfeasibleTaskError where there is none.
+    With ``force`` they just have a path for it. Raises InfeasibleTaskError where there
+    is none.
     """
     found = [c for c in choices if c.segments and (c.feasible or force)]
     if not found:
@@ -68,15 +68,21 @@ def refusal(task: Task, choices: Sequence[Choice]) -> str:
 
 
 def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:
-    """Return the choices with their reasons, without repetition: of refused ones of a
-    mode with one code only the first, which says how many more there are.
+    """Return the choices with their reasons, without repetition.
+
+    Of the refused ones of a mode with one code only the first, which says how many more
+    there are.
     """
     alike: dict[tuple[str, str], list[Choice]] = {}
     for i, choice in enumerate(choices):
-        code = str(i) if choice.refusal is None else choice.refusal.code
+        code = str(i)
+        if choice.refusal is not None:
+            code = choice.refusal.code
         alike.setdefault((choice.mode, code), []).append(choice)
     out = []
     for first, *others in alike.values():
-        more = f" ({len(others)} more like this)" if others else ""
-        out.append((first, first.reason + more))
+        reason = first.reason
+        if others:
+            reason += f" ({len(others)} more like this)"
+        out.append((first, reason))
     return out

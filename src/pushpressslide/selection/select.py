@@ -1,10 +1,9 @@
-"""Mode selection: every mode and contact placement that the task's robots allow, judged
-and ranked.
-"""
+"""Mode selection: every mode and placement that the robots allow, judged and ranked."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -24,8 +23,7 @@ ENDS = Refusal("no_continuation", "no way on with its contacts")
 
 
 def select(task: Task, enough: int = 1) -> list[Choice]:
-    """Return all choices for ``task``, feasible ones first and the quickest first;
-    never empty.
+    """Return all choices for ``task``, the quickest feasible one first; never empty.
 
     A choice that cannot do the task has a refusal with the number that decides; or it
     was skipped because ``enough`` choices of its mode are feasible and at least as
@@ -36,26 +34,37 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 
 
 def placements(task: Task, enough: int = 1) -> list[list[Choice]]:
-    """Return the choices for each placement of the arms, best first: a leg for which
-    the arms can keep their contacts is one more segment of the leg before it.
+    """Return the choices for each placement of the arms, best first.
+
+    A leg for which the arms can keep their contacts is one more segment of the leg
+    before it.
     """
     parts = task.parts
-    out = list[list[Choice]]()
-    shared = any(
-        set(a.modes or MODES) & set(b.modes or MODES) for a, b in pairwise(parts)
-    )
-    if shared:  # the next leg may need contacts other than the quickest ones
+    if _share_modes(parts):
+        # the next leg may need contacts other than the quickest ones
         enough = max(enough, ENOUGH)
-    for leg, part in enumerate(parts):
-        found = [_of_leg(choice, leg) for choice in _select(part, enough)]
-        lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
+    groups = [_select_leg(parts[0], 0, enough)]
+    for leg, part in enumerate(parts[1:], start=1):
+        ahead = _select_leg(part, leg, enough)
+        lengthened = [_lengthened(choice, ahead) for choice in groups[-1]]
         if any(choice.feasible for choice in lengthened):
-            out[-1] = _ranked(lengthened)
-        elif out and not task.scene.carried(part.start):
-            out.append([choice.refused(choice.refusal or FALLS) for choice in found])
-        else:
-            out.append(found)
-    return out
+            groups[-1] = _ranked(lengthened)
+            continue
+        if not task.scene.carried(part.start):
+            ahead = [choice.refused(choice.refusal or FALLS) for choice in ahead]
+        groups.append(ahead)
+    return groups
+
+
+def _share_modes(parts: Sequence[Task]) -> bool:
+    """Return whether two legs in a row allow the same mode."""
+    allowed = [set(part.modes or MODES) for part in parts]
+    return any(before & after for before, after in pairwise(allowed))
+
+
+def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
+    """Return all choices for one leg of a task, best first."""
+    return [_of_leg(choice, leg) for choice in _select(part, enough)]
 
 
 def _of_leg(choice: Choice, leg: int) -> Choice:
@@ -64,8 +73,9 @@ def _of_leg(choice: Choice, leg: int) -> Choice:
 
 
 def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
-    """Return ``choice`` with the best of ``ahead`` that goes on with its contacts as
-    its last segments; infeasible where none does.
+    """Return ``choice`` lengthened by the best of ``ahead`` with the same contacts.
+
+    It is infeasible where none goes on with them.
     """
     if not choice.feasible:
         return choice
@@ -84,8 +94,10 @@ def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
 
 
 def _ranked(choices: list[Choice]) -> list[Choice]:
-    """Return ``choices``, those of each mode in its own order, ranked: of equally quick
-    modes that one first whose contacts push least against each other.
+    """Return ``choices``, those of each mode in its own order, ranked.
+
+    Of equally quick modes that one is first whose contacts push least against each
+    other.
     """
     squeeze: dict[str, float] = {}
     for choice in choices:
@@ -94,9 +106,7 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
 
 
 def _squeeze(choice: Choice) -> float:
-    """Return which share of equal pushes of its contacts would be spent against each
-    other.
-    """
+    """Return the share of equal pushes of its contacts that cancel each other."""
     normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
     if not normals:
         return 0.0
@@ -125,13 +135,16 @@ def _select(task: Task, enough: int) -> list[Choice]:
 
 
 def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
-    """Return the choices of a mode; more of them evaluated where obstacles are in the
-    way of the first.
+    """Return the choices of a mode.
+
+    More of them are evaluated where obstacles are in the way of the first.
     """
     judged = mode.choices(task, enough)
     choices = [_judged_for_obstacles(task, choice) for choice in judged]
     blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
-    return _clear(task, mode, ENOUGH) if blocked and enough < ENOUGH else choices
+    if blocked and enough < ENOUGH:
+        return _clear(task, mode, ENOUGH)
+    return choices
 
 
 def _judged_for_obstacles(task: Task, choice: Choice) -> Choice:

@@ -1,15 +1,14 @@
-"""A task whose goal is another body's: the object is the tool that pushes it there,
-straight.
-"""
+"""A task whose goal is another body's: the object is a tool that pushes it straight."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import ObjectModel, Obstacle, Task, ToolUse
 
@@ -18,6 +17,35 @@ ASIDE = 0.002
 ASKEW = math.radians(2.0)
 # the body's sides turn by up to this much against the tool's face
 SQUARE = math.radians(20.0)
+
+
+@dataclass(frozen=True, slots=True)
+class StraightPush:
+    """How a tool's flat face moves a body."""
+
+    body: Obstacle
+    direction: float  # [rad] in W
+    distance: float  # [m]
+
+    def tool_goal(self, corners: Sequence[Point], face: int) -> Pose2:
+        """Return X_WG of the tool where the push ends, its face against the body.
+
+        ``corners`` [m] are the tool's, in G; face i is from corner i to the next.
+        """
+        pose = self.body.pose
+        ahead = (math.cos(self.direction), math.sin(self.direction))
+        end_x = pose.x + self.distance * ahead[0]
+        end_y = pose.y + self.distance * ahead[1]
+        axis = round((pose.yaw - self.direction) / (0.5 * math.pi)) % 2
+        half = 0.5 * self.body.size[axis]
+        ax, ay = corners[face]
+        bx, by = corners[(face + 1) % len(corners)]
+        middle = (0.5 * (ax + bx), 0.5 * (ay + by))
+        outward = math.atan2(ax - bx, by - ay)
+        yaw = wrap_angle(self.direction - outward)
+        X_WF = Pose2(end_x - half * ahead[0], end_y - half * ahead[1], yaw)
+        x, y = X_WF.apply((-middle[0], -middle[1]))
+        return Pose2(x, y, yaw)
 
 
 def tool_use(
@@ -32,81 +60,77 @@ def tool_use(
     with.
     """
     goal = d["goal"]
-    name = d["goal"]["body"]
+    name = goal["body"]
     target = Pose2(goal["x"], goal["y"], math.radians(goal["yaw_deg"]))
     if name in (None, "object"):
         return None, target
-    body = next((o for o in obstacles if o.name == name), None)
-    if body is None or not body.movable:
-        movable = ", ".join(["object", *(o.name for o in obstacles if o.movable)])
-        raise TaskError(
-            source, "goal.body", name, f"allowed: a movable body: {movable}"
-        )
-    shape = tool.shape
+    body = _movable_body(name, obstacles, source)
     face = d["tool"]["face"]
-    if not shape.corners:
+    corners = tool.shape.corners
+    if not corners:
+        allowed = "allowed: object; a cylinder has no flat face to push with"
+        raise TaskError(source, "goal.body", name, allowed)
+    if face >= len(corners):
+        raise TaskError(source, "tool.face", face, f"allowed: 0 to {len(corners) - 1}")
+    push = _straight_push(d, body, target, source)
+    tool_goal = push.tool_goal(corners, face)
+    return ToolUse(name, target, face, push.distance), tool_goal
+
+
+def _movable_body(name: str, obstacles: Sequence[Obstacle], source: str) -> Obstacle:
+    """Return the obstacle ``name``; raises TaskError unless it is there and movable."""
+    movable = {o.name: o for o in obstacles if o.movable}
+    if name not in movable:
+        allowed = ", ".join(["object", *movable])
         raise TaskError(
-            source,
-            "goal.body",
-            name,
-            "allowed: object; a cylinder has no flat face to push with",
+            source, "goal.body", name, f"allowed: a movable body: {allowed}"
         )
-    if face >= len(shape.corners):
-        raise TaskError(
-            source, "tool.face", face, f"allowed: 0 to {len(shape.corners) - 1}"
-        )
-    way = math.dist(body.pose.position, target.position)
-    if way == 0.0:
-        raise TaskError(
-            source,
-            "goal",
-            [target.x, target.y],
-            f"allowed: away from where {name!r} stands",
-        )
+    return movable[name]
+
+
+def _straight_push(
+    d: Mapping[str, Any], body: Obstacle, target: Pose2, source: str
+) -> StraightPush:
+    """Return the push that leaves ``body`` within the tolerance of ``target`` X_WO.
+
+    The face leaves the body square to the push: what the goal's yaw and its place ask
+    for is shared out. Raises TaskError where the push has no length, the yaw is out of
+    tolerance, or the body stands askew of the push.
+    """
+    name = body.name
+    distance = math.dist(body.pose.position, target.position)
+    if distance == 0.0:
+        allowed = f"allowed: away from where {name!r} stands"
+        raise TaskError(source, "goal", [target.x, target.y], allowed)
     straight = math.atan2(target.y - body.pose.y, target.x - body.pose.x)
     skew = math.remainder(straight - target.yaw, 0.5 * math.pi)
-    # the face leaves the body square to the push: what the goal's yaw and its place ask
-    # for is shared out
     tolerance = d["tolerance"]["position"]
     turn = math.radians(d["tolerance"]["yaw_deg"])
-    share = way / tolerance / (way / tolerance + 1.0 / turn)
+    share = distance / tolerance / (distance / tolerance + 1.0 / turn)
     if share * abs(skew) > turn:
         raise TaskError(
             source,
             "goal.yaw_deg",
-            goal["yaw_deg"],
+            d["goal"]["yaw_deg"],
             "a straight push there leaves the body at "
             f"{math.degrees(target.yaw + skew):.1f} deg; "
             f"allowed: up to {math.degrees(turn / share):.1f} deg from that",
         )
-    push = straight - (1.0 - share) * skew
-    way *= math.cos(straight - push)
-    end = (body.pose.x + way * math.cos(push), body.pose.y + way * math.sin(push))
-    turned = math.remainder(body.pose.yaw - push, 0.5 * math.pi)
-    if abs(turned) > SQUARE:
+    direction = straight - (1.0 - share) * skew
+    askew = abs(math.remainder(body.pose.yaw - direction, 0.5 * math.pi))
+    if askew > SQUARE:
         raise TaskError(
             source,
             "obstacles",
             name,
-            f"it stands {math.degrees(abs(turned)):.1f} deg askew of the push; "
-            "allowed: up to "
-            f"{math.degrees(SQUARE):g} deg",
+            f"it stands {math.degrees(askew):.1f} deg askew of the push; "
+            f"allowed: up to {math.degrees(SQUARE):g} deg",
         )
-    corners = shape.corners
-    ax, ay = corners[face]
-    bx, by = corners[(face + 1) % len(corners)]
-    middle = (0.5 * (ax + bx), 0.5 * (ay + by))
-    outward = math.atan2(ax - bx, by - ay)
-    half = 0.5 * body.size[round((body.pose.yaw - push) / (0.5 * math.pi)) % 2]
-    yaw = wrap_angle(push - outward)
-    at = Pose2(end[0] - half * math.cos(push), end[1] - half * math.sin(push), yaw)
-    x, y = at.apply((-middle[0], -middle[1]))
-    return ToolUse(name, target, face, way), Pose2(x, y, yaw)
+    return StraightPush(body, direction, distance * math.cos(straight - direction))
 
 
 def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where the tool would not push its body straight to the body's goal, or
-    None.
+    """Return where the tool would not push its body straight to its goal, or None.
 
     ``poses``: X_WG along a choice's path.
     """

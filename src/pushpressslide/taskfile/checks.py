@@ -120,7 +120,9 @@ def _opening_faults(task: Task, opening: Opening) -> Iterator[Fault]:
 
 
 def _count(arms: int) -> str:
-    return f"{arms} robot" if arms == 1 else f"{arms} robots"
+    if arms == 1:
+        return "1 robot"
+    return f"{arms} robots"
 
 
 def _mode_faults(task: Task) -> Iterator[Fault]:

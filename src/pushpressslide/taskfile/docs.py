@@ -26,14 +26,18 @@ def _rows(fields: Mapping[str, Field], path: str) -> Iterator[str]:
         inner = field.kind.fields or {}
         words = field.kind.words.replace(f" with the fields {', '.join(inner)}", "")
         yield f"| `{name}` | {words} | {_default(field.absent)} | {field.meaning} |"
+        if "list" in words:
+            name += "[i]"
         if not (path and key == "motion"):  # in a leg: the same fields again
-            yield from _rows(inner, name + ("[i]." if "list" in words else "."))
+            yield from _rows(inner, f"{name}.")
 
 
 def _default(default: Any) -> str:
     if default in ({}, []):
         return "optional"
-    return "required" if default is REQUIRED else f"`{json.dumps(default)}`"
+    if default is REQUIRED:
+        return "required"
+    return f"`{json.dumps(default)}`"
 
 
 def field_table() -> str:
@@ -43,8 +47,9 @@ def field_table() -> str:
 
 
 def with_table(page: str) -> str:
-    """Return a page with its generated table renewed; raises ValueError for a page
-    without the two marks.
+    """Return a page with its generated table renewed.
+
+    Raises ValueError for a page without the two marks.
     """
     head, begin, rest = page.partition(BEGIN)
     _, end, tail = rest.partition(END)

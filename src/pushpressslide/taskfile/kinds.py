@@ -8,10 +8,12 @@ are compared: ``read`` gives plain data in the file's units with every default r
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from dataclasses import fields as dataclass_fields
+from functools import partial
 from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
@@ -57,6 +59,16 @@ class Field:
         return self.kind.absent if self.default is REQUIRED else self.default
 
 
+_LOWER = {"[": ("minimum", operator.ge), "(": ("exclusiveMinimum", operator.gt)}
+_UPPER = {"]": ("maximum", operator.le), ")": ("exclusiveMaximum", operator.lt)}
+"""By the bracket of a range: its key in JSON Schema, and how a value compares."""
+_NUMBERS: Mapping[bool, tuple[type[float], str, str]] = {
+    False: (float, "finite", "number"),
+    True: (int, "whole", "integer"),
+}
+"""By whether a number is whole: its type, in words, and in JSON Schema."""
+
+
 def number(
     unit: str, within: str, words: tuple[str, ...] = (), whole: bool = False
 ) -> Kind:
@@ -66,29 +78,27 @@ def number(
     (unit "deg") and in radians in the data.
     """
     low, high = (float(end) for end in within[1:-1].split(","))
-    types = int if whole else (int, float)
+    lower, is_above = _LOWER[within[0]]
+    upper, is_below = _UPPER[within[-1]]
+    convert, adjective, json_type = _NUMBERS[whole]
 
     def read(value: Any, place: Place) -> Any:
         if value in words:
             return value
-        if isinstance(value, bool) or not isinstance(value, types):
+        if isinstance(value, bool) or not isinstance(value, (int, convert)):
             raise place.refused(value)
         # an integer may be too long for a float; a comparison takes it
-        above = value > low if within[0] == "(" else value >= low
-        below = value < high if within[-1] == ")" else value <= high
-        if not (above and below):
+        if not (is_above(value, low) and is_below(value, high)):
             raise place.refused(value)
-        return value if whole else float(value)
+        return convert(value)
 
-    schema: dict[str, Any] = {
-        "type": "integer" if whole else "number",
-        "exclusiveMinimum" if within[0] == "(" else "minimum": low,
-        "exclusiveMaximum" if within[-1] == ")" else "maximum": high,
-    }
+    schema: dict[str, Any] = {"type": json_type, lower: low, upper: high}
     if words:
         schema = {"anyOf": [{"enum": list(words)}, schema]}
-    span = f"[{unit}] in {within}" if unit else f"in {within}"
-    one = f"a {'whole' if whole else 'finite'} number {span}"
+    span = f"in {within}"
+    if unit:
+        span = f"[{unit}] {span}"
+    one = f"a {adjective} number {span}"
     kind = Kind(", ".join((*words, one)), f"finite numbers {span}", schema, read)
     if unit == "deg":
         return replace(kind, decode=math.radians, encode=degrees)
@@ -185,6 +195,25 @@ def _object_schema(fields: Mapping[str, Field], required: list[str]) -> dict[str
     }
 
 
+def _read_section(fields: Mapping[str, Field], value: Any, place: Place) -> Any:
+    """Return the plain values of a section's fields; raises TaskError."""
+    if not isinstance(value, dict):
+        raise place.refused(value)
+    for key in value:
+        if key not in fields:
+            path = " ".join(place.field(key).path[:200].split())
+            reason = f"unknown field; {nearest(key, fields)}"
+            raise TaskError(place.source, path, key, reason)
+    values = {}
+    for key, field in fields.items():
+        here = place.field(key, field.kind.words)
+        plain = value.get(key, field.absent)
+        if plain is REQUIRED:
+            raise here.refused(None, "it is missing; ")
+        values[key] = field.kind.read(plain, here)
+    return values
+
+
 def section(
     fields: Mapping[str, Field],
     make: Callable[..., Any],
@@ -198,22 +227,6 @@ def section(
     listed = f"with the fields {', '.join(fields)}"
     names = {key: f.name or key.removesuffix("_deg") for key, f in fields.items()}
     required = [key for key, field in fields.items() if field.absent is REQUIRED]
-
-    def read(value: Any, place: Place) -> Any:
-        if not isinstance(value, dict):
-            raise place.refused(value)
-        for key in value:
-            if key not in fields:
-                path = " ".join(place.field(key).path[:200].split())
-                reason = f"unknown field; {nearest(key, fields)}"
-                raise TaskError(place.source, path, key, reason)
-        plain = {}
-        for key, field in fields.items():
-            here = place.field(key, field.kind.words)
-            if key not in value and key in required:
-                raise here.refused(None, "it is missing; ")
-            plain[key] = field.kind.read(value.get(key, field.absent), here)
-        return plain
 
     def decode(value: Any) -> Any:
         return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
@@ -230,7 +243,7 @@ def section(
         f"a section {listed}",
         f"sections {listed}",
         _object_schema(fields, required),
-        read,
+        partial(_read_section, fields),
         decode,
         encode,
         REQUIRED if required else {},
@@ -256,8 +269,9 @@ def nullable(kind: Kind) -> Kind:
 
 
 def degrees(radians: float) -> float:
-    """Return the angle [deg] that math.radians turns back into the same ``radians``, if
-    there is one.
+    """Return the angle [deg] that math.radians turns back into ``radians``.
+
+    Plain math.degrees where there is none.
     """
     value = math.degrees(radians)
     candidates = [round(value, digits) for digits in (0, 1, 2, 3, 4, 6, 8, 10, 12)]

@@ -155,42 +155,18 @@ def presses(cases: int, seed: int) -> Figures:
 
 def _compare_presses(rng: np.random.Generator, tally: Tally) -> None:
     """Draw a case of two presses and compare its allocations."""
-    points = _two_points(rng)
-    friction = float(rng.uniform(0.1, 1.4))
-    share = float(rng.uniform(0.05, 0.95))
-    left, right = rng.exponential(2.0, 2).tolist()
-    x, y = rng.uniform(-0.2, 0.2, 2).tolist()
-    cop = (x, y)
-    max_shear = (friction * left, friction * right)
-    wrench = rng.normal(size=3) / WEIGHTS
-    fx, fy, tau = wrench.tolist()
-    line = ContactLine(*points)
-    grasp = grasp_matrix(points, cop)
-    parts = line.parts(fx, fy, tau, cop)
-    problem = PressProblem(line, grasp, wrench)
-    scale = largest_scale(parts, max_shear)
-    solved_scale = problem.largest_scale(max_shear)
-    ratio = (friction * (1.0 - share), friction * share)
-    for name, solved, value in (
-        ("scale", solved_scale, scale),
-        (
-            "press_in_ratio",
-            problem.least_press(ratio),
-            least_press(parts, friction, share),
-        ),
-        (
-            "least_press",
-            problem.least_presses(friction),
-            sum(least_presses(parts, friction)),
-        ),
-    ):
-        tally.count("unsolved", solved is None)
-        if solved is not None:
-            tally.note(name, abs(value / solved - 1.0))
-    ours = two_press_allocator(points, friction)(fx, fy, tau, (left, right), cop)
-    near = abs(scale - 1.0) < NEAR
+    case = _pressed_case(rng)
+    line = ContactLine(*case.points)
+    grasp = grasp_matrix(case.points, case.cop)
+    problem = PressProblem(line, grasp, case.wrench)
+    scale, solved_scale = _compare_least_presses(tally, case, line, problem)
+    allocate = two_press_allocator(case.points, case.friction)
+    fx, fy, tau = case.wrench.tolist()
+    ours = allocate(fx, fy, tau, case.normals, case.cop)
     possible = ours.status == "ok"
+    near = abs(scale - 1.0) < NEAR
     tally.count("near_boundary", near)
+    max_shear = case.max_shear
     if solved_scale is not None:
         tally.count("flag_differs", possible != (solved_scale >= 1.0) and not near)
     forces = np.array(ours.forces)
@@ -199,12 +175,66 @@ def _compare_presses(rng: np.random.Generator, tally: Tally) -> None:
     if not possible:
         return
     tally.count("feasible", True)
-    residual = WEIGHTS * (grasp @ forces.ravel() - wrench)
+    residual = WEIGHTS * (grasp @ forces.ravel() - case.wrench)
     tally.note("wrench", float(np.abs(residual).max()) / max(1.0, *max_shear))
     least = problem.least_antagonism(max_shear)
     tally.count("unsolved", least is None)
     if least is not None:
         tally.note("shear", float(np.abs(forces @ line.e).sum()) - least)
+
+
+@dataclass(frozen=True, slots=True)
+class PressCase:
+    """Two presses and a wrench that is asked of them."""
+
+    points: tuple[Point, Point]  # [m]
+    friction: float
+    share: float  # of the second press
+    normals: tuple[float, float]  # [N]
+    cop: Point  # [m] about which the moment is
+    wrench: Array  # (3,) [N, N m]
+
+    @property
+    def max_shear(self) -> tuple[float, float]:
+        """Radii [N] of the friction discs."""
+        left, right = self.normals
+        return self.friction * left, self.friction * right
+
+
+def _pressed_case(rng: np.random.Generator) -> PressCase:
+    points = _two_points(rng)
+    friction = float(rng.uniform(0.1, 1.4))
+    share = float(rng.uniform(0.05, 0.95))
+    left, right = rng.exponential(2.0, 2).tolist()
+    x, y = rng.uniform(-0.2, 0.2, 2).tolist()
+    wrench = rng.normal(size=3) / WEIGHTS
+    return PressCase(points, friction, share, (left, right), (x, y), wrench)
+
+
+def _compare_least_presses(
+    tally: Tally, case: PressCase, line: ContactLine, problem: PressProblem
+) -> tuple[float, float | None]:
+    """Compare the least presses and the largest scale of the wrench.
+
+    Returns that scale: ours, and the solver's or None.
+    """
+    friction = case.friction
+    fx, fy, tau = case.wrench.tolist()
+    parts = line.parts(fx, fy, tau, case.cop)
+    scale = largest_scale(parts, case.max_shear)
+    solved_scale = problem.largest_scale(case.max_shear)
+    ratio = (friction * (1.0 - case.share), friction * case.share)
+    in_ratio = least_press(parts, friction, case.share)
+    least = sum(least_presses(parts, friction))
+    for name, solved, value in (
+        ("scale", solved_scale, scale),
+        ("press_in_ratio", problem.least_press(ratio), in_ratio),
+        ("least_press", problem.least_presses(friction), least),
+    ):
+        tally.count("unsolved", solved is None)
+        if solved is not None:
+            tally.note(name, abs(value / solved - 1.0))
+    return scale, solved_scale
 
 
 class PressProblem:
@@ -256,20 +286,21 @@ class PressProblem:
         G f + wrench_of y = fixed w.
         """
         extra = len(linear)
-        balance = np.hstack(
-            [self._grasp, np.zeros((3, extra)) if wrench_of is None else wrench_of]
-        )
-        bounds = np.zeros((0, 4 + extra)) if bounded is None else bounded
+        if wrench_of is None:
+            wrench_of = np.zeros((3, extra))
+        if bounded is None:
+            bounded = np.zeros((0, 4 + extra))
+        balance = np.hstack([self._grasp, wrench_of])
         discs = np.zeros((6, 4 + extra))
-        offsets = np.zeros(9 + len(bounds))
+        offsets = np.zeros(9 + len(bounded))
         for i in range(2):
             discs[3 * i, 4:] = -radii[i]
             discs[(3 * i + 1, 3 * i + 2), (2 * i, 2 * i + 1)] = -1.0
-            offsets[3 + len(bounds) + 3 * i] = radius[i]
+            offsets[3 + len(bounded) + 3 * i] = radius[i]
         offsets[:3] = fixed * self._wrench
-        rows = np.vstack([balance, bounds, discs])
+        rows = np.vstack([balance, bounded, discs])
         cost = np.array([0.0] * 4 + linear)
-        x = clarabel_conic(cost, rows, offsets, 3, len(bounds), 2, **TIGHT)
+        x = clarabel_conic(cost, rows, offsets, 3, len(bounded), 2, **TIGHT)
         return None if x is None else float(sum(x[4:]))
 
 

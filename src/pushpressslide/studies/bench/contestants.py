@@ -23,6 +23,10 @@ Call = tuple[Callable[..., object], tuple[Any, ...]]
 """A function, and what to call it with."""
 Contestants = dict[str, Sequence[Call] | str]
 """The calls of each contestant, or why there are none; ours first."""
+Make = Callable[..., Callable[..., object]]
+"""From a problem to what solves it."""
+Case = tuple[tuple[Any, ...], Sequence[tuple[Any, ...]]]
+"""A problem as arguments of ``Make``, and the inputs for which it is solved."""
 Pair = tuple[Point, Point]
 WRENCHES = 150  # for each pair of contacts
 FRICTION = 0.5
@@ -47,60 +51,62 @@ def push_contestants(seed: int) -> Contestants:
     from pushpressslide.sim.bench_solvers import PUSH_SOLVERS, drake_pushes
 
     rng = np.random.default_rng(seed)
-    cases = []
+    cases: list[Case] = []
     for points, normals in PUSHES:
         span = solvers.grasp_matrix(points) @ solvers.edge_matrix(normals, FRICTION)
-        cases.append(
-            (points, normals, [span @ k for k in rng.exponential(1.0, (WRENCHES, 4))])
-        )
-
-    def calls(make: Callable[[Pair, Pair], Callable[[Array], object]]) -> list[Call]:
-        """Return a call for every case; each problem is made once."""
-        return [
-            (solve, (w,))
-            for p, n, wrenches in cases
-            for solve in [make(p, n)]
-            for w in wrenches
-        ]
-
+        wrenches = [(span @ k,) for k in rng.exponential(1.0, (WRENCHES, 4))]
+        cases.append(((points, normals), wrenches))
     out = _closed_form_pushes(cases)
     for name, reuse in (("DAQP", False), ("DAQP, workspace kept", True)):
-        try:
-            make = partial(solvers.daqp_pushes, friction=FRICTION, reuse=reuse)
-            out[name] = calls(make)
-        except ModuleNotFoundError:
-            out[name] = ABSENT
+        make: Make = partial(solvers.daqp_pushes, friction=FRICTION, reuse=reuse)
+        out[name] = _calls_if_installed(make, cases)
     for name in PUSH_SOLVERS:
-
-        def reused(
-            points: Pair, normals: Pair, name: str = name
-        ) -> Callable[[Array], object]:
-            """Return a solver whose program is kept."""
-            grasp = solvers.grasp_matrix(points)
-            cones = solvers.cone_matrix(normals, FRICTION)
-            return drake_pushes(name, grasp, cones, solvers.push_cost(points, normals))
-
-        def fresh(
-            points: Pair, normals: Pair, reused: Any = reused
-        ) -> Callable[[Array], object]:
-            """Return a solver that builds its program in each call."""
-            return lambda wrench: reused(points, normals)(wrench)
-
-        out[f"Drake {name}"] = calls(fresh)
-        out[f"Drake {name}, program kept"] = calls(reused)
+        make = partial(_drake_push, partial(drake_pushes, name))
+        out[f"Drake {name}"] = _calls(partial(_rebuilt, make), cases)
+        out[f"Drake {name}, program kept"] = _calls(make, cases)
     return out
 
 
-def _closed_form_pushes(
-    cases: Sequence[tuple[Pair, Pair, Sequence[Array]]],
-) -> Contestants:
+def _calls(make: Make, cases: Sequence[Case]) -> list[Call]:
+    """Return a call for every input of every case; each problem is made once."""
+    return [
+        (solve, inputs)
+        for problem, several in cases
+        for solve in [make(*problem)]
+        for inputs in several
+    ]
+
+
+def _calls_if_installed(make: Make, cases: Sequence[Case]) -> list[Call] | str:
+    try:
+        return _calls(make, cases)
+    except ModuleNotFoundError:
+        return ABSENT
+
+
+def _rebuilt(make: Make, *problem: Any) -> Callable[..., object]:
+    """Return a solver that builds its program in each call."""
+    return lambda *inputs: make(*problem)(*inputs)
+
+
+def _drake_push(drake: Make, points: Pair, normals: Pair) -> Callable[..., object]:
+    grasp = solvers.grasp_matrix(points)
+    cones = solvers.cone_matrix(normals, FRICTION)
+    return drake(grasp, cones, solvers.push_cost(points, normals))
+
+
+def _drake_press(drake: Make, points: Pair) -> Callable[..., object]:
+    return drake(solvers.grasp_matrix(points), FRICTION)
+
+
+def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
     """Return our calls: all, and by whether a cone's edge or a move is needed."""
     ours = []
     moved = []
-    for points, normals, wrenches in cases:
+    for (points, normals), wrenches in cases:
         allocate = two_contact_allocator(points, normals, FRICTION, RHO)
-        ours += [(allocate, tuple(w.tolist())) for w in wrenches]
-        moved += [(allocate, tuple((-w).tolist())) for w in wrenches]
+        ours += [(allocate, tuple(w.tolist())) for (w,) in wrenches]
+        moved += [(allocate, tuple((-w).tolist())) for (w,) in wrenches]
     edge = [call for call in ours if call[0](*call[1]).margin == 0.0]
     return {
         "closed form": ours,
@@ -116,7 +122,7 @@ def press_contestants(seed: int) -> Contestants:
 
     rng = np.random.default_rng(seed)
     ours: list[Call] = []
-    cases = []
+    cases: list[Case] = []
     for points in PRESSES:
         allocate = two_press_allocator(points, FRICTION)
         possible = _possible_presses(rng, allocate)
@@ -124,39 +130,15 @@ def press_contestants(seed: int) -> Contestants:
             (allocate, (*wrench.tolist(), tuple(normals.tolist())))
             for wrench, normals in possible
         ]
-        cases.append((points, possible))
-
-    def calls(make: Callable[[Pair], Callable[[Array, Array], object]]) -> list[Call]:
-        """Return a call for every case; each problem is made once."""
-        return [
-            (solve, case)
-            for points, possible in cases
-            for solve in [make(points)]
-            for case in possible
-        ]
-
+        cases.append(((points,), possible))
     out: Contestants = {"closed form": ours}
     for name, reuse in (("Clarabel", False), ("Clarabel, solver kept", True)):
-        try:
-            out[name] = calls(
-                partial(solvers.clarabel_presses, friction=FRICTION, reuse=reuse)
-            )
-        except ModuleNotFoundError:
-            out[name] = ABSENT
+        make: Make = partial(solvers.clarabel_presses, friction=FRICTION, reuse=reuse)
+        out[name] = _calls_if_installed(make, cases)
     for name in PRESS_SOLVERS:
-
-        def reused(points: Pair, name: str = name) -> Callable[[Array, Array], object]:
-            """Return a solver whose program is kept."""
-            return drake_presses(name, solvers.grasp_matrix(points), FRICTION)
-
-        def fresh(
-            points: Pair, reused: Any = reused
-        ) -> Callable[[Array, Array], object]:
-            """Return a solver that builds its program in each call."""
-            return lambda wrench, normals: reused(points)(wrench, normals)
-
-        out[f"Drake {name}"] = calls(fresh)
-        out[f"Drake {name}, program kept"] = calls(reused)
+        make = partial(_drake_press, partial(drake_presses, name))
+        out[f"Drake {name}"] = _calls(partial(_rebuilt, make), cases)
+        out[f"Drake {name}, program kept"] = _calls(make, cases)
     return out
 
 

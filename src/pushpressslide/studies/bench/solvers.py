@@ -7,6 +7,7 @@ the discs of presses. Never in a control loop.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -90,32 +91,38 @@ def daqp_pushes(
 
     cost = push_cost(points, normals, split)
     linear = np.zeros(4)
-    rows = np.ascontiguousarray(
-        np.vstack([grasp_matrix(points), cone_matrix(normals, friction)])
-    )
+    blocks = [grasp_matrix(points), cone_matrix(normals, friction)]
+    rows = np.ascontiguousarray(np.vstack(blocks))
     upper = np.full(7, 1e30)
     lower = np.zeros(7)
     sense = np.array([5, 5, 5, 0, 0, 0, 0], dtype=np.int32)
+    problem = (cost, linear, rows, upper, lower, sense)
     model = daqp.Model()
-    model.setup(cost, linear, rows, upper, lower, sense)
+    model.setup(*problem)
     model.settings = settings
 
-    def fresh(wrench: Array) -> Array | None:
-        """Solve with a new workspace."""
+    def solve(wrench: Array) -> Array | None:
+        """Return the forces (4,) [N]; None if there are none."""
         upper[:3] = lower[:3] = wrench
-        forces, _, flag, _ = daqp.solve(
-            cost, linear, rows, upper, lower, sense, **settings
-        )
+        if reuse:
+            model.update(bupper=upper, blower=lower)
+            forces, _, flag, _ = model.solve()
+        else:
+            forces, _, flag, _ = daqp.solve(*problem, **settings)
         return forces if flag > 0 else None
 
-    def reused(wrench: Array) -> Array | None:
-        """Solve in the one workspace."""
-        upper[:3] = lower[:3] = wrench
-        model.update(bupper=upper, blower=lower)
-        forces, _, flag, _ = model.solve()
-        return forces if flag > 0 else None
+    return solve
 
-    return reused if reuse else fresh
+
+def _quiet(**settings: float) -> Any:
+    """Return Clarabel's options with some changed, and nothing printed."""
+    import clarabel
+
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    for name, value in settings.items():
+        setattr(options, name, value)
+    return options
 
 
 def clarabel_conic(
@@ -137,10 +144,7 @@ def clarabel_conic(
 
     kinds = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(at_least)]
     kinds += [clarabel.SecondOrderConeT(3) for _ in range(cones)]
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    for name, value in settings.items():
-        setattr(options, name, value)
+    options = _quiet(**settings)
     n = len(linear)
     solver = clarabel.DefaultSolver(
         csc_matrix((n, n)), linear, csc_matrix(rows), offsets, kinds, options
@@ -168,14 +172,9 @@ def clarabel_presses(
     discs = np.zeros((6, 4))
     discs[(1, 2, 4, 5), (0, 1, 2, 3)] = -1.0
     rows = csc_matrix(np.vstack([grasp_matrix(points), discs]))
-    cones = [
-        clarabel.ZeroConeT(3),
-        clarabel.SecondOrderConeT(3),
-        clarabel.SecondOrderConeT(3),
-    ]
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    options.presolve_enable = False  # must be off to change data
+    disc = clarabel.SecondOrderConeT(3)
+    cones = [clarabel.ZeroConeT(3), disc, disc]
+    options = _quiet(presolve_enable=False)  # must be off to change data
     offsets = np.zeros(9)
     reused = clarabel.DefaultSolver(cost, linear, rows, offsets, cones, options)
 

@@ -101,8 +101,15 @@ def _figures(
             continue
         measured = ", ".join(figure_of(result, key) for key in given)
         met = all(result[key] <= variant.paper[key].value for key in given)
-        why = variant.why if met else str(result["reason"]["text"])
+        why = _why(variant, result, met)
         yield Claim(experiment.title, words, paper, measured, met, why, figure=True)
+
+
+def _why(variant: Variant, result: Result, good: bool) -> str:
+    """Say why a variant does as it does, or how its run ended."""
+    if good:
+        return variant.why
+    return str(result["reason"]["text"])
 
 
 def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
@@ -120,7 +127,7 @@ def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
             continue
         measured = f"{figure_of(result, 'final_position_error')}, {figure_of(result, 'final_yaw_error')}"
         good = bool(result["success"])
-        why = variant.why if good else str(result["reason"]["text"])
+        why = _why(variant, result, good)
         yield Claim(experiment.title, words, "", measured, good, why)
 
 

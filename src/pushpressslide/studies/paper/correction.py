@@ -18,7 +18,9 @@ class Compared:
     def shown(self, value: float) -> str:
         """Return ``value``, one of the two, with its unit."""
         text = f"{value:.{self.decimals}f}"
-        return f"{text}{'' if self.unit in ('', '°') else ' '}{self.unit}"
+        if self.unit in ("", "°"):
+            return text + self.unit
+        return f"{text} {self.unit}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,23 +93,26 @@ def pressure_constant() -> Correction:
     )
 
 
+def _spread(distance: Callable[[float], float]) -> float:
+    """Ratio of the farthest to the nearest axle, over the angles of the force."""
+    distances = [distance(angle) for angle in ANGLES]
+    return max(distances) / min(distances)
+
+
+def _ellipsoid_axle(angle: float) -> float:
+    """Distance [m] of the axle by the ellipsoid."""
+    force = (math.cos(angle), math.sin(angle))
+    surface = EllipsoidLimitSurface(1.0, PAPER_C * BAR.half_diagonal)
+    twist = surface.twist_direction(Wrench(*force, BAR.lever * force[1]))
+    return twist.vy / twist.w
+
+
 def force_invariance() -> Correction:
     """Case 2: one axle for all forces."""
-
-    def spread(distance: Callable[[float], float]) -> float:
-        """Ratio of the farthest to the nearest axle."""
-        distances = [distance(angle) for angle in ANGLES]
-        return max(distances) / min(distances)
-
-    def on_ellipsoid(angle: float) -> float:
-        """Distance [m] of the axle by the ellipsoid."""
-        force = (math.cos(angle), math.sin(angle))
-        surface = EllipsoidLimitSurface(1.0, PAPER_C * BAR.half_diagonal)
-        twist = surface.twist_direction(Wrench(*force, BAR.lever * force[1]))
-        return twist.vy / twist.w
-
     lever = (BAR.lever, 0.0)
-    paper = spread(on_ellipsoid)
+    paper = _spread(_ellipsoid_axle)
+    pressed = _spread(lambda a: exact_axle_distance(PRESSED, lever, a))
+    even = _spread(lambda a: exact_axle_distance(UNIFORM, lever, a))
     what = "farthest over nearest axle, force at 1° to 90°, "
     return Correction(
         "The virtual axle is strictly invariant to the force",
@@ -117,20 +120,8 @@ def force_invariance() -> Correction:
         "So it is on the ellipsoid only; and drag at the tip's height moves the load "
         "towards the force.",
         (
-            Compared(
-                what + "pressed end",
-                paper,
-                spread(lambda a: exact_axle_distance(PRESSED, lever, a)),
-                "",
-                3,
-            ),
-            Compared(
-                what + "even load",
-                paper,
-                spread(lambda a: exact_axle_distance(UNIFORM, lever, a)),
-                "",
-                3,
-            ),
+            Compared(what + "pressed end", paper, pressed, "", 3),
+            Compared(what + "even load", paper, even, "", 3),
             Compared(
                 "axle from the CoM, pulled, tip 0.1 m high",
                 BAR.paper_axle(),

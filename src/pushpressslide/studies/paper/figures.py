@@ -24,9 +24,10 @@ SIGNS = {"over": "> ", "about": "≈ ", "within": "≤ ", "": ""}
 
 def paper_figure(figures: Mapping[str, PaperFigure], key: str) -> str:
     """Return the paper's figure with its unit, a dash where it gives none."""
-    figure = figures.get(key)
-    text = figure_of({key: None if figure is None else figure.value}, key)
-    return text if figure is None else SIGNS[figure.about] + text
+    if key not in figures:
+        return figure_of({}, key)
+    figure = figures[key]
+    return SIGNS[figure.about] + figure_of({key: figure.value}, key)
 
 
 def figure_of(result: Mapping[str, Any], key: str) -> str:

@@ -1,6 +1,4 @@
-"""What is identified of rho on the way, in a run, beside what the exact model gives for
-that motion.
-"""
+"""Rho as identified on the way, beside what the exact model gives for that motion."""
 
 from __future__ import annotations
 
@@ -10,10 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.identification.online import AxleState
+from pushpressslide.core.task import Task
+from pushpressslide.identification.online import (
+    AxleIdentifier,
+    AxleState,
+    Identified,
+)
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.modes import MODES
 from pushpressslide.modes.press_slide import PressSlide
@@ -40,9 +44,10 @@ class IdentifiedRho:
 
 
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
-    """Run the identifier over the longest exciting stretch of a pressed object's run:
-    force angle within 10 degrees of 60, turn rate above 0.05 rad/s, for 3 s; None where
-    there is none, or nothing contradicted the plan.
+    """Run the identifier over the longest exciting stretch of a pressed object's run.
+
+    There the force angle is within 10 degrees of 60 and the turn rate above 0.05 rad/s,
+    for 3 s; None where there is no such stretch, or nothing contradicted the plan.
 
     As in ``Controller``, from measured poses and contact force alone, starting at the
     stretch. The exact model is given the true mass and friction, the mean load and the
@@ -52,35 +57,19 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
     mode = MODES[segment.mode]
     (contact,) = plan.contacts
     assert isinstance(mode, PressSlide)
-    arrays = record.arrays
-    time = arrays["time"]
-    pose = arrays["object_pose"]
+    time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
-    size = math.hypot(*contact.point)
-    ex = contact.point[0] / size
-    ey = contact.point[1] / size
-    fx, fy = tangents[:, 0].T
-    width = max(1, round(WINDOW / float(time[1] - time[0])))
-    along, across, turn = (
-        np.convolve(v, np.full(width, 1.0 / width), mode="same")
-        for v in (ex * fx + ey * fy, ex * fy - ey * fx, arrays["object_twist"][:, 2])
-    )
-    angle = np.abs(np.arctan2(across, along))
+    forces = tangents[:, 0]
+    angle, turn_rate = _steering(contact, record, forces)
     exciting = series.in_phase(record, "move") & (np.abs(angle - ANGLE) < WITHIN)
-    first, stop = _longest(exciting & (np.abs(turn) > LEAST_TURN_RATE))
+    first, stop = _longest(exciting & (np.abs(turn_rate) > LEAST_TURN_RATE))
     if stop == first or time[stop - 1] - time[first] < LEAST_TIME:
         return None
-    identifier = mode.identifier(segment)
-    state = AxleState()
-    for k in range(first, stop):
-        X_WB = Pose2(*(float(v) for v in pose[k])).compose(plan.task.object.X_GB)
-        state = identifier.step(
-            state, float(time[k]), X_WB, (float(fx[k]), float(fy[k]))
-        )
-    found = identifier.identified(state)
-    if found is None:
-        return None
     task = plan.task
+    identifier = mode.identifier(segment)
+    identified = _identified(identifier, task, record, forces, range(first, stop))
+    if identified is None:
+        return None
     load = float(np.mean(normals[first:stop, 0]))
     mean = float(np.mean(angle[first:stop]))
     press = Press(task.object, task.support.friction, contact.point, load)
@@ -89,15 +78,49 @@ def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
         time=float(time[stop - 1] - time[first]),
         force_angle=mean,
         predicted=segment.drive.rho or math.nan,
-        identified=math.sqrt(found.effective_wheelbase * press.lever),
+        identified=math.sqrt(identified.effective_wheelbase * press.lever),
         exact=math.sqrt(reach * press.lever),
-        axle=found.axle,
+        axle=identified.axle,
         exact_axle=math.hypot(*press.cop) + ahead,
     )
 
 
+def _identified(
+    identifier: AxleIdentifier, task: Task, record: Record, forces: Array, ticks: range
+) -> Identified | None:
+    """Return the estimates after some ticks; ``forces`` (N, 2) [N] as in _steering."""
+    state = AxleState()
+    for k in ticks:
+        X_WG = Pose2(*map(float, record.arrays["object_pose"][k]))
+        X_WB = X_WG.compose(task.object.X_GB)
+        time = float(record.arrays["time"][k])
+        fx, fy = map(float, forces[k])
+        state = identifier.step(state, time, X_WB, (fx, fy))
+    return identifier.identified(state)
+
+
+def _steering(contact: Contact, record: Record, forces: Array) -> tuple[Array, Array]:
+    """Return force angle [rad], >= 0, and turn rate [rad/s] at every tick, averaged.
+
+    ``forces`` (N, 2) [N] are in the plane, in B.
+    """
+    time = record.arrays["time"]
+    size = math.hypot(*contact.point)
+    ex = contact.point[0] / size
+    ey = contact.point[1] / size
+    fx, fy = forces.T
+    turn_rate = record.arrays["object_twist"][:, 2]
+    width = max(1, round(WINDOW / float(time[1] - time[0])))
+    along, across, turn_rate = (
+        np.convolve(values, np.full(width, 1.0 / width), mode="same")
+        for values in (ex * fx + ey * fy, ex * fy - ey * fx, turn_rate)
+    )
+    return np.abs(np.arctan2(across, along)), turn_rate
+
+
 def _longest(mask: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the first index of the longest run of True, and the one after its last;
+    """Return the first index of the longest run of True, and the one after its last.
+
     (0, 0) for none.
     """
     edges = np.flatnonzero(

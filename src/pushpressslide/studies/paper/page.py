@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 
@@ -167,9 +167,11 @@ def _plots(
     ``runs`` are by title, ``titles`` by the variants' names.
     """
     parts = []
-    names = titles if experiment.plotted is None else experiment.plotted
+    plotted: Iterable[str] = titles
+    if experiment.plotted is not None:
+        plotted = experiment.plotted
     curves = []
-    for title in (titles[name] for name in names):
+    for title in (titles[name] for name in plotted):
         if title in runs:
             run = runs[title]
             curves.append((title, run.record, run.task, run.plan))

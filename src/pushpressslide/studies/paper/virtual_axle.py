@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -262,68 +262,61 @@ def paper_figures(task: Task) -> list[dict[str, Any]]:
     ours are the task's.
     """
     press = pressed(task, 8.0, task.object.shape.height)
-    cop = math.hypot(*press.cop)
-    d = press.lever
-    r0 = press.half_diagonal
     pressure = press.pressure(press.cop, 20)
     straight = rho_straight(pressure)
-    pole = rho_pole(pressure)
-    seen = 0.346  # [m] from the CoP, in the paper's simulation
+    figures = (
+        *_figures_of_constant(press, straight),
+        *_figures_of_seen_axle(press, straight, rho_pole(pressure)),
+        *_figures_at_height(press),
+    )
+    return [asdict(figure) for figure in figures]
+
+
+def _figures_of_constant(press: Press, straight: float) -> Iterator[PaperAxleFigure]:
+    """Lever and axle by the paper's c; ``straight`` is rho [m] of straight motion."""
+    f = PaperAxleFigure
+    cop = math.hypot(*press.cop)
+    lever = press.lever
+    variance = straight**2
     end_lifts = "past a sixth of the length: an end lifts"
+    yield f("centre of pressure from the CoM", None, cop, cop, note=end_lifts)
+    yield f("lever d, centre of pressure to contact", 0.054, lever, lever)
+    paper = (PAPER_C * press.half_diagonal) ** 2
+    why = "the pressure's variance"
+    yield f("(c r0)^2 with c = 0.6", 0.036, paper, variance, "m²", why)
+    distance = press.paper_distance()
+    yield f("axle to centre of pressure, c = 0.6", 0.67, distance, variance / lever)
     added = (
         "printed as a distance, 0.82 m: the way from CoM to centre of pressure is "
         "added, not taken off"
     )
-    c = math.sqrt(seen * d) / r0
-    on_the_spot = (
-        f"exact: near straight motion; {pole / r0:.3f} for turning on the spot"
-    )
-    beyond = f"the paper's {seen} m from the centre of pressure"
+    axle = press.paper_axle()
+    exact = press.axle(0.0, 0.0)
+    yield f("axle from the CoM, c = 0.6", -0.82, axle, exact, note=added)
+
+
+def _figures_of_seen_axle(
+    press: Press, straight: float, pole: float
+) -> Iterator[PaperAxleFigure]:
+    """The axle in the paper's simulation, and the c that it needs.
+
+    ``straight`` and ``pole`` are rho [m] of straight motion and of turning on the spot.
+    """
     f = PaperAxleFigure
-    figures = (
-        f("centre of pressure from the CoM", None, cop, cop, note=end_lifts),
-        f("lever d, centre of pressure to contact", 0.054, d, d),
-        f(
-            "(c r0)^2 with c = 0.6",
-            0.036,
-            (PAPER_C * r0) ** 2,
-            straight**2,
-            "m²",
-            "the pressure's variance",
-        ),
-        f(
-            "axle to centre of pressure, c = 0.6",
-            0.67,
-            press.paper_distance(),
-            straight**2 / d,
-        ),
-        f(
-            "axle from the CoM, c = 0.6",
-            -0.82,
-            press.paper_axle(),
-            press.axle(0.0, 0.0),
-            note=added,
-        ),
-        f("c for the axle that the paper saw", 0.43, c, straight / r0, "", on_the_spot),
-        f(
-            "axle that the paper saw, from the CoM",
-            -0.2,
-            cop - seen,
-            None,
-            note=beyond,
-        ),
-        f(
-            "the same, pushed, drag at the top's height",
-            None,
-            None,
-            press.axle(math.pi),
-        ),
-        f(
-            "the same, pulled, drag at the top's height",
-            None,
-            None,
-            press.axle(0.0),
-            note="ahead of the CoM",
-        ),
-    )
-    return [asdict(figure) for figure in figures]
+    seen = 0.346  # [m] from the CoP, in the paper's simulation
+    r0 = press.half_diagonal
+    c = math.sqrt(seen * press.lever) / r0
+    note = f"exact: near straight motion; {pole / r0:.3f} for turning on the spot"
+    yield f("c for the axle that the paper saw", 0.43, c, straight / r0, "", note)
+    axle = math.hypot(*press.cop) - seen
+    note = f"the paper's {seen} m from the centre of pressure"
+    yield f("axle that the paper saw, from the CoM", -0.2, axle, None, note=note)
+
+
+def _figures_at_height(press: Press) -> Iterator[PaperAxleFigure]:
+    """The axle where the drag is at the top's height, of which the paper says nothing."""
+    what = "the same, {}, drag at the top's height"
+    yield PaperAxleFigure(what.format("pushed"), None, None, press.axle(math.pi))
+    pulled = press.axle(0.0)
+    note = "ahead of the CoM"
+    yield PaperAxleFigure(what.format("pulled"), None, None, pulled, note=note)
