@@ -67,13 +67,16 @@ class DrivenArm:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
         motion = task.motion
         facts = self.model.instance.facts
+        stiffness = 0.0
+        if motion.joint_tracking:
+            stiffness = motion.joint_stiffness
         self.path = path
         self._executor = ArmExecutor(
             facts.effort_limit,
             facts.torque_rate_limit,
             attitude.rotation_at,
             path.tool_yaw_offset,
-            motion.joint_stiffness if motion.joint_tracking else 0.0,
+            stiffness,
             motion.control_period,
             task.support.frame,
         )
@@ -156,19 +159,18 @@ class DrakePlant:
             station.plant.SetPositions(
                 station.plant_context, arm.instance, path.approach[0]
             )
-        self._body = station.scene.object.floating_positions_start()
+        moved = station.scene.object
+        self._body = moved.floating_positions_start()
         self._body_velocity = (
-            station.plant.num_positions()
-            + station.scene.object.floating_velocities_start_in_v()
+            station.plant.num_positions() + moved.floating_velocities_start_in_v()
         )
         self._body_rows = {"object_pose_3d": self._body} | {
             f"body_{name}": body.floating_positions_start()
             for name, body in station.scene.bodies.items()
         }
         self._facts = self._run_facts(models)
-        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + sum(
-            map(_longest_approach, paths)
-        )
+        approaches = sum(map(_longest_approach, paths))
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + approaches
         self._ticks = 0
         self._executing = 0.0  # [s] of wall time in this tick
         self._failure: str | None = None
