@@ -127,9 +127,8 @@ class DraggedBase:
             target = np.stack([np.ones(len(rows)), *moved])
             plane = self._settled(plane, target, FULL if step else DAMPED)
             loads = np.maximum(plane.T @ self._linear, 0.0) * self._shares
-            power, ellipsoid, newton = self._steps(
-                loads, twist, force, step >= SETTLING
-            )
+            late = step >= SETTLING
+            power, ellipsoid, newton = self._steps(loads, twist, force, late)
             higher = power > least * (1.0 + LOWER)
             share = np.where(higher, share, np.clip(power, 0.0, 1.0))
             last = twist
@@ -140,9 +139,8 @@ class DraggedBase:
             done = (change < CLOSE) & (step > SETTLING) | (step == STEPS - 1)
             if done.any():
                 off = np.abs(loads[done] @ self._linear.T - target[:, done].T).max(1)
-                out[:, rows[done]] = np.concatenate([twist, share[None], plane])[
-                    :, done
-                ]
+                state = np.concatenate([twist, share[None], plane])
+                out[:, rows[done]] = state[:, done]
                 balanced[rows[done]] = off <= BALANCED
                 if done.all():
                     break

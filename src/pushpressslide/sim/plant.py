@@ -145,6 +145,7 @@ class DrakePlant:
         set of joint paths for each placement.
         """
         task = plan.part(plan.segments[0])
+        plant = station.plant
         self._start = task.start
         self._frame = task.support.frame
         self._period = task.motion.control_period
@@ -156,14 +157,11 @@ class DrakePlant:
         ]
         for arm, (path, attitude) in zip(self._arms, paths[0], strict=True):
             arm.follow(task, path, attitude)
-            station.plant.SetPositions(
-                station.plant_context, arm.instance, path.approach[0]
-            )
+            plant.SetPositions(station.plant_context, arm.instance, path.approach[0])
         moved = station.scene.object
         self._body = moved.floating_positions_start()
-        self._body_velocity = (
-            station.plant.num_positions() + moved.floating_velocities_start_in_v()
-        )
+        velocity = moved.floating_velocities_start_in_v()
+        self._body_velocity = plant.num_positions() + velocity
         self._body_rows = {"object_pose_3d": self._body} | {
             f"body_{name}": body.floating_positions_start()
             for name, body in station.scene.bodies.items()
