@@ -35,9 +35,7 @@ def lever(task: Task, load: float) -> float:
     Tips that carry it at the top, and the weight at the height of the CoM: (h - h_com)
     / N.
     """
-    if not any(task.weight_in_plane):
-        return 0.0
-    return 0.5 * task.object.shape.height / load
+    return 0.5 * task.object.shape.height / load if any(task.weight_in_plane) else 0.0
 
 
 def lean_press(task: Task) -> float:
