@@ -71,7 +71,7 @@ def test_the_surface_of_a_push_gives_the_exact_wrench_of_its_twist(turn: float) 
     body = ObjectModel(Box((0.42, 0.22, 0.2)), mass, (0.02, 0.0))
     task = Task("t", body, Pose2(), Pose2(), (), belief=Belief(mu, 0.6, mass))
     twist = Twist(0.8, -0.5, turn)
-    wrench = push_surface(task, height, twist).wrench(twist).moved_to((0.0, 0.0))
+    wrench = push_surface(task.scene, height, twist).wrench(twist).moved_to((0.0, 0.0))
     load = mass * 9.81
     cop = (height * wrench.fx / load, height * wrench.fy / load)
     samples = support_pressure(body.shape, load, body.center_of_mass, cop)

@@ -101,7 +101,7 @@ def test_with_a_believed_rho_and_forces_at_one_height_it_is_the_closed_form_of_t
     cop = (0.02, -0.01)
     for twist in (Twist(1.0, 0.3, 2.0), Twist(-0.2, 0.1, -4.0), Twist(0.1, 1.0, 0.5)):
         surface, moved = dragged_ellipsoid(
-            pressures(task),
+            pressures(task.scene),
             MU,
             load,
             cop,

@@ -55,7 +55,7 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
     forces = allocate(wrench.fx, wrench.fy, wrench.tau).forces
     loads = [c.load for c in choice.contacts]
     points = [c.point for c in choice.contacts]
-    weight = task.goal.unrotate(task.weight_in_plane)
+    weight = task.goal.unrotate(task.scene.weight_along)
     # what the wall's friction takes, and where it puts the load
     sliding = np.sum(forces, axis=0) + weight
     cop = np.array(

@@ -20,7 +20,7 @@ def test_the_shipped_wall_is_where_its_file_says_and_loads_again(tmp_path) -> No
     assert support.opening is not None
     assert (support.opening.size, support.opening.depth) == ((0.83, 0.28), 0.15)
     # the left arm: to the left, below, in front
-    assert task.bases[0] == pytest.approx((0.5, -0.61, 0.86))
+    assert task.scene.bases[0] == pytest.approx((0.5, -0.61, 0.86))
     path = tmp_path / "again.yaml"
     path.write_text(dump_task(task))
     data = read_yaml(path)

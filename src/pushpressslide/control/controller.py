@@ -44,10 +44,9 @@ from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, mis
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
-from pushpressslide.core.footprint import carried
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
@@ -121,7 +120,7 @@ class Controller:
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
-        self.holds = final and not carried(plan.task, last.goal)
+        self.holds = final and not plan.task.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
         self.lasting: frozenset[int] = frozenset()
         if not final:
@@ -168,15 +167,10 @@ class Controller:
         contacts = state.binding.segment.contacts
         elapsed = measurement.time - state.since
         aligned = 0.0
-        turned = 0.0
-        tool_yaw = measurement.object_pose.yaw
         if state.align:  # together, however far each has to go
             parts = zip(self.touches, state.tips, contacts, strict=True)
             aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
-            planned = state.binding.segment.body_pose(state.progress).compose(self.X_BG)
-            turned = wrap_angle(tool_yaw - planned.yaw)
-            share = smooth(elapsed / aligned) if aligned > 0.0 else 1.0
-            tool_yaw = planned.yaw + share * turned
+        tool_yaw = self._touch_yaw(state, measurement, elapsed, aligned)
         steps = [
             touch.step(
                 memory,
@@ -205,6 +199,23 @@ class Controller:
         commands = tuple(step.command for step in steps)
         log = control_log(state, measurement, self.X_BG)
         return by_arm(commands, contacts, len(self.robots)), log, next_state
+
+    def _touch_yaw(
+        self,
+        state: ControllerState,
+        measurement: Measurement,
+        elapsed: float,
+        aligned: float,
+    ) -> float:
+        """Return the wanted yaw of the tools [rad]: from the planned one to the
+        object's, over the time [s] in which the tips line up.
+        """
+        yaw = measurement.object_pose.yaw
+        if not state.align:
+            return yaw
+        planned = state.binding.segment.body_pose(state.progress).compose(self.X_BG)
+        share = smooth(elapsed / aligned) if aligned > 0.0 else 1.0
+        return planned.yaw + share * wrap_angle(yaw - planned.yaw)
 
     def _context(
         self,
@@ -357,7 +368,6 @@ class Controller:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
             failed = replace(state, failure=("goal_missed", text))
             return begin(failed, "release", measurement)
-        touched = touched_points(self.object, segment, X_WB, measurement.tips)
         if self._arrived(state, measurement, left):
             ahead = state.ahead or self._retry(state, measurement, X_WB)
             if not ahead:
@@ -366,20 +376,40 @@ class Controller:
         patience = min(LOSS_TIME[contact.kind] for contact in segment.contacts)
         if state.lost is not None and time - state.lost > patience:
             return replace(begin(state, "touch", measurement), align=False)
-        planned = state.segment
-        slid = side_slide(planned.contacts, touched)
+        touched = touched_points(self.object, segment, X_WB, measurement.tips)
+        slid = side_slide(state.segment.contacts, touched)
         if slid > RETOUCH and left > RETOUCH and state.retouches < RETOUCHES:
-            at_plan = replace(segment, contacts=planned.contacts, drive=planned.drive)
-            again = replace(state, binding=self._bound(at_plan))
-            return replace(
-                begin(again, "touch", measurement),
-                lost=time,
-                retouches=state.retouches + 1,
-            )
+            return self._touch_planned_place(state, measurement)
         if state.lost is not None:
             return state
+        return self._replanned(state, time, X_WB, touched, guidance)
+
+    def _touch_planned_place(
+        self, state: ControllerState, measurement: Measurement
+    ) -> ControllerState:
+        """Let go, and touch again where the segment was planned to be touched."""
+        planned = state.segment
+        segment = replace(
+            state.binding.segment, contacts=planned.contacts, drive=planned.drive
+        )
+        again = replace(state, binding=self._bound(segment))
+        return replace(
+            begin(again, "touch", measurement),
+            lost=measurement.time,
+            retouches=state.retouches + 1,
+        )
+
+    def _replanned(
+        self,
+        state: ControllerState,
+        time: float,
+        X_WB: Pose2,
+        touched: tuple[Point, ...],
+        guidance: Guidance,
+    ) -> ControllerState:
+        """Follow a better plan from here, if there is one."""
         better = self.replanner.onward(
-            (segment, *state.ahead),
+            (state.binding.segment, *state.ahead),
             X_WB,
             touched,
             guidance,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
-from pushpressslide.core.path import ArcPath, advance
+from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import ObjectModel, Task
@@ -98,11 +98,7 @@ class Replanner:
         _, across, heading = guidance.error
         off_path = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING
         slid = slide(followed.contacts, touched) > SLID
-        moved = 0.0
-        if identified is not None:
-            X = followed.X_BV
-            planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
-            moved = abs(identified.axle - planned)
+        moved = _axle_error(followed, identified)
         if not (off_path or slid or moved > OFF_AXLE):
             return None
         if left < LEAST_LEFT or since_last < PAUSE:
@@ -114,14 +110,7 @@ class Replanner:
         fresh = self.replan(rest, X_WB, touched, longest, identified)
         if not fresh:
             return None
-        # at speed: the new path begins with the piece on which its profile would have
-        # reached it
-        speed = followed.profile.speed
-        acceleration = followed.profile.acceleration
-        ramp = 0.5 * speed * speed / acceleration
-        first, *others = fresh
-        led = first.follows(led_in(first.path, ramp))
-        return Replan((led, *others), ramp, speed / acceleration)
+        return _at_speed(fresh, followed.profile)
 
     def _free(self, part: Task, segments: Sequence[Segment]) -> bool:
         """Whether segments keep clear of obstacles and stay in the workspace."""
@@ -131,6 +120,25 @@ class Replanner:
         if not (segments and part.obstacles):
             return True
         return obstacle_refusal(part, swept(part, segments)) is None
+
+
+def _axle_error(segment: Segment, identified: Identified | None) -> float:
+    """Return how far [m] the virtual axle was seen to be from where it is planned."""
+    if identified is None:
+        return 0.0
+    X = segment.X_BV
+    planned = X.x * math.cos(X.yaw) + X.y * math.sin(X.yaw)
+    return abs(identified.axle - planned)
+
+
+def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
+    """Return segments begun at the speed of ``profile``: before the first path lies the
+    piece on which its own profile would have reached it.
+    """
+    ramp = 0.5 * profile.speed * profile.speed / profile.acceleration
+    first, *others = segments
+    led = first.follows(led_in(first.path, ramp))
+    return Replan((led, *others), ramp, profile.speed / profile.acceleration)
 
 
 def touched_points(

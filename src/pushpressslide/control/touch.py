@@ -79,18 +79,11 @@ class TipTouch:
             ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
             origin = _ahead(start, n, -ahead)
             depth += min(max(ahead, 0.0), self.gap)
-        normal_force = pressed(context.tip.force, n)
-        memory = self._felt(memory, normal_force, context.time, depth)
+        memory = self._felt(memory, pressed(context.tip.force, n), context.time, depth)
         felt = memory.felt
         if felt is not None and context.time - felt >= FELT_TIME:
-            push, state = self.regulator.step(
-                memory.regulator, self.force, normal_force, context.dt
-            )
-            settled = FELT_TIME + SETTLE_TIME + self.force / self.regulator.ramp
             place = _ahead(origin, n, memory.touch_depth)
-            command = held_at(context, place, push=push)
-            memory = replace(memory, regulator=state)
-            return TouchStep(command, memory, context.time - felt > settled)
+            return self._pressed(memory, context, place, context.time - felt)
         problem = None
         if depth > self.gap + TOUCH_DEPTH:
             problem = (
@@ -101,6 +94,23 @@ class TipTouch:
         command = held_at(context, _ahead(origin, n, depth), velocity)
         memory = replace(memory, regulator=NormalForceState())
         return TouchStep(command, memory, False, problem)
+
+    def _pressed(
+        self, memory: TipMemory, context: TipContext, place: Vector3, duration: float
+    ) -> TouchStep:
+        """Press at ``place`` [m] with more and more force; contact has been felt for
+        ``duration`` [s].
+        """
+        normal = context.contact.direction(context.X_WB)
+        push, state = self.regulator.step(
+            memory.regulator,
+            self.force,
+            pressed(context.tip.force, normal),
+            context.dt,
+        )
+        settled = FELT_TIME + SETTLE_TIME + self.force / self.regulator.ramp
+        command = held_at(context, place, push=push)
+        return TouchStep(command, replace(memory, regulator=state), duration > settled)
 
     def _felt(
         self, memory: TipMemory, normal_force: float, time: float, depth: float

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Box, Opening, Shape, Task
-
-LEDGE_GAP = 2e-3
-"""Gap to a ledge below it at which an object counts as lying on it [m]."""
+from pushpressslide.core.task import Opening, Shape
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
@@ -20,34 +16,6 @@ def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> fl
 def gap(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
     """Return the distance [m] between two footprints; zero where they overlap."""
     return float(shape_1.placed(X_W1).distance(shape_2.placed(X_W2)))
-
-
-def lowered(task: Task, X_WG: Pose2, by: float) -> Pose2:
-    """Return a pose on a wall moved ``by`` [m] the way the weight pulls."""
-    x, y = task.weight_in_plane
-    size = math.hypot(x, y)
-    return replace(X_WG, x=X_WG.x + by * x / size, y=X_WG.y + by * y / size)
-
-
-def on_ledge(task: Task, X_WG: Pose2, within: float) -> bool:
-    """Return whether an object at a pose on a wall has a fixed obstacle ``within`` [m]
-    below it.
-    """
-    below = lowered(task, X_WG, within)
-    shape = task.object.shape
-    fixed = (o for o in task.obstacles if not o.movable)
-    return any(overlap_area(shape, below, Box(o.size), o.pose) > 0.0 for o in fixed)
-
-
-def carried(task: Task, X_WG: Pose2) -> bool:
-    """Return whether an object that is let go at a pose stays: by the support's
-    friction, on a ledge or in the opening.
-    """
-    support = task.support
-    shape = task.object.shape
-    if task.rests or on_ledge(task, X_WG, LEDGE_GAP):
-        return True
-    return support.opening is not None and support.opening.holds(X_WG, shape)
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:

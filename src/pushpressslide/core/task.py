@@ -13,16 +13,20 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.scene import Belief as Belief
+from pushpressslide.core.scene import ObjectModel as ObjectModel
+from pushpressslide.core.scene import Obstacle as Obstacle
+from pushpressslide.core.scene import Opening as Opening
+from pushpressslide.core.scene import Robot as Robot
+from pushpressslide.core.scene import Scene as Scene
+from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.shapes import Box as Box
 from pushpressslide.core.shapes import Cylinder as Cylinder
 from pushpressslide.core.shapes import Prism as Prism
 from pushpressslide.core.shapes import Shape as Shape
-from pushpressslide.core.support_frame import TABLE, SupportFrame
 
-FIT = 1e-6  # [m] by which what just fits an opening may be larger
 Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far
@@ -32,139 +36,11 @@ fraction in [0, 1] of the way from left to right contact.
 
 
 @dataclass(frozen=True, slots=True)
-class Opening:
-    """A rectangular opening in a wall, closed at its back."""
-
-    size: tuple[float, float] = field(metadata=entry("along x and y", "m", "(0, 10]"))
-    center: Point = field(
-        metadata=entry("its centre", key="pose")
-    )  # in the wall's plane
-    depth: float = field(
-        metadata=entry("of its back behind the wall's face", "m", "(0, 10]")
-    )
-
-    @property
-    def edges(self) -> tuple[float, float, float, float]:
-        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
-        w, h = self.size
-        cx, cy = self.center
-        return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
-
-    def holds(self, pose: Pose2, shape: Shape) -> bool:
-        """Return whether a shape at ``pose`` fits the opening's outline."""
-        x_min, x_max, y_min, y_max = shape.bounds(pose)
-        w, h = self.size
-        cx, cy = self.center
-        return all(abs(x - cx) <= 0.5 * w + FIT for x in (x_min, x_max)) and all(
-            abs(y - cy) <= 0.5 * h + FIT for y in (y_min, y_max)
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Support:
-    """What the object slides on."""
-
-    kind: Literal["table", "wall", "incline"] = setting("table", "kind of support")
-    friction: float = setting(0.3, "pair object/support", within=FRICTIONS)
-    # of all poses, in the world
-    frame: SupportFrame = setting(
-        TABLE,
-        "of a wall, needed for one: its origin in the world, and where its normal, "
-        "which points at the robots, heads",
-        key="pose",
-        default_in_file=None,
-    )
-    opening: Opening | None = setting(
-        None, "a rectangular opening in a wall, closed at its back"
-    )
-    angle: float | None = setting(
-        None, "of an incline, needed for one: it rises along x", "deg", "(0, 45]"
-    )
-
-    @property
-    def name(self) -> str:
-        """Its kind with an article, for messages."""
-        return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
-
-
-@dataclass(frozen=True, slots=True)
-class ObjectModel:
-    """The object to be moved."""
-
-    shape: Shape = field(metadata=entry("exactly one of these; it defines the frame G"))
-    mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
-    center_of_mass: Point = field(
-        metadata=entry(
-            "in G, projected on the support, inside the footprint; null: the centroid",
-            "m",
-            "[-5, 5]",
-            default_in_file=None,
-        )
-    )
-
-    @property
-    def X_GB(self) -> Pose2:
-        """Pose of the body frame B (origin at the projected centre of mass) in the
-        shape's frame G.
-        """
-        return Pose2(self.center_of_mass[0], self.center_of_mass[1], 0.0)
-
-
-@dataclass(frozen=True, slots=True)
 class Tolerance:
     """When the goal counts as reached."""
 
     position: float = setting(0.01, "distance", "m", "(0, 1]")
     yaw: float = setting(math.radians(2.0), "angle", "deg", "(0, 180]")
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """One arm (or a free tip, ``hand``) and where its base stands."""
-
-    model: str = field(
-        metadata=entry(
-            "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
-            "or SDF file"
-        )
-    )
-    # [m] position in the world
-    base: tuple[float, float, float] = field(metadata=entry("where the base stands"))
-    base_yaw: float = 0.0  # [rad] in the file part of the base
-    tip_frame: str | None = setting(
-        None, "frame at the tip's centre; needed for a model given by path"
-    )
-    tip_radius: float = setting(
-        0.02, "radius of the spherical tip", "m", "[0.002, 0.1]"
-    )
-    tip_length: float = setting(
-        0.15,
-        "from the flange to the tip's centre, for the generated models",
-        "m",
-        "[0, 0.5]",
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Obstacle:
-    """A box in the scene, fixed or free to move."""
-
-    name: str = field(metadata=entry("unique; not 'object'", is_name=True))
-    size: tuple[float, float, float] = field(
-        metadata=entry(
-            "full lengths along x, y and z; it stands on the support",
-            "m",
-            "(0, 10]",
-            key="box",
-        )
-    )
-    # in the world (on a wall: in the wall's plane)
-    pose: Pose2 = field(metadata=entry("pose of its centre"))
-    movable: bool = setting(False, "free to be pushed away, or fixed")
-    mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
-    friction: float = setting(
-        0.3, "pair obstacle/support, if movable", within=FRICTIONS
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,26 +70,6 @@ class Limits:
     # [m] x_min, x_max, y_min, y_max
     workspace: tuple[float, float, float, float] | None = setting(
         None, "region that the origin of G stays in; null: no bound"
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Belief:
-    """What planner and controller are told; resolved: equals the truth where the file
-    does not differ.
-    """
-
-    support_friction: float = field(
-        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
-    )
-    contact_friction: float = field(
-        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
-    )
-    mass: float = field(
-        metadata=entry("null: the truth", "kg", "(0, 1000]", default_in_file=None)
-    )
-    rho: float | None = setting(
-        None, "length of the limit surface; null: from the shape", "m", "(0, 10]"
     )
 
 
@@ -413,33 +269,10 @@ class Task:
         return Belief(self.support.friction, self.contact_friction, self.object.mass)
 
     @property
-    def weight_in_plane(self) -> Point:
-        """What of the weight, as believed, acts along the support [N]: none on a table."""
-        x, y, _ = self.support.frame.components(
-            (0.0, 0.0, -GRAVITY * self.believed.mass)
-        )
-        return (x, y)
-
-    @property
-    def weight_on_support(self) -> float:
-        """What of the weight, as believed, presses the object on its support [N]: none
-        on a wall.
-        """
-        return -self.support.frame.components(
-            (0.0, 0.0, -GRAVITY * self.believed.mass)
-        )[2]
-
-    @property
-    def rests(self) -> bool:
-        """Whether the support's friction, as believed, holds the object."""
-        friction = self.believed.support_friction * self.weight_on_support
-        return math.hypot(*self.weight_in_plane) <= friction
-
-    @property
-    def bases(self) -> tuple[tuple[float, float, float], ...]:
-        """Where the robots' bases are: x, y and height about the support [m]."""
-        return tuple(
-            self.support.frame.coordinates(robot.base) for robot in self.robots
+    def scene(self) -> Scene:
+        """The physical question, as believed."""
+        return Scene(
+            self.object, self.support, self.robots, self.obstacles, self.believed
         )
 
     @property

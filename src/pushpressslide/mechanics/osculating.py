@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.limit_surface import exact_wrench
@@ -31,16 +31,16 @@ FIRST = 0.5  # of the way to where the drag would move it that the first round g
 CLOSE = 1e-6  # [m] of the centre of pressure from there
 
 
-def pressures(task: Task) -> Callable[[Point], PressureSamples]:
-    """Return the pressure of unit load, as believed, under a task's object for a CoP
+def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
+    """Return the pressure of unit load, as believed, under a scene's body for a CoP
     [m] in B.
 
     With a believed rho all of it is at that distance from the CoP: the exact surface is
     then the ellipsoid. Raises ValueError, when called, for a CoP outside the base: the
     object tips.
     """
-    body = task.object
-    rho = task.believed.rho
+    body = scene.body
+    rho = scene.belief.rho
 
     def pressure_at(cop: Point) -> PressureSamples:
         """Return the pressure whose centre is ``cop`` [m] in B."""

@@ -6,16 +6,15 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 
 
 @lru_cache(maxsize=16)
-def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
+def push_surface(scene: Scene, height: float, twist: Twist) -> DraggedSurface:
     """Return the ellipsoid that touches the exact surface at ``twist`` (any body
     point), as believed.
 
@@ -23,15 +22,15 @@ def push_surface(task: Task, height: float, twist: Twist) -> DraggedSurface:
     it (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and where
     the object tips.
     """
-    belief = task.believed
-    load = belief.mass * GRAVITY
+    belief = scene.belief
+    load = scene.weight_on
 
     def shift(wrench: Wrench) -> Point:
         """Return how far [m] a push moves the centre of pressure."""
         return (height * wrench.fx / load, height * wrench.fy / load)
 
     mu = belief.support_friction
-    surface, _ = dragged_ellipsoid(pressures(task), mu, load, (0.0, 0.0), twist, shift)
+    surface, _ = dragged_ellipsoid(pressures(scene), mu, load, (0.0, 0.0), twist, shift)
     dx, dy = shift(surface.wrench(twist))
     (x, y) = surface.center
     return DraggedSurface(surface.max_force, surface.rho, height * mu, (x - dx, y - dy))

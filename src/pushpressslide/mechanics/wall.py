@@ -8,19 +8,19 @@ from __future__ import annotations
 
 from math import hypot
 
-from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Task
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 
 PLACES = 4  # of a path, and its start, at which the weight's direction is looked at
 LEAN = 0.15  # half widths by which the weight may move the centre of pressure
 
 
-def weights(task: Task, path: TwistPath) -> list[Point]:
+def weights(scene: Scene, path: TwistPath) -> list[Point]:
     """Return what of the weight acts in the plane [N], in B, along a path of any body
     point.
     """
-    weight = task.weight_in_plane
+    weight = scene.weight_along
     if weight == (0.0, 0.0):
         return [weight]
     return [
@@ -28,33 +28,33 @@ def weights(task: Task, path: TwistPath) -> list[Point]:
     ]
 
 
-def lever(task: Task, load: float) -> float:
+def lever(scene: Scene, load: float) -> float:
     """Return how far a weight in the plane moves the centre of pressure, against itself
     [m/N].
 
     Tips that carry it at the top, and the weight at the height of the CoM: (h - h_com)
     / N.
     """
-    return 0.5 * task.object.shape.height / load if any(task.weight_in_plane) else 0.0
+    return 0.5 * scene.body.shape.height / load if any(scene.weight_along) else 0.0
 
 
-def lean_press(task: Task) -> float:
+def lean_press(scene: Scene) -> float:
     """Return the press [N] of each of two arms at which the weight moves the centre of
     pressure by LEAN.
     """
-    body = task.object
+    body = scene.body
     return (
         0.5
-        * lever(task, 1.0)
-        * hypot(*task.weight_in_plane)
+        * lever(scene, 1.0)
+        * hypot(*scene.weight_along)
         / (LEAN * body.shape.half_width)
     )
 
 
-def lean(task: Task, press: float) -> Point:
+def lean(scene: Scene, goal: Pose2, press: float) -> Point:
     """Return how far two contacts of ``press`` [N] each are best moved, in B [m]: at
     the goal the weight moves the centre of pressure back by as much.
     """
-    x, y = task.goal.unrotate(task.weight_in_plane)
-    k = lever(task, task.weight_on_support + 2.0 * press)
+    x, y = goal.unrotate(scene.weight_along)
+    k = lever(scene, scene.weight_on + 2.0 * press)
     return (k * x, k * y)

@@ -276,7 +276,7 @@ def _reach_refusal(task: Task, contact: Contact, bodies: list[Pose2]) -> Refusal
     point, height = contact.tip_place(robot.tip_radius)
     points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
     middle = bodies[len(bodies) // 2]
-    azimuths = tool_azimuths(contact, middle, task.bases[contact.arm])
+    azimuths = tool_azimuths(contact, middle, task.scene.bases[contact.arm])
     holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]

@@ -127,7 +127,7 @@ class BimanualPressSlide(Mode):
         radius = max(farthest, *(hypot(*p) for p in points))
         path = TwistPath.between((start, goal), radius)
         poses = [path.pose(0.25 * i * path.length) for i in range(5)]
-        ways = assignments(task.bases, points, poses)
+        ways = assignments(task.scene.bases, points, poses)
         given = task.motion.contacts is not None and (0, 1) in ways
         arms = (0, 1) if given else next(iter(ways), None)
         if arms == (1, 0):
@@ -194,8 +194,10 @@ class BimanualPressSlide(Mode):
             refusal = tipping_refusal(cause, drag.tipping_margin)
         if refusal is None and used > UTILISATION[-1]:
             refusal = _slipping(contacts, used)
-        load = task.weight_on_support + sum(contact.load for contact in contacts)
-        drive = HeldDrive(drag.surface, path.radius, point, lever(task, load), used)
+        load = task.scene.weight_on + sum(contact.load for contact in contacts)
+        drive = HeldDrive(
+            drag.surface, path.radius, point, lever(task.scene, load), used
+        )
         mu = task.believed.contact_friction
         margin = atan(mu) - atan(used * mu)
         piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
@@ -223,9 +225,9 @@ class BimanualPressSlide(Mode):
         belief = task.believed
         height = task.object.shape.height
         twist = twist_at(path, point)
-        load = task.weight_on_support + sum(c.load for c in contacts)
+        load = task.scene.weight_on + sum(c.load for c in contacts)
         surface, cop = dragged_ellipsoid(
-            pressures(task),
+            pressures(task.scene),
             belief.support_friction,
             load,
             _cop(task, contacts),
@@ -233,12 +235,12 @@ class BimanualPressSlide(Mode):
             lambda wrench: (height * wrench.fx / load, height * wrench.fy / load),
         )
         mu = belief.contact_friction
-        raised = lever(task, load)
+        raised = lever(task.scene, load)
         x, y = surface.center
         most = 0.0
         margin = inf
         allocate = self.allocator(contacts, mu, surface.rho, surface.center)
-        for wx, wy in weights(task, path):
+        for wx, wy in weights(task.scene, path):
             lifted = replace(surface, center=(x - raised * wx, y - raised * wy))
             fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
             held = Wrench(wx, wy, 0.0).moved_to((x, y))
@@ -257,7 +259,7 @@ class BimanualPressSlide(Mode):
         drive = segment.drive
         assert isinstance(drive, HeldDrive)
         law = CarriedTracker(
-            drive.X_BV, drive.surface, task.weight_in_plane, drive.lever, DECAY
+            drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, DECAY
         )
         mu = task.believed.contact_friction
         allocate = self.allocator(segment.contacts, mu, drive.rho, drive.center)
@@ -308,7 +310,9 @@ def _pairs(task: Task) -> list[Pair]:
     if given is not None and len(given) == 2:
         first, second = (body.X_GB.inverse().apply(p) for p in given)
         return [(first, second)]
-    dx, dy = lean(task, task.motion.press_force or lean_press(task))
+    dx, dy = lean(
+        task.scene, task.goal, task.motion.press_force or lean_press(task.scene)
+    )
     pairs: list[Pair] = []
     for p in top_places(body, EDGE):
         q = (-p[0], -p[1])
@@ -349,10 +353,10 @@ def _loads(
     cap = task.limits.normal_force
     cop: Cop = COP if task.motion.cop is None else task.motion.cop
     twist = twist_at(path, ORIGIN)
-    weight = task.weight_on_support
+    weight = task.scene.weight_on
     mu_s = belief.support_friction
     mu_a = belief.contact_friction
-    rho = touching_ellipsoid(pressures(task)(ORIGIN), mu_s, twist).rho
+    rho = touching_ellipsoid(pressures(task.scene)(ORIGIN), mu_s, twist).rho
 
     def presses(share: float = 1.0) -> TwoPresses:
         return TwoPresses(*points, weight, mu_s, share * mu_a, rho, cap)
@@ -360,9 +364,9 @@ def _loads(
     given = task.motion.press_force
     if given is not None:
         return None, [_given_loads(presses(), cop, given, cap)]
-    if any(task.weight_in_plane):
-        steps = [(twist, along) for along in weights(task, path)]
-        least = max(LEAST_PRESS, lean_press(task))
+    if any(task.scene.weight_along):
+        steps = [(twist, along) for along in weights(task.scene, path)]
+        least = max(LEAST_PRESS, lean_press(task.scene))
         return None, [wall_loads(presses, steps, UTILISATION, least)]
     found = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
     if found is not None:
@@ -439,7 +443,7 @@ def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
     """How far the contacts are from their arms' bases, at start and goal together [m]."""
     ends = [pose.compose(task.object.X_GB) for pose in (task.start, task.goal)]
     return sum(
-        math.dist(X.apply(c.point), task.bases[c.arm][:2])
+        math.dist(X.apply(c.point), task.scene.bases[c.arm][:2])
         for X in ends
         for c in contacts
     )
@@ -449,7 +453,7 @@ def _cop(task: Task, contacts: Sequence[Contact]) -> Point:
     """The centre of pressure without drag [m]."""
     loads = [contact.load for contact in contacts]
     points = [contact.point for contact in contacts]
-    return center_of_pressure(task.weight_on_support, ORIGIN, loads, points)
+    return center_of_pressure(task.scene.weight_on, ORIGIN, loads, points)
 
 
 def _tracking_point(task: Task, contacts: Sequence[Contact], twist: Twist) -> Point:

@@ -117,7 +117,7 @@ class OrthogonalPush(Mode):
         path = piece.path
         poses = [path.pose(share * path.length) for share in (0.0, 0.5, 1.0)]
         points = [contact.point for contact in choice.contacts]
-        ways = assignments(task.bases, points, poses)
+        ways = assignments(task.scene.bases, points, poses)
         if not ways:
             return [choice.refused(CROSSING)]
         return [with_arms(choice, arms) for arms in ways]
@@ -144,7 +144,7 @@ class OrthogonalPush(Mode):
         direct = screw(start, goal)
         radius = farthest_corner(task.object)
         try:
-            surface = push_surface(task, height, Twist(*direct))
+            surface = push_surface(task.scene, height, Twist(*direct))
         except ValueError as error:
             return [none.refused(refusal_of(error, "tipping"))]
         mu = task.believed.contact_friction

@@ -17,7 +17,6 @@ from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
@@ -161,7 +160,7 @@ class ParallelPush(Mode):
             piece.body_pose(share * piece.path.length) for share in (0.0, 0.5, 1.0)
         ]
         points = [contact.point for contact in choice.contacts]
-        ways = assignments(task.bases, points, poses)
+        ways = assignments(task.scene.bases, points, poses)
         if not ways:
             return [choice.refused(CROSSING)]
         return [with_arms(choice, arms) for arms in ways]
@@ -184,7 +183,7 @@ class ParallelPush(Mode):
         belief = task.believed
         used = max((abs(k) for k, _ in path.pieces), default=0.0)
         margin = atan(belief.contact_friction) - atan(car.lead * used)
-        max_friction = belief.support_friction * belief.mass * GRAVITY
+        max_friction = belief.support_friction * task.scene.weight_on
         drive = CarDrive(car, max_friction, curvature)
         piece = segment(
             task, self.name, choice.contacts, drive, path, cone_margin=margin
@@ -200,7 +199,7 @@ class ParallelPush(Mode):
         start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
         direct = screw(start, goal)
         radius = farthest_corner(task.object)
-        surface = push_surface(task, choice.contacts[0].height, Twist(*direct))
+        surface = push_surface(task.scene, choice.contacts[0].height, Twist(*direct))
         cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)
         longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length + SLACK
         path = path_in_cone(start, goal, cone, CONE_MARGIN, radius, longest)

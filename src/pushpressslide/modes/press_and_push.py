@@ -17,7 +17,6 @@ from math import atan, hypot
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
 from pushpressslide.core.allocation import Allocation
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
@@ -149,7 +148,7 @@ class PressAndPush(Mode):
         path = turn.path
         X_VB = Pose2(*turn.pin).inverse()
         poses = [path.pose(0.25 * i * path.length).compose(X_VB) for i in range(5)]
-        ways = assignments(task.bases, (turn.pin, lever.point), poses)
+        ways = assignments(task.scene.bases, (turn.pin, lever.point), poses)
         if not ways:
             text = f"{CROSSING}, whichever takes which contact"
             return [choice.refused(Refusal(CROSSING.code, text))]
@@ -234,7 +233,7 @@ class PressAndPush(Mode):
         """
         belief = task.believed
         press, push = contacts
-        weight = belief.mass * GRAVITY
+        weight = task.scene.weight_on
         mu = belief.contact_friction
         load = weight + press.load
 
@@ -250,7 +249,7 @@ class PressAndPush(Mode):
 
         resting = center_of_pressure(weight, ORIGIN, [press.load], [press.point])
         surface, cop = dragged_ellipsoid(
-            pressures(task), belief.support_friction, load, resting, twist, shift
+            pressures(task.scene), belief.support_friction, load, resting, twist, shift
         )
         given = forces(surface.wrench(twist))
         pressed = hypot(*given.forces[0]) / (mu * press.load)

@@ -17,7 +17,6 @@ from functools import partial
 from itertools import product
 
 from pushpressslide.allocation.one_press import one_press_allocator
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
@@ -370,7 +369,7 @@ class PressSlide(Mode):
         if isinstance(drive, TurnDrive):
             (segment,) = pressed_at(task, (segment,), contact)
             drive = segment.drive
-        weight = task.believed.mass * GRAVITY
+        weight = task.scene.weight_on
         cop = pressed_cop(contact.point, contact.load, weight)
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = replace(drive.car, contact=contact.point, cop=cop)
@@ -391,7 +390,7 @@ def _placements(task: Task) -> _Placements:
     belief = task.believed
     motion = task.motion
     loads = press_loads(
-        belief.mass * GRAVITY,
+        task.scene.weight_on,
         belief.support_friction,
         belief.contact_friction,
         task.limits.normal_force,

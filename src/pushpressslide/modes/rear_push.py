@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
@@ -109,38 +108,41 @@ class RearPush(Mode):
             )
             return [choice.refused(refusal or Refusal("not_straight", straight))]
         belief = task.believed
-        max_friction = belief.support_friction * (belief.mass * GRAVITY)
-        drive = RearSteerDrive(car, shift, max_friction)
+        max_friction = belief.support_friction * task.scene.weight_on
+        driven = self._driven(task, choice, RearSteerDrive(car, shift, max_friction))
+        return [driven if refusal is None else driven.refused(refusal)]
+
+    def _driven(self, task: Task, choice: Choice, drive: RearSteerDrive) -> Choice:
+        """Return the choice with the path of a car; refused if that winds too much."""
+        car = drive.car
+        low, high = car.curvature_limits
         best, looped = route(task, drive)
+        path = best.path
         share = best.curvature_share
-        drive = replace(drive, curvature_share=share, run_in=best.run_in)
-        margin = cone_margin(car, best.path)
+        margin = cone_margin(car, path)
         piece = segment(
             task,
             self.name,
-            (contact,),
-            drive,
-            best.path,
+            choice.contacts,
+            replace(drive, curvature_share=share, run_in=best.run_in),
+            path,
             speed=best.speed,
             cone_margin=margin,
         )
+        loop = ", with a loop" if looped else ""
         merits = (
-            f"path {best.path.length:.3f} m, tightest radius "
+            f"path {path.length:.3f} m, tightest radius "
             f"{1.0 / max(high * share, -low * share):.3f} m, "
             f"steering keeps {math.degrees(margin):.1f} deg inside the friction cone"
-            f"{', with a loop' if looped else ''}"
+            f"{loop}"
         )
-        return [
-            Choice(
-                self.name,
-                choice.label,
-                (contact,),
-                (piece,),
-                run_time(task, (piece,)),
-                merits,
-                refusal or turning_refusal(best.path),
-            )
-        ]
+        return replace(
+            choice,
+            segments=(piece,),
+            time=run_time(task, (piece,)),
+            merits=merits,
+            refusal=turning_refusal(path),
+        )
 
     def tracker(self, task: Task, segment: Segment) -> RearPushTracker:
         """Return the rear Stanley law for a segment."""

@@ -75,7 +75,7 @@ class PlanarPlant:
         if self._tipping <= TIPPING_TIME:
             return None
         pressed = any(-tip.force[2] for tip in self._now.tips)
-        if any(self._task.weight_in_plane) and not pressed:
+        if any(self._task.scene.weight_along) and not pressed:
             return "the object falls: nothing presses it on the wall"
         return "the object tips over: the centre of pressure has left its base"
 

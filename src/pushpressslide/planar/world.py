@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
-from pushpressslide.core.footprint import lowered, on_ledge
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.task import Task
@@ -112,7 +111,7 @@ class World:
         robot's base.
         """
         X_WB = planned.compose(self.task.object.X_GB)
-        places = list(self.task.bases)
+        places = list(self.task.scene.bases)
         for contact in self.contacts:
             point, height = contact.tip_place(
                 self.task.robots[contact.arm].tip_radius, gap
@@ -284,10 +283,10 @@ class World:
         opening = self.task.support.opening
         moving = (twist.vx, twist.vy, twist.w)
         if opening is not None and opening.holds(X_WG, shape):
-            lowest = not opening.holds(lowered(self.task, X_WG, STEP), shape)
+            lowest = not opening.holds(self.task.scene.lowered(X_WG, STEP), shape)
             falling = False
         else:
-            lowest = on_ledge(self.task, X_WG, STEP)
+            lowest = self.task.scene.on_ledge(X_WG, STEP)
         at_com = twist.moved_to((0.0, 0.0))
         vx, vy = X_WB.rotate((at_com.vx, at_com.vy))
         if lowest and vx * self.weight[0] + vy * self.weight[1] >= 0.0:

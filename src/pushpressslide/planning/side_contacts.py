@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
@@ -78,7 +77,7 @@ def drag_refusal(task: Task, pushed: Sequence[Face], height: float) -> Refusal |
             f"{TIPPING_SHARE:g} of the height at which the object tips"
         )
         return Refusal("tipping", text, height, highest, "m")
-    max_friction = belief.support_friction * belief.mass * GRAVITY
+    max_friction = belief.support_friction * task.scene.weight_on
     limit = task.limits.normal_force
     if max_friction > limit:
         text = "needs {figure:N.1f}, limits.normal_force is {allowed:Ng}"

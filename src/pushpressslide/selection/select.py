@@ -8,7 +8,6 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
-from pushpressslide.core.footprint import carried
 from pushpressslide.core.plan import Choice, same_places
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
@@ -52,7 +51,7 @@ def placements(task: Task, enough: int = 1) -> list[list[Choice]]:
         lengthened = [_lengthened(choice, found) for choice in out[-1]] if out else []
         if any(choice.feasible for choice in lengthened):
             out[-1] = _ranked(lengthened)
-        elif out and not carried(task, part.start):
+        elif out and not task.scene.carried(part.start):
             out.append([choice.refused(choice.refusal or FALLS) for choice in found])
         else:
             out.append(found)
@@ -114,7 +113,7 @@ def _select(task: Task, enough: int) -> list[Choice]:
         if mode.arms != arms:
             text = f"needs {mode.arms} arm(s), the task has {arms}"
             out.append(Choice(name, refusal=Refusal("arms", text, arms, mode.arms)))
-        elif any(task.weight_in_plane) and not mode.carries_weight:
+        elif any(task.scene.weight_along) and not mode.carries_weight:
             text = (
                 f"cannot hold an object on {task.support.name}; support.kind must be "
                 "table"

@@ -17,7 +17,6 @@ from pushpressslide.core.errors import (
 )
 from pushpressslide.core.footprint import (
     around,
-    carried,
     overlap_area,
 )
 from pushpressslide.core.pose import Pose2
@@ -89,13 +88,13 @@ def wall_faults(task: Task) -> Iterator[Fault]:
     """Yield what a wall does not allow: a body that would fall, and a start or goal
     that does not suit its opening.
     """
-    if not any(task.weight_in_plane):
+    if not any(task.scene.weight_along):
         return
     for i, obstacle in enumerate(task.obstacles):
         if obstacle.movable:
             reason = f"on {task.support.name} it would fall; allowed: false"
             yield f"obstacles[{i}].movable", True, reason
-    if not carried(task, task.start):
+    if not task.scene.carried(task.start):
         reason = (
             "it would fall before the arms press it; allowed: on a ledge, a fixed "
             "obstacle right below it"
@@ -189,7 +188,7 @@ def check_reach(task: Task) -> None:
         best = min(range(len(short)), key=short.__getitem__)
         if short[best] > 0.0:
             center = pose.apply(task.object.center_of_mass)
-            far = math.dist(center, task.bases[best][:2])
+            far = math.dist(center, task.scene.bases[best][:2])
             what = Shown(
                 f"object's centre at x {center[0]:g}, y {center[1]:g}, {far:.3f} m "
                 "from the base"
@@ -251,7 +250,9 @@ def _bases(task: Task) -> list[tuple[str, Vector3]]:
     """Return the fields and places of the bases that no body may enter."""
     return [
         (f"robots[{i}].base", base)
-        for i, (robot, base) in enumerate(zip(task.robots, task.bases, strict=True))
+        for i, (robot, base) in enumerate(
+            zip(task.robots, task.scene.bases, strict=True)
+        )
         if robot.model != "hand"
     ]
 

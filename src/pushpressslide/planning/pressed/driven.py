@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import atan
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
@@ -191,7 +190,7 @@ def _way(
 def _max_friction(task: Task, contact: Contact) -> float:
     """Friction of the support [N] under a press."""
     belief = task.believed
-    return belief.support_friction * (belief.mass * GRAVITY + contact.load)
+    return belief.support_friction * (task.scene.weight_on + contact.load)
 
 
 def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:

@@ -14,7 +14,6 @@ from itertools import accumulate
 
 import numpy as np
 
-from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
@@ -141,12 +140,13 @@ class Manoeuvre:
         belief = task.believed
         contact = self.contact
         mu = belief.contact_friction
-        weight = belief.mass * GRAVITY
+        weight = task.scene.weight_on
         used = friction_use(contact.load, weight, belief.support_friction, mu)
         margin = math.atan(mu) - math.atan(used * mu)
         max_friction = belief.support_friction * (weight + contact.load)
         X_BG = task.object.X_GB.inverse()
-        *_, run_in = stretches = self.stretches
+        stretches = self.stretches
+        run_in = stretches[-1]
         segments = []
         for stretch in stretches:
             last = stretch is run_in

@@ -126,7 +126,7 @@ class ArmProblem:
         axes = self.plan.task.support.frame.axes
         bodies = self.object_path.bodies
         middle = len(bodies) // 2
-        base = self.plan.task.bases[self.arm]
+        base = self.plan.task.scene.bases[self.arm]
         azimuths = tool_azimuths(contact, bodies[middle], base)
         if self.kin.facts.size < POSE:
             return [(ToolAttitude(0.0, azimuths[0], axes), np.zeros(1))]

@@ -1,0 +1,239 @@
+"""The physical question of a task: a body on a support, arms and obstacles around it,
+as planner and controller believe them to be. How it is to be moved is not part of it.
+
+SI units and radians; docs/task-file.md documents the fields as a file has them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.entry import FRICTIONS, entry, setting
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.shapes import Box, Shape
+from pushpressslide.core.support_frame import TABLE, SupportFrame
+
+FIT = 1e-6  # [m] by which what just fits an opening may be larger
+LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A rectangular opening in a wall, closed at its back."""
+
+    size: tuple[float, float] = field(metadata=entry("along x and y", "m", "(0, 10]"))
+    center: Point = field(
+        metadata=entry("its centre", key="pose")
+    )  # in the wall's plane
+    depth: float = field(
+        metadata=entry("of its back behind the wall's face", "m", "(0, 10]")
+    )
+
+    @property
+    def edges(self) -> tuple[float, float, float, float]:
+        """Left, right, low and high edge [m]: x, x, y and y in the wall's plane."""
+        w, h = self.size
+        cx, cy = self.center
+        return cx - 0.5 * w, cx + 0.5 * w, cy - 0.5 * h, cy + 0.5 * h
+
+    def holds(self, pose: Pose2, shape: Shape) -> bool:
+        """Return whether a shape at ``pose`` fits the opening's outline."""
+        x_min, x_max, y_min, y_max = shape.bounds(pose)
+        w, h = self.size
+        cx, cy = self.center
+        return all(abs(x - cx) <= 0.5 * w + FIT for x in (x_min, x_max)) and all(
+            abs(y - cy) <= 0.5 * h + FIT for y in (y_min, y_max)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """What the object slides on."""
+
+    kind: Literal["table", "wall", "incline"] = setting("table", "kind of support")
+    friction: float = setting(0.3, "pair object/support", within=FRICTIONS)
+    # of all poses, in the world
+    frame: SupportFrame = setting(
+        TABLE,
+        "of a wall, needed for one: its origin in the world, and where its normal, "
+        "which points at the robots, heads",
+        key="pose",
+        default_in_file=None,
+    )
+    opening: Opening | None = setting(
+        None, "a rectangular opening in a wall, closed at its back"
+    )
+    angle: float | None = setting(
+        None, "of an incline, needed for one: it rises along x", "deg", "(0, 45]"
+    )
+
+    @property
+    def name(self) -> str:
+        """Its kind with an article, for messages."""
+        return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectModel:
+    """The object to be moved."""
+
+    shape: Shape = field(metadata=entry("exactly one of these; it defines the frame G"))
+    mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
+    center_of_mass: Point = field(
+        metadata=entry(
+            "in G, projected on the support, inside the footprint; null: the centroid",
+            "m",
+            "[-5, 5]",
+            default_in_file=None,
+        )
+    )
+
+    @property
+    def X_GB(self) -> Pose2:
+        """Pose of the body frame B (origin at the projected centre of mass) in the
+        shape's frame G.
+        """
+        return Pose2(self.center_of_mass[0], self.center_of_mass[1], 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One arm (or a free tip, ``hand``) and where its base stands."""
+
+    model: str = field(
+        metadata=entry(
+            "panda, iiwa7, hand (a free force-controlled tip), or the path of a URDF "
+            "or SDF file"
+        )
+    )
+    # [m] position in the world
+    base: tuple[float, float, float] = field(metadata=entry("where the base stands"))
+    base_yaw: float = 0.0  # [rad] in the file part of the base
+    tip_frame: str | None = setting(
+        None, "frame at the tip's centre; needed for a model given by path"
+    )
+    tip_radius: float = setting(
+        0.02, "radius of the spherical tip", "m", "[0.002, 0.1]"
+    )
+    tip_length: float = setting(
+        0.15,
+        "from the flange to the tip's centre, for the generated models",
+        "m",
+        "[0, 0.5]",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A box in the scene, fixed or free to move."""
+
+    name: str = field(metadata=entry("unique; not 'object'", is_name=True))
+    size: tuple[float, float, float] = field(
+        metadata=entry(
+            "full lengths along x, y and z; it stands on the support",
+            "m",
+            "(0, 10]",
+            key="box",
+        )
+    )
+    # in the world (on a wall: in the wall's plane)
+    pose: Pose2 = field(metadata=entry("pose of its centre"))
+    movable: bool = setting(False, "free to be pushed away, or fixed")
+    mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
+    friction: float = setting(
+        0.3, "pair obstacle/support, if movable", within=FRICTIONS
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """What planner and controller are told; resolved: equals the truth where the file
+    does not differ.
+    """
+
+    support_friction: float = field(
+        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+    )
+    contact_friction: float = field(
+        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+    )
+    mass: float = field(
+        metadata=entry("null: the truth", "kg", "(0, 1000]", default_in_file=None)
+    )
+    rho: float | None = setting(
+        None, "length of the limit surface; null: from the shape", "m", "(0, 10]"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What there is, and what follows from it whatever the motion."""
+
+    body: ObjectModel
+    support: Support
+    robots: tuple[Robot, ...]
+    obstacles: tuple[Obstacle, ...]
+    belief: Belief
+
+    @property
+    def weight(self) -> Point:
+        """Weight [N]: size along the support, and into it."""
+        return math.hypot(*self.weight_along), self.weight_on
+
+    @property
+    def weight_along(self) -> Point:
+        """Part of the weight along x and y of the support [N]: none on a table."""
+        x, y, _ = self._weight()
+        return (x, y)
+
+    @property
+    def weight_on(self) -> float:
+        """Part of the weight that presses the object on its support [N]: none on a
+        wall.
+        """
+        return -self._weight()[2]
+
+    @property
+    def rests(self) -> bool:
+        """Whether the support's friction holds the object."""
+        along, on = self.weight
+        return along <= self.belief.support_friction * on
+
+    @property
+    def bases(self) -> tuple[tuple[float, float, float], ...]:
+        """Where the robots' bases are: x, y and height about the support [m]."""
+        frame = self.support.frame
+        return tuple(frame.coordinates(robot.base) for robot in self.robots)
+
+    def lowered(self, X_WG: Pose2, distance: float) -> Pose2:
+        """Return a pose moved ``distance`` [m] the way the weight pulls."""
+        x, y = self.weight_along
+        size = math.hypot(x, y)
+        return replace(
+            X_WG, x=X_WG.x + distance * x / size, y=X_WG.y + distance * y / size
+        )
+
+    def on_ledge(self, X_WG: Pose2, within: float = LEDGE_GAP) -> bool:
+        """Return whether a fixed obstacle is ``within`` [m] below the object at a pose."""
+        below = self.body.shape.placed(self.lowered(X_WG, within))
+        fixed = (obstacle for obstacle in self.obstacles if not obstacle.movable)
+        return any(
+            below.intersection(Box(obstacle.size).placed(obstacle.pose)).area > 0.0
+            for obstacle in fixed
+        )
+
+    def carried(self, X_WG: Pose2) -> bool:
+        """Return whether an object that is let go at a pose stays: by the support's
+        friction, on a ledge or in the opening.
+        """
+        if self.rests or self.on_ledge(X_WG):
+            return True
+        opening = self.support.opening
+        return opening is not None and opening.holds(X_WG, self.body.shape)
+
+    def _weight(self) -> tuple[float, float, float]:
+        weight = GRAVITY * self.belief.mass
+        return self.support.frame.components((0.0, 0.0, -weight))
