@@ -133,7 +133,6 @@ MAY_ASK_FOR_THE_KIND = {
     "sim/surfaces.py": "Drake's geometry has a class a kind",
     "sim/scenes.py": "Drake's inertia and mesh sizes have a formula a kind",
     "studies/paper/virtual_axle.py": "the paper's object is a box of another height",
-    "mechanics/faces.py": "room_ahead has another formula for a cylinder",
 }
 
 

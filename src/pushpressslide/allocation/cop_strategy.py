@@ -62,12 +62,13 @@ def least_loads(presses: TwoPresses, cop: Cop, twist: Twist) -> Point | None:
 
     None if the cap, or any press, is not enough with that centre of pressure.
     """
-    loads = (
-        presses.in_ratio(cop, twist)
-        if isinstance(cop, str)
-        else presses.for_cop(cop, twist)
-    )
-    return loads.normals if loads.status == "ok" else None
+    if isinstance(cop, str):
+        loads = presses.in_ratio(cop, twist)
+    else:
+        loads = presses.for_cop(cop, twist)
+    if loads.status != "ok":
+        return None
+    return loads.normals
 
 
 def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
@@ -81,7 +82,9 @@ def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
         lighter = heavier
         if cop != "balanced" and least < 0.5:
             lighter = min(heavier, least * (weight + heavier) / (1.0 - least))
-        return (lighter, heavier) if cop == "right" else (heavier, lighter)
+        if cop == "right":
+            return (lighter, heavier)
+        return (heavier, lighter)
     line = ContactLine(presses.left, presses.right)
     own = line.in_axes((-presses.left[0], -presses.left[1]))[0] / line.length * weight
     parts = ((heavier + own, cop), (heavier + weight - own, 1.0 - cop))
@@ -103,4 +106,6 @@ def possible_fractions(
         for f in FRACTIONS
         if safe_loads(presses, f, twist, uses, lightest) is not None
     ]
-    return (good[0], good[-1]) if good else None
+    if not good:
+        return None
+    return (good[0], good[-1])

@@ -73,9 +73,9 @@ def friction_interval(
     if mu < 1.0:
         return low, min(mu * (p + t), mu * q - t) / (1.0 - mu)
     if mu == 1.0:
-        return (
-            (low, math.inf) if p + t >= 0.0 and q - t >= 0.0 else (math.inf, -math.inf)
-        )
+        if p + t >= 0.0 and q - t >= 0.0:
+            return low, math.inf
+        return math.inf, -math.inf
     return max(low, -mu * (p + t) / (mu - 1.0), (t - mu * q) / (mu - 1.0)), math.inf
 
 
@@ -154,7 +154,9 @@ def turning_corners(
     """
     k = rho * rho / d
     far = k / friction
-    return ((k, far), (far, -k)) if left else ((k, -far), (-far, -k))
+    if left:
+        return (k, far), (far, -k)
+    return (k, -far), (-far, -k)
 
 
 def can_turn_about(

@@ -50,7 +50,7 @@ def parallel_push_allocator(
     contacts is not at right angles to ``normal``, to 1e-9.
     """
     line = ContactLine(*points)
-    along, inward = line.in_axes(normal)
+    along, _ = line.in_axes(normal)
     if abs(along) > 1e-9:
         raise ValueError(
             f"points {points[0]}, {points[1]} m; must lie at right angles to normal "
@@ -59,8 +59,20 @@ def parallel_push_allocator(
     general = two_contact_allocator(
         points, (normal, normal), friction, rho, caps=caps, projection=projection
     )
-    # The normal force of contact 1 is linear in the wrench.
-    sign = math.copysign(1.0, inward)
+    return _linear(line, normal, friction, caps, general)
+
+
+def _linear(
+    line: ContactLine,
+    normal: Point,
+    friction: float,
+    caps: Sequence[float],
+    general: Allocator,
+) -> Allocator:
+    """Return the allocator; the normal force of contact 1 is linear in the wrench. What
+    the contacts cannot give is left to ``general``.
+    """
+    sign = math.copysign(1.0, line.in_axes(normal)[1])
     x, y, t = (
         sign * line.parts(*unit)[1]
         for unit in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -81,16 +93,8 @@ def parallel_push_allocator(
             f1x = share * fx
             f1y = share * fy
             least = share if share < 0.5 else 1.0 - share
-            return new(
-                Allocation,
-                (
-                    ((f1x, f1y), (fx - f1x, fy - f1y)),
-                    (f1n, f2n),
-                    least * margin,
-                    "ok",
-                    NONE,
-                ),
-            )
+            forces = ((f1x, f1y), (fx - f1x, fy - f1y))
+            return new(Allocation, (forces, (f1n, f2n), least * margin, "ok", NONE))
         return general(fx, fy, tau)
 
     return allocate

@@ -37,16 +37,31 @@ def press_and_push_allocator(
     push has a lever about the pressed point.
     """
     line = ContactLine(press, push)
-    ex, ey = line.e
-    nx, ny = normal
     lever = line.length * cross(line.e, normal)
     if not (load > 0.0 and abs(lever) > LEAST_LEVER):
         raise ValueError(
             f"load {load} N must be > 0, and lever {lever} m of the push not 0"
         )
+    about_press = (press[0] - cop[0], press[1] - cop[1])
+    return _allocator(line.e, about_press, lever, load, normal, friction)
+
+
+def _allocator(
+    e: Point,
+    about_press: Point,
+    lever: float,
+    load: float,
+    normal: Point,
+    friction: float,
+) -> Callable[[float, float, float], Allocation]:
+    """Return the allocator; ``e`` is the unit vector from the press to the push,
+    ``about_press`` [m] leads from the centre of pressure to the press, and ``lever``
+    [m] is the push's about the press.
+    """
+    ex, ey = e
+    px, py = about_press
+    nx, ny = normal
     most = friction * load
-    px = press[0] - cop[0]
-    py = press[1] - cop[1]
     # a push a n + s e has the slacks friction a + slope s at the sides of its cone
     along = ex * nx + ey * ny
     left = nx * ey - ny * ex
@@ -57,7 +72,7 @@ def press_and_push_allocator(
         a = (tau - px * fy + py * fx) / lever
         low, high = _interval(friction * a, slopes)
         gx = fx - a * nx
-        gy = fy - a * ny  # what the press gives to a push along its normal
+        gy = fy - a * ny  # what the press gives, at first to a push along its normal
         status: AllocationStatus = "ok"
         scale = 1.0
         s = 0.0
@@ -70,18 +85,15 @@ def press_and_push_allocator(
             middle = gx * ex + gy * ey
             square = middle * middle - gx * gx - gy * gy + most * most
             room = sqrt(square) if square > 0.0 else 0.0
-            least = max(low, middle - room)
-            most_along = min(high, middle + room)
-            if least <= most_along:
-                s = min(max(0.0, least), most_along)
-            else:
-                s = min(max(middle, low), high)
-        size = hypot(gx - s * ex, gy - s * ey)
+            s = _least_along(low, high, middle, room)
+        gx = gx - s * ex
+        gy = gy - s * ey
+        size = hypot(gx, gy)
         if size > most * (1.0 + 1e-12):
             scale = most / size
             status = "projected"
         pushed = (scale * (a * nx + s * ex), scale * (a * ny + s * ey))
-        pressed = (scale * (gx - s * ex), scale * (gy - s * ey))
+        pressed = (scale * gx, scale * gy)
         f_n = pushed[0] * nx + pushed[1] * ny
         f_t = nx * pushed[1] - ny * pushed[0]
         margin = min(most - scale * size, friction * f_n - abs(f_t))
@@ -96,6 +108,17 @@ def press_and_push_allocator(
         return Allocation((pressed, pushed), (load, f_n), margin, status, residual)
 
     return allocate
+
+
+def _least_along(low: float, high: float, middle: float, room: float) -> float:
+    """Return the least part of the push along the line, in [low, high], that is within
+    ``room`` of ``middle``; the nearest to that where none is.
+    """
+    least = max(low, middle - room)
+    most = min(high, middle + room)
+    if least <= most:
+        return min(max(0.0, least), most)
+    return min(max(middle, low), high)
 
 
 def _interval(slack: float, slopes: tuple[float, float]) -> tuple[float, float]:

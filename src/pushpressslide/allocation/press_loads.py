@@ -88,7 +88,9 @@ class TwoPresses:
             1.0, 2.0 * self.rho / math.dist(self.left, self.right)
         )
         spare = self.contact_friction - asked
-        return asked * self.weight / spare if spare > 0.0 else math.inf
+        if spare <= 0.0:
+            return math.inf
+        return asked * self.weight / spare
 
     def at(
         self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
@@ -128,7 +130,9 @@ class TwoPresses:
         "infeasible".
         """
         found = self.in_ratio(share, twist, gravity)
-        return found if found.status == "ok" else self._instead(twist, gravity)
+        if found.status != "ok":
+            return self._instead(twist, gravity)
+        return found
 
     def for_cop(
         self, fraction: float, twist: Twist, gravity: Point = (0.0, 0.0)
@@ -164,11 +168,9 @@ class TwoPresses:
             (1.0 - lam) * load - (1.0 - lam_o) * self.weight,
             lam * load - lam_o * self.weight,
         )
-        return (
-            self.at(normals, twist)
-            if max(normals) <= self.cap
-            else self._instead(twist, gravity)
-        )
+        if max(normals) > self.cap:
+            return self._instead(twist, gravity)
+        return self.at(normals, twist)
 
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
         """Return the loads for ``twist`` in the ratio that needs least.
@@ -190,15 +192,18 @@ class TwoPresses:
         for _ in range(SECTIONS):
             a = high - GOLDEN * (high - low)
             b = low + GOLDEN * (high - low)
-            low, high = (low, b) if press(a) <= press(b) else (a, high)
-        refined = 0.5 * (low + high)
-        return self.in_ratio(
-            refined if press(refined) < press(middle) else middle, twist, gravity
-        )
+            if press(a) <= press(b):
+                high = b
+            else:
+                low = a
+        best = min(middle, 0.5 * (low + high), key=press)
+        return self.in_ratio(best, twist, gravity)
 
     def _instead(self, twist: Twist, gravity: Point) -> PressLoads:
         other = self.for_least_press(twist, gravity)
-        return other._replace(status="projected") if other.status == "ok" else other
+        if other.status != "ok":
+            return other
+        return other._replace(status="projected")
 
     def _wrench(
         self, normals: Point, twist: Twist, gravity: Point
@@ -244,16 +249,16 @@ class TwoPresses:
             lighter = min(
                 self._least_of_side(share) * (self.weight + total), 0.5 * total
             )
-            return (
-                (lighter, total - lighter)
-                if share == "right"
-                else (total - lighter, lighter)
-            )
+            if share == "right":
+                return (lighter, total - lighter)
+            return (total - lighter, lighter)
         return (1.0 - share) * total, share * total
 
     def _least_of_side(self, side: Side) -> float:
         """Return the part of the load that the lighter contact carries."""
-        return 0.5 if side == "balanced" else min(self.least_fraction + SPARE, 0.5)
+        if side == "balanced":
+            return 0.5
+        return min(self.least_fraction + SPARE, 0.5)
 
 
 def _first_enough(surplus: Callable[[float], float], most: float) -> float:
@@ -273,22 +278,22 @@ def _first_enough(surplus: Callable[[float], float], most: float) -> float:
     kept = 0  # which end the last step kept
     while at_low < 0.0 and high - low > width:
         middle = 0.5 * (low + high)
-        total = (
-            (low * at_high - high * at_low) / (at_high - at_low)
-            if at_low > -math.inf
-            else middle
-        )
+        total = middle
+        if at_low > -math.inf:
+            total = (low * at_high - high * at_low) / (at_high - at_low)
         total = min(max(total, low + 0.5 * width), high - 0.5 * width)
         value = surplus(total)
         if value >= 0.0:
             high = total
             at_high = value
-            at_low = at_low * (0.5 if kept < 0 else 1.0)
+            if kept < 0:
+                at_low *= 0.5
             kept = -1
         else:
             low = total
             at_low = value
-            at_high = at_high * (0.5 if kept > 0 else 1.0)
+            if kept > 0:
+                at_high *= 0.5
             kept = 1
     return high if at_low < 0.0 else low
 

@@ -8,7 +8,8 @@ normal loads are in ``press_loads``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import hypot, inf, sqrt
 from typing import Protocol
 
@@ -49,11 +50,15 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
     at these normals. "infeasible" if nothing is left of it. Raises ValueError for
     contacts that coincide.
     """
-    line = ContactLine(*points)
+    return _sharing(ContactLine(*points), friction)
+
+
+def _sharing(line: ContactLine, friction: float) -> PressAllocator:
+    """Return the allocator; it shares the force along ``line``."""
     ex, ey = line.e
     mid_x, mid_y = line.middle
     per_length = 1.0 / line.length
-    scaled = _scaler(line.e)
+    scaled = _Discs(line.e).scaled
     none = (0.0, 0.0, 0.0)
     new = tuple.__new__  # Allocation(...) without a call in Python
 
@@ -84,22 +89,21 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
                 margin2 = most2 - sqrt(f2x * f2x + f2y * f2y)
                 if margin2 < margin:
                     margin = margin2
-                return new(
-                    Allocation, (((f1x, f1y), (f2x, f2y)), normals, margin, "ok", none)
-                )
+                forces = ((f1x, f1y), (f2x, f2y))
+                return new(Allocation, (forces, normals, margin, "ok", none))
         return scaled(fx, fy, tau, (along, g1, g2), most1, most2, normals)
 
     return allocate
 
 
-def _scaler(e: Point) -> Callable[..., Allocation]:
-    """Return the allocator of wrenches that are scaled onto the discs.
+@dataclass(frozen=True, slots=True)
+class _Discs:
+    """Two discs onto which wrenches are scaled."""
 
-    ``e`` is the unit vector from the first contact to the second.
-    """
-    ex, ey = e
+    e: Point  # unit vector from the first contact to the second
 
     def scaled(
+        self,
         fx: float,
         fy: float,
         tau: float,
@@ -112,6 +116,7 @@ def _scaler(e: Point) -> Callable[..., Allocation]:
 
         The discs have the radii ``most1`` and ``most2`` [N].
         """
+        ex, ey = self.e
         along, g1, g2 = parts
         most1 = max(most1, 0.0)
         most2 = max(most2, 0.0)
@@ -136,8 +141,6 @@ def _scaler(e: Point) -> Callable[..., Allocation]:
         lost = 1.0 - scale
         residual = (lost * fx, lost * fy, lost * tau)
         return Allocation(((f1x, f1y), (f2x, f2y)), normals, margin, status, residual)
-
-    return scaled
 
 
 def largest_scale(parts: tuple[float, float, float], most: Point) -> float:

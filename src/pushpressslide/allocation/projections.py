@@ -10,7 +10,7 @@ moment kept. Closed forms of fixed cost, plain floats.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Literal, NamedTuple
 
@@ -59,7 +59,7 @@ class WrenchCone:
         """Edge wrenches with the moment over rho, for a normal force of 1 N."""
         self._squares = tuple(_dot(edge, edge) for edge in self._edges)
         pairs = []
-        facets = []
+        facets: list[Vector] = []
         for i, j in combinations(range(4), 2):
             normal = _cross(self._edges[i], self._edges[j])
             size = math.sqrt(_dot(normal, normal))
@@ -68,20 +68,26 @@ class WrenchCone:
             pairs.append(
                 (i, j, _dot(self._edges[i], self._edges[j]), 1.0 / (size * size))
             )
-            sides = [
-                _dot(normal, edge) / (size * math.sqrt(square))
-                for edge, square in zip(self._edges, self._squares, strict=True)
-            ]
-            for sign in (1.0, -1.0):
-                if all(sign * side >= -FLAT for side in sides):
-                    a, b, c = (sign * part / size for part in normal)
-                    facets.append((a, b, c / rho))
+            facets += self._facets(normal, size)
         self._pairs = tuple(pairs)
         self.facets: tuple[Vector, ...] = tuple(facets)
         """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 in all of them; none if
         it is all wrenches.
         """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
+
+    def _facets(self, normal: Vector, size: float) -> Iterator[Vector]:
+        """Yield the facets of the plane with a ``normal`` of some ``size``: none where
+        edges lie on both sides of it.
+        """
+        sides = [
+            _dot(normal, edge) / (size * math.sqrt(square))
+            for edge, square in zip(self._edges, self._squares, strict=True)
+        ]
+        for sign in (1.0, -1.0):
+            if all(sign * side >= -FLAT for side in sides):
+                a, b, c = (sign * part / size for part in normal)
+                yield a, b, c / self._rho
 
     def spare(self, fx: float, fy: float, tau: float) -> float:
         """Return the number [N] that decides: distance of a wrench to the nearest
@@ -147,7 +153,9 @@ class WrenchCone:
                 low = max(low, -rest / c)
             else:
                 high = min(high, -rest / c)
-        return (fx, fy, min(max(tau, low), high)) if low <= high else (fx, fy, tau)
+        if low > high:
+            return (fx, fy, tau)
+        return (fx, fy, min(max(tau, low), high))
 
     def with_torque_kept(self, fx: float, fy: float, tau: float) -> Vector:
         """Return the wrench of the cone with this moment and the least more force along

@@ -61,11 +61,10 @@ class TwistCone:
         """
         fx, fy, tau, _ = self.wrench(vx, vy, w)
         size = math.hypot(fx, fy, tau / self.surface.rho)
-        return (
-            math.asin(max(-1.0, min(1.0, self._wrenches.spare(fx, fy, tau) / size)))
-            if size > 0.0
-            else 0.0
-        )
+        if size <= 0.0:
+            return 0.0
+        spare = self._wrenches.spare(fx, fy, tau)
+        return math.asin(max(-1.0, min(1.0, spare / size)))
 
     def spares(self, twists: Array) -> Array:
         """Return ``spare`` (m,) of twists (m, 3)."""

@@ -75,4 +75,6 @@ def _up(twist: Twist, gravity: Point) -> float:
     """
     vx, vy, _, _ = twist.moved_to((0.0, 0.0))
     size = math.hypot(vx, vy) * math.hypot(*gravity)
-    return -(vx * gravity[0] + vy * gravity[1]) / size if size > 0.0 else 0.0
+    if size <= 0.0:
+        return 0.0
+    return -(vx * gravity[0] + vy * gravity[1]) / size

@@ -9,6 +9,7 @@ frame B.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,8 @@ SETTLING = 4  # of them before the first Newton step for the twist
 CLOSE = 1e-3
 # share by which the friction's power may rise with a step, as the pressure moves
 LOWER = 1e-5
-DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # shares of the first Newton steps for the pressure
+FULL = (1.0,)  # shares of the Newton steps for the pressure
+DAMPED = (1.0, 0.5, 0.5, 0.5, 0.7)  # the same of the first ones
 BALANCED = 0.01  # of the load and of its moment: pressures farther off are not used
 REST = 1e-9  # [m/s] below which a cell counts as resting, of twists of about 1 m/s
 # rows and columns of a symmetric matrix that are kept
@@ -57,9 +59,9 @@ class DraggedBase:
         x, y = (points - np.array(body.center_of_mass)).T
         self._shift = shift
         self._size = body.shape.farthest(body.center_of_mass)  # [m] of the base
-        self._coarser = (
-            DraggedBase(body, shift, COARSE) if resolution > COARSE else None
-        )
+        self._coarser: DraggedBase | None = None
+        if resolution > COARSE:
+            self._coarser = DraggedBase(body, shift, COARSE)
         self._shares = areas / areas.sum()
         self._linear = np.stack([np.ones_like(x), x / self._size, y / self._size])
         self._moments = (self._linear[THREE[0]] * self._linear[THREE[1]]).T
@@ -121,33 +123,24 @@ class DraggedBase:
         out = np.empty_like(start)
         balanced = np.zeros(len(share), dtype=bool)
         for step in range(first, STEPS):
-            target = np.stack(
-                [
-                    np.ones(len(rows)),
-                    *((cop + self._shift * share * direction) / self._size),
-                ]
-            )
-            for part in (1.0,) if step else DAMPED:
-                plane = plane + part * (self._plane(plane, target) - plane)
+            moved = (cop + self._shift * share * direction) / self._size
+            target = np.stack([np.ones(len(rows)), *moved])
+            plane = self._settled(plane, target, FULL if step else DAMPED)
             loads = np.maximum(plane.T @ self._linear, 0.0) * self._shares
-            power, ellipsoid, newton = self._steps(
-                loads, twist, force, step >= SETTLING
-            )
+            late = step >= SETTLING
+            power, ellipsoid, newton = self._steps(loads, twist, force, late)
             higher = power > least * (1.0 + LOWER)
             share = np.where(higher, share, np.clip(power, 0.0, 1.0))
             last = twist
             twist = np.where(higher, sure, newton)
             sure = ellipsoid
             least = np.where(higher, math.inf, power)
-            change = np.abs((twist - last) * self._sizes).max(0) / np.linalg.norm(
-                last * self._sizes, axis=0
-            )
+            change = self._change(last, twist)
             done = (change < CLOSE) & (step > SETTLING) | (step == STEPS - 1)
             if done.any():
                 off = np.abs(loads[done] @ self._linear.T - target[:, done].T).max(1)
-                out[:, rows[done]] = np.concatenate([twist, share[None], plane])[
-                    :, done
-                ]
+                state = np.concatenate([twist, share[None], plane])
+                out[:, rows[done]] = state[:, done]
                 balanced[rows[done]] = off <= BALANCED
                 if done.all():
                     break
@@ -157,6 +150,18 @@ class DraggedBase:
                     for v in (direction, cop, force, twist, share, least, plane, sure)
                 )
         return out, balanced
+
+    def _change(self, last: Array, twist: Array) -> Array:
+        """Return the change (m,) of twists over their size."""
+        step = np.abs((twist - last) * self._sizes).max(0)
+        change: Array = step / np.linalg.norm(last * self._sizes, axis=0)
+        return change
+
+    def _settled(self, plane: Array, target: Array, parts: Sequence[float]) -> Array:
+        """Return pressures (3, m) after Newton steps, of each the share in ``parts``."""
+        for part in parts:
+            plane = plane + part * (self._plane(plane, target) - plane)
+        return plane
 
     def _plane(self, plane: Array, target: Array) -> Array:
         """Return the pressures (3, m) that have the load and the moments ``target``
@@ -187,10 +192,23 @@ class DraggedBase:
         ellipsoid /= (force * ellipsoid).sum(0)
         if not newton:
             return power, ellipsoid, ellipsoid
-        # the hessian is the ellipsoid's, less sum k q q^T / |v|^2, with the gradient of
-        # |v|^2 / 2, q = (v_x - w y, v_y + w x, r x v + w radius^2)
-        n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k / squares @ self._squares).T
-        less = np.stack(
+        hessian = friction - self._lessened(k / squares, twist)
+        hessian += power * force[THREE[0]] * force[THREE[1]]
+        gradient = np.stack(
+            [n * vx - ny * w, n * vy + nx * w, nx * vy - ny * vx + ns * w]
+        )
+        out = 2.0 * twist - _solved(hessian, gradient)
+        out /= (force * out).sum(0)
+        return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
+
+    def _lessened(self, k: Array, twist: Array) -> Array:
+        """Return what the friction's hessian (6, m) is less than the ellipsoid's: sum
+        ``k`` q q^T, with the gradient of |v|^2 / 2, q = (v_x - w y, v_y + w x, r x v +
+        w radius^2).
+        """
+        vx, vy, w = twist
+        n1, mx, my, ms, xx, xy, xs, yy, ys, ss = (k @ self._squares).T
+        return np.stack(
             [
                 vx * (vx * n1 - 2.0 * w * my) + w * w * yy,
                 vx * (vy * n1 + w * mx) - w * (vy * my + w * xy),
@@ -203,13 +221,6 @@ class DraggedBase:
                 - 2.0 * (vx * vy * xy - w * (vy * xs - vx * ys)),
             ]
         )
-        gradient = np.stack(
-            [n * vx - ny * w, n * vy + nx * w, nx * vy - ny * vx + ns * w]
-        )
-        level = power * force[THREE[0]] * force[THREE[1]]
-        out = 2.0 * twist - _solved(friction - less + level, gradient)
-        out /= (force * out).sum(0)
-        return power, ellipsoid, np.where(np.isfinite(out).all(0), out, ellipsoid)
 
 
 def _solved(matrix: Array, right: Array) -> Array:

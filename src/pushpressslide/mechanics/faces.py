@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, turned_left
-from pushpressslide.core.task import Cylinder, ObjectModel
+from pushpressslide.core.task import ObjectModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +44,4 @@ def room_ahead(body: ObjectModel, face: Face) -> float:
     """Return the distance [m] from the CoM to the leading edge when ``face`` is pushed
     along its normal.
     """
-    com = body.center_of_mass
-    shape = body.shape
-    if isinstance(shape, Cylinder):
-        return shape.radius + com[0] * face.normal[0] + com[1] * face.normal[1]
-    return max(
-        (x - com[0]) * face.normal[0] + (y - com[1]) * face.normal[1]
-        for x, y in shape.corners
-    )
+    return body.shape.extent(face.normal, body.center_of_mass)

@@ -104,10 +104,13 @@ def push_outcome(
         # the object.
         right, left = motion_cone(lever, rho, normal, mu)
         leads_in = left[0] * normal[0] + left[1] * normal[1] > 0.0
-        to_left = leads_in and cross(left, velocity) > 0.0
-        kind = "slip_left" if to_left else "slip_right"
-        edge = cone_edges(normal, mu)[1 if to_left else 0]
-        edge_velocity = left if to_left else right
+        kind = "slip_right"
+        edge, left_edge = cone_edges(normal, mu)
+        edge_velocity = right
+        if leads_in and cross(left, velocity) > 0.0:
+            kind = "slip_left"
+            edge = left_edge
+            edge_velocity = left
         k = approach / (edge_velocity[0] * normal[0] + edge_velocity[1] * normal[1])
         mobile = (k * edge[0], k * edge[1])
         slip = cross(normal, velocity) - k * cross(normal, edge_velocity)

@@ -110,7 +110,10 @@ def dragged_ellipsoid(
         off = complex(*cop) + complex(*shift(surface.wrench(twist))) - at
         if abs(off) < CLOSE:
             break
-        step = off * step / (before - off) if step and before != off else FIRST * off
+        if step and before != off:
+            step = off * step / (before - off)
+        else:
+            step = FIRST * off
         at = at + step
         before = off
     return surface, (at.real, at.imag)

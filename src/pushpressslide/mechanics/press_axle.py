@@ -127,7 +127,8 @@ class Press:
         top of the object, 0: as if the force acted in the support's plane. Raises
         ValueError where the object tips.
         """
-        height = self.body.shape.height if height is None else height
+        if height is None:
+            height = self.body.shape.height
         at = axle_with_height(
             self.pressure, self.friction, self.cop, self.contact, height, angle
         )

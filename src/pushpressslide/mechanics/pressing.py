@@ -27,11 +27,9 @@ def friction_use(
     pushed) / (mu_a N_a); below 1 it sticks. ``pushed`` [N]: the drag of a body that the
     object pushes.
     """
-    return (
-        (mu_support * (weight + load) + pushed) / (mu_contact * load)
-        if load > 0.0
-        else math.inf
-    )
+    if load <= 0.0:
+        return math.inf
+    return (mu_support * (weight + load) + pushed) / (mu_contact * load)
 
 
 def least_load(
@@ -47,7 +45,9 @@ def least_load(
     (mu_s N_o + pushed) / (use mu_a - mu_s); infinite where no press is hard enough.
     """
     room = use * mu_contact - mu_support
-    return (mu_support * weight + pushed) / room if room > 0.0 else math.inf
+    if room <= 0.0:
+        return math.inf
+    return (mu_support * weight + pushed) / room
 
 
 def press_loads(
@@ -65,20 +65,7 @@ def press_loads(
     Raises RefusedError with what stands against any press.
     """
     if wanted is not None:
-        if wanted > most:
-            text = (
-                "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
-            )
-            raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
-        used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
-        if used > MOST_USE:
-            needed = used * mu_contact / MOST_USE
-            text = (
-                f"pressed with {wanted:g} N the tip slips before the object: straight "
-                "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "
-                f"contact friction {mu_contact:g}, needed {needed:.3f}"
-            )
-            raise RefusedError(Refusal("friction", text, used, MOST_USE))
+        _check_press(weight, mu_support, mu_contact, most, wanted, pushed)
         return [wanted]
     loads = [
         max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
@@ -94,6 +81,29 @@ def press_loads(
         raise RefusedError(Refusal("friction", text, mu_contact, mu_support))
     text = "needs a press of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
     raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
+
+
+def _check_press(
+    weight: float,
+    mu_support: float,
+    mu_contact: float,
+    most: float,
+    wanted: float,
+    pushed: float,
+) -> None:
+    """Raise RefusedError where a press of ``wanted`` [N] is too hard or slips."""
+    if wanted > most:
+        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
+    used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
+    if used > MOST_USE:
+        needed = used * mu_contact / MOST_USE
+        text = (
+            f"pressed with {wanted:g} N the tip slips before the object: straight "
+            "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "
+            f"contact friction {mu_contact:g}, needed {needed:.3f}"
+        )
+        raise RefusedError(Refusal("friction", text, used, MOST_USE))
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:

@@ -10,10 +10,12 @@ Closed form, plain floats.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Literal
 
 from pushpressslide.core.path import ArcPath
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 
 Word = Literal["LSL", "RSR", "LSR", "RSL", "RLR", "LRL"]
 
@@ -32,104 +34,149 @@ _Solution = tuple[float, Word, float, float, float]
 
 def _turn(angle: float) -> float:
     angle %= _TURN
-    return angle if _ROUND_OFF < angle < _TURN - _ROUND_OFF else 0.0
+    if _ROUND_OFF < angle < _TURN - _ROUND_OFF:
+        return angle
+    return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Circles:
+    """The turning circles of both ends, seen from the start pose.
+
+    The start's centres are (0, rl) and (0, -rr). ``left`` and ``right`` are the vectors
+    from the start's own position to the goal's centres.
+    """
+
+    rl: float  # [m] radius of left turns
+    rr: float
+    left: Point  # [m]
+    right: Point
+    yaw: float  # [rad] of the goal
+
+    @classmethod
+    def between(
+        cls, start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
+    ) -> _Circles:
+        """Return the circles of two poses; raises ValueError as ``shortest_path``."""
+        if not (0.0 < kappa_left < math.inf and 0.0 < kappa_right < math.inf):
+            raise ValueError(
+                f"curvature limits left {kappa_left}, right {kappa_right} 1/m; both "
+                "must be finite and > 0"
+            )
+        rl = 1.0 / kappa_left
+        rr = 1.0 / kappa_right
+        x, y = start.unapply((goal.x, goal.y))
+        yaw = goal.yaw - start.yaw
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
+            raise ValueError(f"start {start}, goal {goal}; must be finite")
+        same_place = math.hypot(x, y) <= _SAME_POSE * (rl + rr)
+        if same_place and abs(math.remainder(yaw, _TURN)) <= _SAME_POSE:
+            x = y = yaw = 0.0
+        s = math.sin(yaw)
+        c = math.cos(yaw)
+        return cls(rl, rr, (x - rl * s, y + rl * c), (x + rr * s, y - rr * c), yaw)
+
+    @property
+    def both(self) -> float:
+        """The sum of the radii [m]."""
+        return self.rl + self.rr
+
+    def outer(self) -> Iterator[_Solution]:
+        """Yield LSL and RSR, along the outer tangents."""
+        length, angle = self.left_line()
+        first = _turn(angle)
+        last = _turn(self.yaw - angle)
+        yield length + self.rl * (first + last), "LSL", first, length, last
+        length, angle = self.right_line()
+        first = _turn(-angle)
+        last = _turn(angle - self.yaw)
+        yield length + self.rr * (first + last), "RSR", first, length, last
+
+    def left_line(self) -> Point:
+        """Return distance [m] and direction [rad] from left centre to left centre."""
+        return self._line(self.left[0], self.left[1] - self.rl)
+
+    def right_line(self) -> Point:
+        """Return distance [m] and direction [rad] from right to right centre."""
+        return self._line(self.right[0], self.right[1] + self.rr)
+
+    def _line(self, dx: float, dy: float) -> Point:
+        length = math.hypot(dx, dy)
+        if length > _ROUND_OFF * self.both:
+            return length, math.atan2(dy, dx)
+        return length, 0.0
+
+    def inner(self) -> Iterator[_Solution]:
+        """Yield LSR and RSL, along the inner tangents, where there are any."""
+        straight, direction, opening = self._inner(
+            self.right[0], self.right[1] - self.rl
+        )
+        if straight >= 0.0:
+            heading = direction + opening
+            first = _turn(heading)
+            last = _turn(heading - self.yaw)
+            length = straight + self.rl * first + self.rr * last
+            yield length, "LSR", first, straight, last
+        straight, direction, opening = self._inner(self.left[0], self.left[1] + self.rr)
+        if straight >= 0.0:
+            heading = direction - opening
+            first = _turn(-heading)
+            last = _turn(self.yaw - heading)
+            length = straight + self.rr * first + self.rl * last
+            yield length, "RSL", first, straight, last
+
+    def _inner(self, dx: float, dy: float) -> tuple[float, float, float]:
+        """Return the straight part [m] of the inner tangent of two circles, < 0 where
+        there is none, their direction and the angle [rad] from there to the tangent.
+
+        The centres are the straight apart along the tangent, and rl + rr across it.
+        """
+        both = self.both
+        square = dx * dx + dy * dy - both * both
+        if not square >= -(_ROUND_OFF * both) * both:
+            return -1.0, 0.0, 0.0
+        straight = math.sqrt(max(square, 0.0))
+        return straight, math.atan2(dy, dx), math.atan2(both, straight)
+
+    def three_arcs(self) -> Iterator[_Solution]:
+        """Yield RLR and LRL, twice each, where the middle circle can touch both others:
+        it is rl + rr from either centre, on one or the other side.
+        """
+        length, angle = self.right_line()
+        for side in _openings(0.5 * length / self.both):
+            to_middle = angle + side
+            back = angle + math.pi - side
+            first = _turn(0.5 * math.pi - to_middle)
+            middle = _turn(back - to_middle)
+            last = _turn(back - 0.5 * math.pi - self.yaw)
+            length = self.rr * (first + last) + self.rl * middle
+            yield length, "RLR", first, middle, last
+        length, angle = self.left_line()
+        for side in _openings(0.5 * length / self.both):
+            to_middle = angle + side
+            back = angle + math.pi - side
+            first = _turn(to_middle + 0.5 * math.pi)
+            middle = _turn(to_middle - back)
+            last = _turn(self.yaw - back - 0.5 * math.pi)
+            length = self.rl * (first + last) + self.rr * middle
+            yield length, "LRL", first, middle, last
+
+
+def _openings(half: float) -> tuple[float, ...]:
+    """Return the angles [rad] from the line of centres to the middle circle's, both
+    ways; ``half`` is half the distance of the centres over rl + rr.
+    """
+    if half > 1.0 + _ROUND_OFF:
+        return ()
+    opening = math.acos(min(half, 1.0))
+    return opening, -opening
 
 
 def _solutions(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> list[_Solution]:
-    if not (0.0 < kappa_left < math.inf and 0.0 < kappa_right < math.inf):
-        raise ValueError(
-            f"curvature limits left {kappa_left}, right {kappa_right} 1/m; both must "
-            "be finite and > 0"
-        )
-    rl = 1.0 / kappa_left
-    rr = 1.0 / kappa_right
-    x, y = start.unapply((goal.x, goal.y))
-    yaw = goal.yaw - start.yaw
-    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(yaw)):
-        raise ValueError(f"start {start}, goal {goal}; must be finite")
-    both = rl + rr
-    if (
-        math.hypot(x, y) <= _SAME_POSE * both
-        and abs(math.remainder(yaw, _TURN)) <= _SAME_POSE
-    ):
-        x = y = yaw = 0.0
-    s = math.sin(yaw)
-    c = math.cos(yaw)
-    tiny = _ROUND_OFF * both
-    hypot = math.hypot
-    atan2 = math.atan2
-    out: list[_Solution] = []
-
-    # Vectors between the centres of the turning circles, start to goal; start centres
-    # (0, rl) and (0, -rr).
-    left_x = x - rl * s
-    right_x = x + rr * s
-    left_y = y + rl * c
-    right_y = y - rr * c
-
-    dx = left_x
-    dy = left_y - rl
-    ll = hypot(dx, dy)
-    ll_angle = atan2(dy, dx) if ll > tiny else 0.0
-    first = _turn(ll_angle)
-    last = _turn(yaw - ll_angle)
-    out.append((ll + rl * (first + last), "LSL", first, ll, last))
-
-    dx = right_x
-    dy = right_y + rr
-    rr_ = hypot(dx, dy)
-    rr_angle = atan2(dy, dx) if rr_ > tiny else 0.0
-    first = _turn(-rr_angle)
-    last = _turn(rr_angle - yaw)
-    out.append((rr_ + rr * (first + last), "RSR", first, rr_, last))
-
-    # Inner tangents: the centres are p along the straight and rl + rr across it.
-    dx = right_x
-    dy = right_y - rl
-    square = dx * dx + dy * dy - both * both
-    if square >= -tiny * both:
-        p = math.sqrt(max(square, 0.0))
-        heading = atan2(dy, dx) + atan2(both, p)
-        first = _turn(heading)
-        last = _turn(heading - yaw)
-        out.append((p + rl * first + rr * last, "LSR", first, p, last))
-
-    dx = left_x
-    dy = left_y + rr
-    square = dx * dx + dy * dy - both * both
-    if square >= -tiny * both:
-        p = math.sqrt(max(square, 0.0))
-        heading = atan2(dy, dx) - atan2(both, p)
-        first = _turn(-heading)
-        last = _turn(yaw - heading)
-        out.append((p + rr * first + rl * last, "RSL", first, p, last))
-
-    # Three arcs: the middle circle touches both others, rl + rr from either centre, on
-    # one or the other side.
-    half = 0.5 * rr_ / both
-    if half <= 1.0 + _ROUND_OFF:
-        opening = math.acos(min(half, 1.0))
-        for side in (opening, -opening):
-            to_middle = rr_angle + side
-            back = rr_angle + math.pi - side
-            first = _turn(0.5 * math.pi - to_middle)
-            middle = _turn(back - to_middle)
-            last = _turn(back - 0.5 * math.pi - yaw)
-            out.append((rr * (first + last) + rl * middle, "RLR", first, middle, last))
-
-    half = 0.5 * ll / both
-    if half <= 1.0 + _ROUND_OFF:
-        opening = math.acos(min(half, 1.0))
-        for side in (opening, -opening):
-            to_middle = ll_angle + side
-            back = ll_angle + math.pi - side
-            first = _turn(to_middle + 0.5 * math.pi)
-            middle = _turn(to_middle - back)
-            last = _turn(yaw - back - 0.5 * math.pi)
-            out.append((rl * (first + last) + rr * middle, "LRL", first, middle, last))
-    return out
+    circles = _Circles.between(start, goal, kappa_left, kappa_right)
+    return [*circles.outer(), *circles.inner(), *circles.three_arcs()]
 
 
 def _path(

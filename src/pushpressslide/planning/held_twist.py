@@ -35,7 +35,9 @@ def path_onward(
     start = X_WB.compose(X_BV)
     end = goal.compose(task.object.X_GB).compose(X_BV)
     path = TwistPath.between((start, end), radius)
-    return path if 0.0 < path.length <= longest else None
+    if not 0.0 < path.length <= longest:
+        return None
+    return path
 
 
 def utilisation(used: float, given: Allocation, surface: DraggedSurface) -> float:

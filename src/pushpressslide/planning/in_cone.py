@@ -88,9 +88,9 @@ def describe_cone_margin(margin: float, required: float) -> str:
     degrees = math.degrees(margin)
     if margin >= required:
         return f"{degrees:.0f} deg inside the cone"
-    side = (
-        f"{degrees:.1f} deg inside" if margin >= 0.0 else f"{-degrees:.0f} deg outside"
-    )
+    side = f"{degrees:.1f} deg inside"
+    if margin < 0.0:
+        side = f"{-degrees:.0f} deg outside"
     return f"{side} the cone, needed {math.degrees(required):.0f} deg inside"
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
@@ -36,51 +37,86 @@ def pushed_cars(
     tighter than the object's. Raises ValueError where the object tips.
     """
     belief = task.believed
+    if belief.rho is not None:
+        shift = height * belief.support_friction
+        fits = [_Fit(belief.rho, shift, math.inf, math.inf) for _ in places]
+    else:
+        fits = _fits(task, places, height, synchronised)
+    return [
+        _car(face, half_width, belief.contact_friction, fit, synchronised)
+        for (face, half_width), fit in zip(places, fits, strict=True)
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    """What the surface says of the contacts on one face."""
+
+    rho: float  # [m]
+    shift: float  # [m] of the centre of pressure under way
+    left: float  # [1/m] tightest curvature of the object to the left, > 0
+    right: float
+
+
+def _fits(
+    task: Task, places: Sequence[tuple[Face, float]], height: float, synchronised: bool
+) -> list[_Fit]:
+    """Return rho and shift of the exact surface, at ``curvature_margin`` of the force's
+    way to its limits.
+    """
+    belief = task.believed
     use = task.motion.curvature_margin
-    mu_s = belief.support_friction
     mu_a = belief.contact_friction
     pushes = []
     for face, half_width in places:
         for share in (-use, use, -1.0, 1.0):
-            off = (0.0, share * mu_a) if synchronised else (share * half_width, 0.0)
+            off = (share * half_width, 0.0)
+            if synchronised:
+                off = (0.0, share * mu_a)
             pushes.append(Push(face, *off))
-    turned = turnings(task.object, mu_s, height, pushes) if belief.rho is None else []
+    turned = turnings(task.object, belief.support_friction, height, pushes)
     out = []
     for i, (face, half_width) in enumerate(places):
+        right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]
+        mean = 0.5 * (1.0 / abs(right.curvature) + 1.0 / abs(left.curvature))
         # how far off the CoM the force may be, or how much across the normal; and the
         # moment that this makes
-        limit, arm = (mu_a, face.depth) if synchronised else (half_width, 1.0)
-        if belief.rho is not None:
-            rho = belief.rho
-            shift = height * mu_s
-            least = (math.inf, math.inf)
-        else:
-            right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]
-            mean = 0.5 * (1.0 / abs(right.curvature) + 1.0 / abs(left.curvature))
-            rho = math.sqrt(arm * use * limit * mean)
-            shift = 0.5 * (right.axle + left.axle) - (
-                rho * rho / face.depth if synchronised else 0.0
-            )
-            least = abs(rightmost.curvature), abs(leftmost.curvature)
-        heading = math.atan2(face.normal[1], face.normal[0])
-        lead = rho * rho / face.depth if synchronised else 0.0
-        car = (
-            RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
-            if synchronised
-            else DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
-        )
-        low, high = car.curvature_limits
-        out.append(
-            PushedCar(
-                heading,
-                shift + lead,
-                lead,
-                rho,
-                min(high, least[0]),
-                min(-low, least[1]),
-            )
-        )
+        limit = half_width
+        arm = 1.0
+        if synchronised:
+            limit = mu_a
+            arm = face.depth
+        rho = math.sqrt(arm * use * limit * mean)
+        axle = 0.5 * (right.axle + left.axle)
+        shift = axle - _lead(face, rho, synchronised)
+        tightest = abs(rightmost.curvature), abs(leftmost.curvature)
+        out.append(_Fit(rho, shift, *tightest))
     return out
+
+
+def _lead(face: Face, rho: float, synchronised: bool) -> float:
+    """Return how far [m] the axle is ahead of the centre of pressure."""
+    if not synchronised:
+        return 0.0
+    return rho * rho / face.depth
+
+
+def _car(
+    face: Face, half_width: float, mu_a: float, fit: _Fit, synchronised: bool
+) -> PushedCar:
+    """Return the reduced model of contacts on one face."""
+    rho = fit.rho
+    heading = math.atan2(face.normal[1], face.normal[0])
+    lead = _lead(face, rho, synchronised)
+    car: DifferentialCar | RearSteerCar
+    if synchronised:
+        car = RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
+    else:
+        car = DifferentialCar(ORIGIN, heading, half_width, half_width, rho)
+    low, high = car.curvature_limits
+    left = min(high, fit.left)
+    right = min(-low, fit.right)
+    return PushedCar(heading, fit.shift + lead, lead, rho, left, right)
 
 
 def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:

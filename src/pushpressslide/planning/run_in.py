@@ -45,7 +45,9 @@ def gentlest(
     """
     best: tuple[float, float, ArcPath] | None = None
     for curvature in curvatures:
-        most = longest if longest is not None else room(start, goal, curvature)
+        most = longest
+        if most is None:
+            most = room(start, goal, curvature)
         for run_in in run_ins:
             path = with_run_in(start, goal, curvature, curvature, run_in)
             if path.length <= most:

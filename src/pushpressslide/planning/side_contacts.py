@@ -117,6 +117,7 @@ def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Whether the segments a-b and c-d cross each other."""
 
     def side(p: Point, q: Point, r: Point) -> bool:
+        """Whether r is to the left of the line from p to q."""
         return cross((q[0] - p[0], q[1] - p[1]), (r[0] - p[0], r[1] - p[1])) > 0.0
 
     return side(a, b, c) != side(a, b, d) and side(c, d, a) != side(c, d, b)

@@ -104,12 +104,7 @@ def continuations(
     yaws = np.asarray(tool_yaws, dtype=np.float64)
     b, k = yaws.shape
     p = np.broadcast_to(np.asarray(positions, dtype=np.float64), (b, k, 3))
-    if isinstance(attitude, ToolAttitude):
-        R = attitude.rotation(yaws)
-    else:
-        R = np.stack(
-            [held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)]
-        )
+    R = _rotations(attitude, yaws)
     starts = np.asarray(q_starts, dtype=np.float64)
     path, distance, angle = _followed(kin, p, yaws, R, starts)
     margins = kin.joint_margin(path)
@@ -120,19 +115,18 @@ def continuations(
     jumps[:, 1:] = np.abs(np.diff(path, axis=1)).max(axis=-1) > largest_step
     out = []
     for j in range(b):
-        status, failed_at = _verdict(off[j], tight[j], jumps[j])
-        out.append(
-            Continuation(
-                path[j],
-                distance[j],
-                angle[j],
-                margins[j],
-                conditions[j],
-                status,
-                failed_at,
-            )
-        )
+        figures = (path[j], distance[j], angle[j], margins[j], conditions[j])
+        out.append(Continuation(*figures, *_verdict(off[j], tight[j], jumps[j])))
     return tuple(out)
+
+
+def _rotations(attitude: ToolAttitude | Sequence[ToolAttitude], yaws: Array) -> Array:
+    """Return the tool's rotations (b, k, 3, 3) at yaws (b, k), of one attitude or b."""
+    if isinstance(attitude, ToolAttitude):
+        return attitude.rotation(yaws)
+    return np.stack(
+        [held.rotation(yaw) for held, yaw in zip(attitude, yaws, strict=True)]
+    )
 
 
 def _followed(

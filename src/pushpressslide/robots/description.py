@@ -66,20 +66,7 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     kind that is not known.
     """
     path = Path(model)
-    if path.suffix.lower() not in (".urdf", ".sdf"):
-        raise PushPressSlideError(
-            "choose panda, iiwa7, hand, or the path of a .urdf or .sdf file"
-        )
-    if not path.is_file():
-        raise PushPressSlideError("there is no such file")
-    try:
-        # Files often use Drake's prefix without declaring it; what it marks is not
-        # needed here.
-        root = ElementTree.fromstring(
-            re.sub(r"(</?|\s)drake:", r"\1drake_", path.read_text("utf-8"))
-        )
-    except (ElementTree.ParseError, UnicodeDecodeError) as error:
-        raise PushPressSlideError(f"it is not XML ({error})") from error
+    root = _root(path)
     if tip_frame is None:
         raise PushPressSlideError(MISSING_TIP_FRAME)
     try:
@@ -98,6 +85,24 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     return RobotFacts(
         description.name or path.stem, (), tuple(chain), link, tip_frame, home
     )
+
+
+def _root(path: Path) -> Element:
+    """Return the root of a URDF or SDF file."""
+    if path.suffix.lower() not in (".urdf", ".sdf"):
+        raise PushPressSlideError(
+            "choose panda, iiwa7, hand, or the path of a .urdf or .sdf file"
+        )
+    if not path.is_file():
+        raise PushPressSlideError("there is no such file")
+    try:
+        # Files often use Drake's prefix without declaring it; what it marks is not
+        # needed here.
+        return ElementTree.fromstring(
+            re.sub(r"(</?|\s)drake:", r"\1drake_", path.read_text("utf-8"))
+        )
+    except (ElementTree.ParseError, UnicodeDecodeError) as error:
+        raise PushPressSlideError(f"it is not XML ({error})") from error
 
 
 def _chain(description: _Description, tip_frame: str) -> list[JointFacts]:

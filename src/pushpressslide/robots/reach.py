@@ -131,7 +131,9 @@ def reach_problem(
         None,
         joint_margin,
     )
-    return None if found.ok.all() else _problem(kin, robot, points, found, joint_margin)
+    if found.ok.all():
+        return None
+    return _problem(kin, robot, points, found, joint_margin)
 
 
 def held_somehow_problem(
@@ -158,19 +160,14 @@ def held_somehow_problem(
     if found.ok.all():
         return None
     others = sorted((_held(*hold, len(p)) for hold in holds[1:]), key=np.ndim)
-    held = [one for one in (first, *others) if (course.short(one) <= 0.0).all()]
-    if held:
+    near = [one for one in (first, *others) if (course.short(one) <= 0.0).all()]
+    if near:
         worst = places[_worst(found)]
-        axes = np.array([_axes(one)[worst] for one in held])
-        there = np.tile(p[worst], (len(held), 1))
-        able = _look(kin, there, axes)
-        if any(course.reached(held[i]) for i in np.flatnonzero(able.ok)):
-            return None
-        able = _retried(kin, there, axes, able, each=True)
-        if any(course.reached(held[i], patient=True) for i in np.flatnonzero(able.ok)):
+        solved, able = _some_hold(course, near, worst)
+        if solved:
             return None
         # where it was thought worst it will do after all
-        if held[0] is first and able.ok[0]:
+        if near[0] is first and able.ok[0]:
             found = _retried(kin, p[places], first[places], found)
     return _problem(kin, robot, [points[i] for i in places], found, REACH_MARGIN)
 
@@ -217,17 +214,37 @@ class _Course:
         return _look(self.kin, self.p[self.hardest], held[self.hardest])
 
 
+def _some_hold(course: _Course, holds: list[Array], worst: int) -> tuple[bool, Reach]:
+    """Return whether one of ``holds`` reaches all points, and which of them reach the
+    ``worst`` one: those that do are tried, the second time with more patience.
+    """
+    kin = course.kin
+    axes = np.array([_axes(held)[worst] for held in holds])
+    there = np.tile(course.p[worst], (len(holds), 1))
+    able = _look(kin, there, axes)
+    if any(course.reached(holds[i]) for i in np.flatnonzero(able.ok)):
+        return True, able
+    able = _retried(kin, there, axes, able, each=True)
+    reached = any(
+        course.reached(holds[i], patient=True) for i in np.flatnonzero(able.ok)
+    )
+    return reached, able
+
+
 def _held(hold: ToolAttitude, yaws: Array | None, count: int) -> Array:
     """Return the tool's axes (count, 3) for any yaw, or with ``yaws`` its rotations
     (count, 3, 3).
     """
-    return (
-        np.broadcast_to(hold.axis, (count, 3)) if yaws is None else hold.rotation(yaws)
-    )
+    if yaws is None:
+        return np.broadcast_to(hold.axis, (count, 3))
+    return hold.rotation(yaws)
 
 
 def _axes(held: Array) -> Array:
-    return held if held.ndim == 2 else held[..., 2]
+    if held.ndim == 2:
+        return held
+    axes: Array = held[..., 2]
+    return axes
 
 
 def _worst(found: Reach) -> int:

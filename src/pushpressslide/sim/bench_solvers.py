@@ -37,7 +37,9 @@ def drake_pushes(
         """Return the forces (4,), or None."""
         balance.UpdateCoefficients(grasp, wrench)
         result = solver.Solve(program)
-        return np.asarray(result.GetSolution(forces)) if result.is_success() else None
+        if not result.is_success():
+            return None
+        return np.asarray(result.GetSolution(forces))
 
     return solve
 
@@ -73,6 +75,8 @@ def drake_presses(
         for row, disc, normal in zip(rows, discs, normals, strict=True):
             disc.UpdateCoefficients(row, np.array([friction * normal, 0.0, 0.0]))
         result = solver.Solve(program)
-        return np.asarray(result.GetSolution(forces)) if result.is_success() else None
+        if not result.is_success():
+            return None
+        return np.asarray(result.GetSolution(forces))
 
     return solve

@@ -67,13 +67,16 @@ class DrivenArm:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
         motion = task.motion
         facts = self.model.instance.facts
+        stiffness = 0.0
+        if motion.joint_tracking:
+            stiffness = motion.joint_stiffness
         self.path = path
         self._executor = ArmExecutor(
             facts.effort_limit,
             facts.torque_rate_limit,
             attitude.rotation_at,
             path.tool_yaw_offset,
-            motion.joint_stiffness if motion.joint_tracking else 0.0,
+            stiffness,
             motion.control_period,
             task.support.frame,
         )
@@ -142,6 +145,7 @@ class DrakePlant:
         set of joint paths for each placement.
         """
         task = plan.part(plan.segments[0])
+        plant = station.plant
         self._start = task.start
         self._frame = task.support.frame
         self._period = task.motion.control_period
@@ -153,22 +157,18 @@ class DrakePlant:
         ]
         for arm, (path, attitude) in zip(self._arms, paths[0], strict=True):
             arm.follow(task, path, attitude)
-            station.plant.SetPositions(
-                station.plant_context, arm.instance, path.approach[0]
-            )
-        self._body = station.scene.object.floating_positions_start()
-        self._body_velocity = (
-            station.plant.num_positions()
-            + station.scene.object.floating_velocities_start_in_v()
-        )
+            plant.SetPositions(station.plant_context, arm.instance, path.approach[0])
+        moved = station.scene.object
+        self._body = moved.floating_positions_start()
+        velocity = moved.floating_velocities_start_in_v()
+        self._body_velocity = plant.num_positions() + velocity
         self._body_rows = {"object_pose_3d": self._body} | {
             f"body_{name}": body.floating_positions_start()
             for name, body in station.scene.bodies.items()
         }
         self._facts = self._run_facts(models)
-        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + sum(
-            map(_longest_approach, paths)
-        )
+        approaches = sum(map(_longest_approach, paths))
+        self.overhead = TOUCH_AND_RELEASE * len(plan.placements) + approaches
         self._ticks = 0
         self._executing = 0.0  # [s] of wall time in this tick
         self._failure: str | None = None

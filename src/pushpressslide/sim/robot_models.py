@@ -118,9 +118,7 @@ def add_robot(
     field = _ModelField(source, index, robot.model)
     facts = _facts(robot, field)
     instance = _add_model(plant, field, facts, models, collision)
-    base = plant.GetFrameByName(facts.base, instance)
-    X_WBase = RigidTransform(RollPitchYaw(0.0, 0.0, robot.base_yaw), robot.base)
-    plant.WeldFrames(plant.world_frame(), base, X_WBase)
+    base = _weld_base(plant, robot, facts, instance)
     length = 0.0  # a model given by file contains its tip
     inertia = SpatialInertia.Zero()
     if robot.model in MODELS:
@@ -139,6 +137,16 @@ def add_robot(
     return RobotInstance(
         name, facts, instance, base, tip, tip.body_frame(), TIP_JOINT, geometry
     )
+
+
+def _weld_base(
+    plant: MultibodyPlant, robot: Robot, facts: RobotFacts, instance: ModelInstanceIndex
+) -> Frame:
+    """Weld the base at its place in the world, and return its frame."""
+    base = plant.GetFrameByName(facts.base, instance)
+    X_WBase = RigidTransform(RollPitchYaw(0.0, 0.0, robot.base_yaw), robot.base)
+    plant.WeldFrames(plant.world_frame(), base, X_WBase)
+    return base
 
 
 def _facts(robot: Robot, field: _ModelField) -> RobotFacts:

@@ -68,33 +68,46 @@ class HolonomicTracker:
         s = sin(turned)
         vx, vy = c * vx - s * vy, s * vx + c * vy  # the path's twist, in V as it is
         size = hypot(vx, vy)
-        tx, ty = (vx / size, vy / size) if size > 0.0 else (1.0, 0.0)
+        tx = 1.0
+        ty = 0.0
+        if size > 0.0:
+            tx = vx / size
+            ty = vy / size
         error = (tx * x + ty * y, tx * y - ty * x, turned)
         off = sqrt(x * x + y * y + (path.radius * turned) ** 2)
         # [m] of error that is pulled at in proportion
         most = grip * self._share * self._decay
-        pull = speed / self._decay * (most / off if off > most else 1.0)
+        pull = speed / self._decay
+        if off > most:
+            pull = speed / self._decay * (most / off)
         vx = speed * vx + pull * x
         vy = speed * vy + pull * y
         w = speed * w + pull * turned
         a, b = self._axes
         twist = Twist(a * vx - b * vy, b * vx + a * vy, w, self._X_BV.position)
-        surface = self._surface
-        wrench = surface.wrench(twist)
-        nearest = self._into_cone(wrench) if self._into_cone is not None else None
+        return self._guidance(twist, progress, error, off > most)
+
+    def _guidance(
+        self,
+        twist: Twist,
+        progress: float,
+        error: tuple[float, float, float],
+        saturated: bool,
+    ) -> Guidance:
+        """Return the guidance to ``twist``, or to what the contacts can give of it."""
+        wrench = self._surface.wrench(twist)
+        nearest = None
+        if self._into_cone is not None:
+            nearest = self._into_cone(wrench)
         if nearest is not None:
             twist, wrench = self._driven(twist, wrench, nearest)
+            saturated = True
+        a, b = self._axes
         fx = wrench.fx
         fy = wrench.fy
         steering = math.atan2(a * fy - b * fx, a * fx + b * fy)
-        return Guidance(
-            progress,
-            wrench,
-            twist.moved_to((0.0, 0.0)),
-            steering,
-            error,
-            nearest is not None or off > most,
-        )
+        moved = twist.moved_to((0.0, 0.0))
+        return Guidance(progress, wrench, moved, steering, error, saturated)
 
     def _driven(
         self, twist: Twist, wanted: Wrench, nearest: Wrench

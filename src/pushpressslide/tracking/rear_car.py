@@ -63,24 +63,9 @@ class RearPushTracker:
         across = along * k
         w = turning * speed * k
         drift = axle * w  # the axle moves along e, the CoM is behind it
-        return new(
-            Guidance,
-            (
-                progress,
-                new(
-                    Wrench,
-                    (
-                        along * ex - across * ey,
-                        along * ey + across * ex,
-                        arm * across,
-                        ORIGIN,
-                    ),
-                ),
-                new(
-                    Twist, (speed * ex + drift * ey, speed * ey - drift * ex, w, ORIGIN)
-                ),
-                delta,
-                (0.0, left, heading_error),
-                saturated,
-            ),
-        )
+        force = (along * ex - across * ey, along * ey + across * ex)
+        wrench = new(Wrench, (*force, arm * across, ORIGIN))
+        velocity = (speed * ex + drift * ey, speed * ey - drift * ex)
+        twist = new(Twist, (*velocity, w, ORIGIN))
+        error = (0.0, left, heading_error)
+        return new(Guidance, (progress, wrench, twist, delta, error, saturated))

@@ -29,6 +29,7 @@ from pushpressslide.planning.pressed.vehicle import (
     SHORT_RUN_INS,
     SWING,
     PressedVehicle,
+    Way,
     backing_up,
     pressed_vehicle,
     turns,
@@ -61,10 +62,8 @@ class Press:
 def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     """Judge one press and direction but for the arm's reach."""
     contact = press.contact
-    backward = press.backward
-    pivots = task.motion.vehicle == "pivot"
-    how = "pushed" if backward else "pulled"
-    if pivots:
+    how = "pushed" if press.backward else "pulled"
+    if task.motion.vehicle == "pivot":
         how = "turned on the spot"
     x, y = contact.point
     choice = Choice(mode, f"{how} at ({x:.3f}, {y:.3f})", (contact,))
@@ -72,16 +71,10 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
         text = "the contact must be {allowed:mm.0f} inside the object's top"
         return choice.refused(Refusal("off_top", text, None, EDGE, "m"))
     try:
-        vehicle = pressed_vehicle(task, contact, backward, press.angle, press.steepest)
-        back = None if pivots else way_back(task, vehicle.press, not backward)
-        pushed = _tool_drag(task, vehicle)
-        # where it cannot go back there is no retry: only with a long run-in
-        returns = back is not None
-        segments: Sequence[Segment] = (
-            [_spin(task, mode, contact, vehicle)]
-            if pivots
-            else _drive(task, mode, press, vehicle, returns)
+        vehicle = pressed_vehicle(
+            task, contact, press.backward, press.angle, press.steepest
         )
+        pushed, segments = _driven_segments(task, mode, press, vehicle)
     except ValueError as error:
         return choice.refused(refusal_of(error, "tipping"))
     belief = task.believed
@@ -102,6 +95,21 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
         merits += f", {piece.path.length:g} m back first"
     time = run_time(task, segments, pressed=True)
     return replace(choice, segments=segments, time=time, merits=merits)
+
+
+def _driven_segments(
+    task: Task, mode: str, press: Press, vehicle: PressedVehicle
+) -> tuple[float, tuple[Segment, ...]]:
+    """Return a tool's drag [N], and the segments: a turn on the spot, or a drive.
+    Raises RefusedError where there is none.
+    """
+    if task.motion.vehicle == "pivot":
+        pushed = _tool_drag(task, vehicle)
+        return pushed, (_spin(task, mode, press.contact, vehicle),)
+    # where it cannot go back there is no retry: only with a long run-in
+    returns = way_back(task, vehicle.press, not press.backward) is not None
+    pushed = _tool_drag(task, vehicle)
+    return pushed, _drive(task, mode, press, vehicle, returns)
 
 
 def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> Segment:
@@ -133,23 +141,11 @@ def _drive(
     motion = task.motion
     car = vehicle.car
     contact = press.contact
-    start, goal = _ends(task, vehicle.X_BV)
     look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
-    straight = 0.0 if task.tool is None else task.tool.straight
-    tried = RUN_INS if returns else RUN_INS[:2]
-    run_ins = [straight + k * look_ahead for k in tried]
-    back_ups = press.back_ups if returns else (0.0,)
-    way = way_to(start, goal, vehicle, run_ins, back_ups)
-    # where a loop is too long a manoeuvre is better, if one is allowed
-    loop = LOOP if motion.vehicle or task.tool else 0.0
-    if way.too_long > loop:
-        text = (
-            f"only by a loop of {way.path.length:.2f} m, {{figure:m.2f}} too long, "
-            "allowed {allowed:mg}"
-        )
-        raise RefusedError(Refusal("loop", text, way.too_long, loop, "m"))
+    way = _way(task, press, vehicle, look_ahead, returns)
     speed = motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
-    speed *= PUSHED_SPEED if press.backward else 1.0
+    if press.backward:
+        speed *= PUSHED_SPEED
     speed *= min(1.0, SWING / (car.length * way.curvature))
     drive = UnicycleDrive(
         car,
@@ -163,6 +159,32 @@ def _drive(
     if not way.back_up:
         return (piece,)
     return (backing_up(task, vehicle, piece, way.back_up), piece)
+
+
+def _way(
+    task: Task, press: Press, vehicle: PressedVehicle, look_ahead: float, returns: bool
+) -> Way:
+    """Return the path to the goal, straight back first where that helps."""
+    straight = 0.0
+    if task.tool is not None:
+        straight = task.tool.straight
+    run_ins = [straight + k * look_ahead for k in RUN_INS]
+    back_ups = press.back_ups
+    if not returns:
+        run_ins = run_ins[:2]
+        back_ups = (0.0,)
+    way = way_to(*_ends(task, vehicle.X_BV), vehicle, run_ins, back_ups)
+    # where a loop is too long a manoeuvre is better, if one is allowed
+    loop = 0.0
+    if task.motion.vehicle or task.tool:
+        loop = LOOP
+    if way.too_long > loop:
+        text = (
+            f"only by a loop of {way.path.length:.2f} m, {{figure:m.2f}} too long, "
+            "allowed {allowed:mg}"
+        )
+        raise RefusedError(Refusal("loop", text, way.too_long, loop, "m"))
+    return way
 
 
 def _max_friction(task: Task, contact: Contact) -> float:

@@ -71,7 +71,9 @@ class Stretch:
         cop = press.cop
         backward = abs(turn.angle) > 0.5 * math.pi
         ahead = (X_BV.x - cop[0]) * ex + (X_BV.y - cop[1]) * ey
-        shift = -ahead - wheelbase if backward else ahead + wheelbase
+        shift = ahead + wheelbase
+        if backward:
+            shift = -ahead - wheelbase
         rho = math.sqrt(wheelbase * press.lever)
         across = math.sin(turn.angle) ** 2
         if across < 1e-3:
@@ -149,16 +151,13 @@ class Manoeuvre:
         for stretch in stretches:
             last = stretch is run_in
             path = stretch.path
+            goal = task.goal
+            if not last:
+                goal = stretch.end.compose(X_BG)
+            drive = stretch.drive(max_friction, last)
+            profile = SpeedProfile(path.length, stretch.speed, task.motion.acceleration)
             segments.append(
-                Segment(
-                    mode,
-                    (contact,),
-                    stretch.drive(max_friction, last),
-                    path,
-                    SpeedProfile(path.length, stretch.speed, task.motion.acceleration),
-                    task.goal if last else stretch.end.compose(X_BG),
-                    margin,
-                )
+                Segment(mode, (contact,), drive, path, profile, goal, margin)
             )
         turns = ", ".join(
             f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg"
@@ -189,26 +188,29 @@ def pressed_manoeuvres(
     goal = task.goal.compose(task.object.X_GB)
     out = []
     turns = pressed_turns([press for _, press in pressed])
-    for (contact, _), of_press in zip(pressed, turns, strict=True):
-        if of_press:
-            out += _of_press(task, X_WB, goal, contact, of_press)
+    for (contact, _), usable in zip(pressed, turns, strict=True):
+        if usable:
+            out += _by_press(task, X_WB, goal, contact, usable)
     return sorted(out, key=lambda manoeuvre: manoeuvre.time)
 
 
-def _of_press(
+@dataclass(frozen=True, slots=True)
+class _RunIn:
+    """A straight end that leads to the goal."""
+
+    turn: PressedTurn
+    speed: float  # [m/s]
+    length: float  # [m]
+
+
+def _by_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
-    ends = [t for t in turns if _straight(t) and min(-t.right, t.left) >= CORRECTING]
-    if not ends:
+    """Return the quickest manoeuvres of one press with each of its run-ins."""
+    run_ins = _run_ins(task, goal, turns)
+    if not run_ins:
         return []
-    turns = [
-        *turns,
-        *(
-            replace(t, curvature=-t.curvature)
-            for t in turns
-            if abs(t.curvature) < STRAIGHT
-        ),
-    ]
+    turns = _both_ways(turns)
     speeds = [_speed(task, turn) for turn in turns]
     bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
@@ -217,36 +219,47 @@ def _of_press(
     times = 1.0 / (np.abs(bent) * np.array(speeds))
     narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
     pauses = PAUSE + NARROW * narrow
-    run_ins = []
-    stagings = []
+    stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
+    every = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
     out = []
-    for turn in ends:
-        X_BV = turn.X_BV
-        speed = _speed(task, turn)
-        look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
-        for run_in in RUN_INS:
-            length = run_in * look_ahead
-            staging = goal.compose(
-                Pose2(-length * math.cos(X_BV.yaw), -length * math.sin(X_BV.yaw), 0.0)
-            )
-            ahead = X_WB.inverse().compose(staging)
-            run_ins.append((turn, speed, length))
-            stagings.append(
-                Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
-            )
-    found = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
-    for (turn, speed, length), of_run_in in zip(run_ins, found, strict=True):
-        for word in of_run_in:
-            time = word.time + length / speed + PAUSE
-            if time < LONGEST * task.limits.time:
-                by = zip(word.turns, word.angles, strict=True)
-                arcs = [
-                    (turns[c], speeds[c], (float(bent[c]), float(angle / bent[c])))
-                    for c, angle in by
-                ]
-                arcs.append((turn, speed, (0.0, length)))
-                out.append(Manoeuvre(contact, X_WB, goal, tuple(arcs), time))
+    for run_in, quickest in zip(run_ins, every, strict=True):
+        end = (run_in.turn, run_in.speed, (0.0, run_in.length))
+        for word in quickest:
+            time = word.time + run_in.length / run_in.speed + PAUSE
+            if time >= LONGEST * task.limits.time:
+                continue
+            arcs = [
+                (turns[c], speeds[c], (float(bent[c]), float(angle / bent[c])))
+                for c, angle in zip(word.turns, word.angles, strict=True)
+            ]
+            out.append(Manoeuvre(contact, X_WB, goal, (*arcs, end), time))
     return out
+
+
+def _both_ways(turns: list[PressedTurn]) -> list[PressedTurn]:
+    """Return turns, and those straight on bent to their other side besides."""
+    straight = [t for t in turns if abs(t.curvature) < STRAIGHT]
+    return [*turns, *(replace(t, curvature=-t.curvature) for t in straight)]
+
+
+def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
+    """Return the straight turns, as long as they may be, that can be corrected well."""
+    out = []
+    for turn in turns:
+        if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
+            speed = _speed(task, turn)
+            look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+            out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
+    return out
+
+
+def _staging(X_WB: Pose2, goal: Pose2, run_in: _RunIn) -> Pose2:
+    """Return the pose in B from which a run-in leads to ``goal``."""
+    yaw = run_in.turn.X_BV.yaw
+    length = run_in.length
+    back = Pose2(-length * math.cos(yaw), -length * math.sin(yaw), 0.0)
+    ahead = X_WB.inverse().compose(goal.compose(back))
+    return Pose2(ahead.x, ahead.y, math.remainder(ahead.yaw, 2.0 * math.pi))
 
 
 def _straight(turn: PressedTurn) -> bool:
@@ -266,4 +279,6 @@ def as_driven(curvature: float, like: float) -> float:
     """Return a turn's curvature [1/m] as it is driven: one straight on has a centre far
     away, on the side of ``like``.
     """
-    return curvature if abs(curvature) >= STRAIGHT else math.copysign(STRAIGHT, like)
+    if abs(curvature) >= STRAIGHT:
+        return curvature
+    return math.copysign(STRAIGHT, like)

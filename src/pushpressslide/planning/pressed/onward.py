@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -52,7 +52,8 @@ def pressed_at(
         turn = turns.get(planned.axis_angle)
         if turn is not None and isinstance(path, ArcPath):
             curvature, length = path.pieces[-1]
-            curvature = as_driven(turn.curvature, curvature) if curvature else 0.0
+            if curvature:
+                curvature = as_driven(turn.curvature, curvature)
             path = ArcPath(path.start, ((curvature, length),))
             now = Stretch(turn, path, segment.goal, segment.profile.speed)
             drive = now.drive(planned.max_friction, planned.last)
@@ -87,11 +88,53 @@ def onward(
     return tuple(out)
 
 
+@dataclass(frozen=True, slots=True)
+class _Course:
+    """Arcs from ``start`` on, of lengths to choose, the first of them steered besides;
+    x (n + 1,) are the lengths [m] of n arcs and the steering [rad].
+    """
+
+    arcs: list[Arc]
+    gain: float  # [m] tan(steering) per curvature of the first arc
+    start: Pose2  # X_WB
+    goal: Pose2
+
+    def steered(self, x: Array) -> list[Arc]:
+        """Return the arcs as they are steered."""
+        (X_BV, curvature), *others = self.arcs
+        return [(X_BV, curvature + math.tan(x[-1]) / self.gain), *others]
+
+    def short(self, x: Array) -> Array:
+        """Return what is left to the goal at their end (3,) [m]."""
+        goal = self.goal
+        end = _poses(self.steered(x), x[:-1].tolist(), self.start)[-1]
+        yaw = math.remainder(goal.yaw - end.yaw, math.tau)
+        return np.array([goal.x - end.x, goal.y - end.y, YAW_ARM * yaw])
+
+    def solved(self, x: Array, low: Array, high: Array, measure: Array) -> Array:
+        """Return ``x`` within bounds that leads to the goal, with the least change by
+        ``measure`` (n + 1,): Gauss and Newton's method.
+        """
+        for _ in range(STEPS):
+            off = self.short(x)
+            slopes = np.array(
+                [
+                    (off - self.short(x + step)) / SMALL
+                    for step in SMALL * np.eye(len(x))
+                ]
+            ).T
+            step = _step(
+                slopes / measure, off, (low - x) * measure, (high - x) * measure
+            )
+            x = x + step / measure
+        return x
+
+
 def _arcs(
     segments: Sequence[Segment], X_WB: Pose2, goal: Pose2
 ) -> tuple[list[Arc], list[float]]:
     """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
-    lengths [m]: Gauss and Newton's method within bounds.
+    lengths [m].
     """
     arcs: list[Arc] = [
         (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
@@ -100,38 +143,19 @@ def _arcs(
     run_in = segments[-1].drive
     assert isinstance(turn, TurnDrive)
     assert isinstance(run_in, TurnDrive)
-    gain = turn.gain
     curvatures = np.array([curvature for _, curvature in arcs])
-    # the lengths, and the first turn's steering; of all changes those of the least way
-    # and the least turn
+    # of all changes those of the least way and the least turn
+    measure = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
     x = np.array([*(segment.path.length for segment in segments), 0.0])
-    low = np.array(
-        [0.0] * (len(arcs) - 1)
-        + [LEAST_RUN_IN * run_in.look_ahead, PLANNED * turn.right]
-    )
-    high = np.array([math.inf] * len(arcs) + [PLANNED * turn.left])
-    ways = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
-    low = np.maximum(low, x - MOST / ways)
-    high = np.minimum(high, x + MOST / ways)
+    shortest = [0.0] * (len(arcs) - 1) + [LEAST_RUN_IN * run_in.look_ahead]
+    low = np.maximum([*shortest, PLANNED * turn.right], x - MOST / measure)
+    longest = [math.inf] * len(arcs)
+    high = np.minimum([*longest, PLANNED * turn.left], x + MOST / measure)
     if len(arcs) > 2:
         low[-1] = high[-1] = 0.0
-
-    def steered(x: Array) -> list[Arc]:
-        (X_BV, curvature), *others = arcs
-        return [(X_BV, curvature + math.tan(x[-1]) / gain), *others]
-
-    def short(x: Array) -> Array:
-        end = _poses(steered(x), x[:-1].tolist(), X_WB)[-1]
-        yaw = math.remainder(goal.yaw - end.yaw, math.tau)
-        return np.array([goal.x - end.x, goal.y - end.y, YAW_ARM * yaw])
-
-    for _ in range(STEPS):
-        off = short(x)
-        slopes = np.array(
-            [(off - short(x + step)) / SMALL for step in SMALL * np.eye(len(x))]
-        ).T
-        x = x + _step(slopes / ways, off, (low - x) * ways, (high - x) * ways) / ways
-    return steered(x), [float(length) for length in x[:-1]]
+    course = _Course(arcs, turn.gain, X_WB, goal)
+    x = course.solved(x, low, high, measure)
+    return course.steered(x), [float(length) for length in x[:-1]]
 
 
 def _step(slopes: Array, off: Array, low: Array, high: Array) -> Array:

@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
@@ -28,7 +30,7 @@ from pushpressslide.planning.pressed.manoeuvre import (
     pressed_manoeuvres,
 )
 from pushpressslide.planning.pressed.three_turns import least_times
-from pushpressslide.planning.pressed.turns import COUNT, EVERY, turn_table
+from pushpressslide.planning.pressed.turns import COUNT, EVERY, TurnTable, turn_table
 from pushpressslide.planning.pressed.vehicle import SWING, press_of
 
 RESOLUTION = 2  # of the base: the best press is nearly always among the first three
@@ -79,55 +81,87 @@ def manoeuvre_times(
     goal takes by each of m presses of its object; infinite where there is none.
     """
     table = turn_table(presses, RESOLUTION)
+    paces = _paces(task, table)
+    axes = np.array([p.axis for p in presses]).view(np.complex128)
+    cops = np.array([p.cop for p in presses]).view(np.complex128)
+    headings = axes * np.exp(1j * table.heading)
+    turns = _planned_turns(table, paces, cops + table.ahead * axes, headings)
     levers = np.array([p.lever for p in presses])
-    axes, cops = (
-        np.array(of).view(np.complex128)
-        for of in ([p.axis for p in presses], [p.cop for p in presses])
-    )
-    steering = np.minimum(table.right, table.left)
-    slower = np.minimum(1.0, SWING / table.pace) * np.minimum(
-        1.0, table.room / SAFE_ROOM
-    )
-    speed = task.motion.speed * slower
-    pauses = PAUSE + NARROW * (steering < CORRECTING)
-    axles = cops + table.ahead * axes
-    ways = axes * np.exp(1j * table.heading)
-    stride = np.where(
-        table.usable[:, ::EVERY].sum(1, keepdims=True) > MANY, 2 * EVERY, EVERY
-    )
-    planned = table.usable & (np.arange(COUNT) % stride == 0)
-    bent = np.copysign(np.maximum(np.abs(table.curvature), STRAIGHT), table.curvature)
-    bent = np.where(planned, bent, np.nan)
-    # straight turns go with either centre
-    back = np.where(np.abs(table.curvature) < STRAIGHT, -bent, np.nan)
-    # of each press its turns, and NaN after them
-    bent = np.concatenate([bent[:, ::EVERY], back[:, ::EVERY]], axis=1)
-    most = int(np.isfinite(bent).sum(1).max())
-    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :most]
-    bent = np.take_along_axis(bent, order, axis=1)
-    axle, way, pace, pause = (
-        np.take_along_axis(np.concatenate([of[:, ::EVERY]] * 2, axis=1), order, axis=1)
-        for of in (axles, ways, speed, pauses)
-    )
-    centers = axle + 1j * way * (1.0 / bent)
-    times = 1.0 / (np.abs(bent) * pace)
     ahead = X_WB.inverse().compose(task.goal.compose(task.object.X_GB))
     turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
     out = np.full(len(presses), math.inf)
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
         gain = np.abs(table.gain[:, end])
-        free = steering[:, end]
+        free = paces.steering[:, end]
         able = table.usable[:, end] & (free >= CORRECTING)
         needed = np.sqrt(4.0 * CORRECTED * gain / np.tan(np.where(able, free, 1.0)))
-        length = RUN_INS[-1] * np.clip(
-            np.maximum(0.35 * (gain + levers), needed), *LOOK_AHEAD
-        )
-        staging = complex(ahead.x, ahead.y) - length * ways[:, end] * np.exp(
+        look_ahead = np.clip(np.maximum(0.35 * (gain + levers), needed), *LOOK_AHEAD)
+        length = RUN_INS[-1] * look_ahead
+        direction = headings[:, end]
+        staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
             1j * ahead.yaw
         )
         staging = np.where(able, staging, np.nan)
-        found = least_times(centers, np.sign(bent), times, pause, staging, turn)
-        out = np.minimum(
-            out, np.where(able, found + length / speed[:, end] + PAUSE, math.inf)
+        turning = least_times(
+            turns.centers, turns.sides, turns.times, turns.pauses, staging, turn
         )
+        time = turning + length / paces.speed[:, end] + PAUSE
+        out = np.minimum(out, np.where(able, time, math.inf))
     return out
+
+
+@dataclass(frozen=True, slots=True)
+class _Paces:
+    """What a turn at each of COUNT angles costs; arrays (m, COUNT)."""
+
+    steering: Array  # [rad] that the force may be turned to either side
+    speed: Array  # [m/s]
+    pauses: Array  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class _Turns:
+    """The turns that are planned with of each press, and NaN after them; (m, k)."""
+
+    centers: NDArray[np.complex128]  # [m] in B
+    sides: Array  # 1 to the left, -1 to the right
+    times: Array  # [s/rad]
+    pauses: Array  # [s]
+
+
+def _paces(task: Task, table: TurnTable) -> _Paces:
+    steering = np.minimum(table.right, table.left)
+    slower = np.minimum(1.0, SWING / table.pace) * np.minimum(
+        1.0, table.room / SAFE_ROOM
+    )
+    pauses = np.where(steering < CORRECTING, PAUSE + NARROW, PAUSE)
+    return _Paces(steering, task.motion.speed * slower, pauses)
+
+
+def _planned_turns(
+    table: TurnTable,
+    paces: _Paces,
+    axles: NDArray[np.complex128],
+    headings: NDArray[np.complex128],
+) -> _Turns:
+    """Return every other turn, or of many every fourth, about its centre; straight ones
+    about a far one on either side.
+    """
+    many = table.usable[:, ::EVERY].sum(1, keepdims=True) > MANY
+    stride = np.where(many, 2 * EVERY, EVERY)
+    planned = table.usable & (np.arange(COUNT) % stride == 0)
+    bent = np.copysign(np.maximum(np.abs(table.curvature), STRAIGHT), table.curvature)
+    bent = np.where(planned, bent, np.nan)
+    back = np.where(np.abs(table.curvature) < STRAIGHT, -bent, np.nan)
+    bent = np.concatenate([bent[:, ::EVERY], back[:, ::EVERY]], axis=1)
+    most = int(np.isfinite(bent).sum(1).max())
+    order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :most]
+    bent = np.take_along_axis(bent, order, axis=1)
+    axle, heading, speed, pauses = (
+        np.take_along_axis(
+            np.concatenate([each[:, ::EVERY]] * 2, axis=1), order, axis=1
+        )
+        for each in (axles, headings, paces.speed, paces.pauses)
+    )
+    centers = axle + 1j * heading * (1.0 / bent)
+    return _Turns(centers, np.sign(bent), 1.0 / (np.abs(bent) * speed), pauses)

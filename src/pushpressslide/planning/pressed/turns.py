@@ -76,40 +76,24 @@ class TurnTable:
     room: Array
 
 
+@dataclass(frozen=True, slots=True)
+class _Slides:
+    """What forces at all angles STEP i do to m presses; NaN where the object tips."""
+
+    # (3, m, COUNT) of the centre of pressure, along the axis and to its left, and w
+    motion: Array
+    shares: Array  # (m, COUNT) of mu_s N that the force takes
+    rooms: Array  # (m, COUNT) [half widths] inside the base
+
+
 def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTable:
     """Return what forces at all angles do to presses of one object, its base cut up as
     finely as ``resolution`` says (mechanics/dragging.py).
     """
-    m = len(presses)
-    body = presses[0].body
-    shift = presses[0].shift
-    axes = np.array([p.axis for p in presses])
-    cops = np.array([p.cop for p in presses])
+    slides = _slides(presses, resolution)
+    motion = slides.motion
     levers = np.array([[p.lever] for p in presses])
-    angles = STEP * np.arange(COUNT)
-    c = np.cos(angles)[None, :, None]
-    s = np.sin(angles)[None, :, None]
-    across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
-    forces = c * axes[:, None] + s * across[:, None]
-    rooms = rooms_inside(body, (cops[:, None] + shift * forces).reshape(-1, 2)).reshape(
-        m, COUNT
-    )
-    rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
-    contacts = np.array([p.contact for p in presses])
-    slid = DraggedBase(body, shift, resolution).slide(
-        cops[rows], contacts[rows], forces[rows, columns]
-    )
-    # of the centre of pressure, along the axis and to its left, and how it changes with
-    # the force's angle
-    motion = np.full((3, m, COUNT), np.nan)
-    shares = np.full((m, COUNT), np.nan)
-    vx, vy, w = slid.twists.T
-    vx = vx - w * cops[rows, 1]
-    vy = vy + w * cops[rows, 0]
-    ex, ey = axes[rows].T
-    tx, ty = across[rows].T
-    motion[:, rows, columns] = vx * ex + vy * ey, vx * tx + vy * ty, w
-    shares[rows, columns] = slid.shares
+    # each motion, and how it changes with the force's angle
     before = np.roll(motion, 1, axis=-1)
     after = np.roll(motion, -1, axis=-1)
     a, b, w = 0.5 * (before + after)
@@ -120,10 +104,8 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
     gain = speed / (dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed)
     pace = np.hypot(a, b + w * levers) / speed
     heading = np.arctan2(b + w * x, a)
-    along = np.arctan2(motion[1] + motion[2] * levers, motion[0])  # of the contact
-    # between an angle and the next
-    firm = _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP
-    leads = np.round(np.cos(angles), 9)  # neither way at a right angle
+    # neither way at a right angle
+    leads = np.round(np.cos(STEP * np.arange(COUNT)), 9)
     usable = (
         (np.abs(x) < FAR)
         & (np.abs(curvature) < TIGHTEST)
@@ -131,34 +113,79 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
         & (pace < PACE[1])
         & (gain * leads >= 0.0)
     )
-    sides = []
-    for side in (-1, 1):
-        steps = np.zeros((m, COUNT))
-        free = usable
-        for k in range(1, STEERING + 1):
-            va, vb, vw = np.roll(motion, -side * k, axis=-1)
-            slip = _wrapped(np.arctan2(vb + vw * x, va) - heading)
-            free = (
-                free
-                & (np.abs(slip) < SLIP)
-                & np.roll(firm, -k + 1 if side > 0 else k, axis=-1)
-            )
-            steps += free
-        sides.append(steps)
-    right, left = sides
-    usable = usable & (np.minimum(right, left) >= LEAST)
+    firm = _firm(motion, levers)
+    right = _free(motion, x, heading, usable, np.roll(firm, 1, axis=-1), -1)
+    left = _free(motion, x, heading, usable, firm, 1)
+    usable = usable & (np.minimum(right, left) >= LEAST * STEP)
+    shares = slides.shares
+    rooms = slides.rooms
     return TurnTable(
-        usable,
-        x,
-        heading,
-        curvature,
-        gain,
-        shares,
-        pace,
-        STEP * right,
-        STEP * left,
-        rooms,
+        usable, x, heading, curvature, gain, shares, pace, right, left, rooms
     )
+
+
+def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
+    """Return how the object slides under each force under which it does not tip."""
+    m = len(presses)
+    body = presses[0].body
+    shift = presses[0].shift
+    axes = np.array([p.axis for p in presses])
+    cops = np.array([p.cop for p in presses])
+    contacts = np.array([p.contact for p in presses])
+    angles = STEP * np.arange(COUNT)
+    c = np.cos(angles)[None, :, None]
+    s = np.sin(angles)[None, :, None]
+    across = np.stack([-axes[:, 1], axes[:, 0]], axis=-1)
+    forces = c * axes[:, None] + s * across[:, None]
+    moved = cops[:, None] + shift * forces
+    rooms = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
+    rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
+    base = DraggedBase(body, shift, resolution)
+    slid = base.slide(cops[rows], contacts[rows], forces[rows, columns])
+    vx, vy, w = slid.twists.T
+    vx = vx - w * cops[rows, 1]
+    vy = vy + w * cops[rows, 0]
+    ex, ey = axes[rows].T
+    tx, ty = across[rows].T
+    motion = np.full((3, m, COUNT), np.nan)
+    motion[:, rows, columns] = vx * ex + vy * ey, vx * tx + vy * ty, w
+    shares = np.full((m, COUNT), np.nan)
+    shares[rows, columns] = slid.shares
+    return _Slides(motion, shares, rooms)
+
+
+def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
+    """Return where the contact's motion turns with the force, from each angle to the
+    next; ``levers`` (m, 1) [m].
+    """
+    along = np.arctan2(motion[1] + motion[2] * levers, motion[0])
+    firm: NDArray[np.bool_] = (
+        _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP
+    )
+    return firm
+
+
+def _free(
+    motion: Array,
+    axle: Array,
+    heading: Array,
+    usable: NDArray[np.bool_],
+    firm: NDArray[np.bool_],
+    side: int,
+) -> Array:
+    """Return how far [rad] the force may be turned to one ``side``, 1 to the left, -1
+    to the right, until the axle slips sideways; ``firm`` between an angle and the next
+    on that side.
+    """
+    steps = np.zeros(usable.shape)
+    free = usable
+    for k in range(1, STEERING + 1):
+        va, vb, vw = np.roll(motion, -side * k, axis=-1)
+        slip = _wrapped(np.arctan2(vb + vw * axle, va) - heading)
+        follows = np.roll(firm, -side * (k - 1), axis=-1)
+        free = free & (np.abs(slip) < SLIP) & follows
+        steps += free
+    return STEP * steps
 
 
 def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
@@ -173,8 +200,8 @@ def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
         turns = []
         for i in np.flatnonzero(table.usable[row, ::EVERY]) * EVERY:
             ahead, heading, curvature, gain, share, pace, right, left, room = (
-                float(of[row, i])
-                for of in (
+                float(quantity[row, i])
+                for quantity in (
                     table.ahead,
                     table.heading,
                     table.curvature,

@@ -68,7 +68,9 @@ def steered(task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
             press.contact, press.cop, task.believed.rho, backward, press.shift
         )
     ahead, reach = press.steered(angle, backward)
-    shift = -ahead - reach if backward else ahead + reach
+    shift = ahead + reach
+    if backward:
+        shift = -ahead - reach
     return Unicycle(
         press.contact, press.cop, math.sqrt(reach * press.lever), backward, shift
     )
@@ -117,12 +119,15 @@ def way_back(task: Task, press: Press, backward: bool) -> Unicycle | None:
     if _room(press, STEEPEST[0], backward) < TIPPING_ROOM:
         return None
     car = steered(task, press, backward, 0.0)
-    return car if car.length > car.shift else None
+    if car.length <= car.shift:
+        return None
+    return car
 
 
 def _room(press: Press, angle: float, backward: bool) -> float:
-    at = math.pi - angle if backward else angle
-    return min(press.room(at), press.room(-at))
+    if backward:
+        angle = math.pi - angle
+    return min(press.room(angle), press.room(-angle))
 
 
 @dataclass(frozen=True, slots=True)

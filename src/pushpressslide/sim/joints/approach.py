@@ -96,10 +96,12 @@ class Approach:
         widest = max(robot.tip_radius for robot in task.robots)
         self.hover = max(tops) + HOVER_ROOM + widest
         # [m/s] of the tip; an arm that starts in free space needs no care
-        self._rise_speed = math.inf if start is None else DESCENT_SPEED
-        self._rises = (
-            self._ready_rises(free) if start is None else self._rises_from(start)
-        )
+        self._rise_speed = math.inf
+        if start is None:
+            self._rises = self._ready_rises(free)
+        else:
+            self._rise_speed = DESCENT_SPEED
+            self._rises = self._rises_from(start)
 
     def _rises_from(self, start: Array) -> list[Array]:
         """Return rises (k, n) straight up from ``start``: full, half and none."""
@@ -229,7 +231,9 @@ class Approach:
             q_seed=home,
             search=IkSearch(first_found=True),
         )
-        return np.asarray(lifted.q[0]) if lifted.converged[0] else None
+        if not lifted.converged[0]:
+            return None
+        return np.asarray(lifted.q[0])
 
     def _high(self) -> Iterator[Array]:
         """Yield random postures about the ready one with the tip above everything; the
@@ -313,12 +317,16 @@ def led_in(
 
 def _counts(high: int) -> tuple[int, ...]:
     """Return how many samples of a rise of ``high`` are tried: all, half and one."""
-    return tuple(dict.fromkeys((high, (high + 1) // 2, 1))) if high else ()
+    if not high:
+        return ()
+    return tuple(dict.fromkeys((high, (high + 1) // 2, 1)))
 
 
 def _reached(path: Continuation) -> int:
     """Return the number of samples that the arm can follow; the first is given."""
-    return len(path.q) if path.failed_at is None else max(1, path.failed_at)
+    if path.failed_at is None:
+        return len(path.q)
+    return max(1, path.failed_at)
 
 
 def _blend(count: int) -> Array:

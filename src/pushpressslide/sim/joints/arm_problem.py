@@ -169,7 +169,9 @@ def object_path(plan: Plan) -> ObjectPath:
             abs(b.yaw - a.yaw) for (_, a), (_, b) in pairwise(segment.path.starts)
         )
         count = max(8, math.ceil((length + TURN_ARM * turned) / STEP))
-        grid = np.linspace(0.0, length, count + 1)[0 if not lengths else 1 :]
+        grid = np.linspace(0.0, length, count + 1)
+        if lengths:
+            grid = grid[1:]
         lengths += [done + float(s) for s in grid]
         bodies += [segment.path.pose(float(s)).compose(X_VB) for s in grid]
         done += length

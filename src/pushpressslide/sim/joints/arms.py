@@ -159,7 +159,9 @@ class _TwoArms:
         """
         left, right = (solution.move.posture.q for solution in pair)
         coarse = self._least(left[::GLANCE], right[::GLANCE])
-        return coarse if coarse < APART else self._least(left, right)
+        if coarse < APART:
+            return coarse
+        return self._least(left, right)
 
     def _least(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of
@@ -205,7 +207,9 @@ class _TwoArms:
         path = path_of_move(
             self.problems[arm], solution.move, others=others, thorough=True
         )
-        return None if isinstance(path, Miss) else Solution(solution.move, path)
+        if isinstance(path, Miss):
+            return None
+        return Solution(solution.move, path)
 
     def _delayed(
         self, pair: Pair, delays: Sequence[float], along: float, *, force: bool = False

@@ -31,7 +31,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Shape, Task
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
@@ -66,19 +66,8 @@ class ClearanceModel:
             (Outline(robots[arm], arm), Outline(robots[i], i), q[None])
             for i, q in (others or {}).items()
         ]
-        # any mass: the plant is not simulated
-        inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
-        self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
-        shape = task.object.shape
-        self._height = 0.5 * shape.height
+        self._add_object(task.object.shape)
         self._frame = task.support.frame
-        self._object_shape = plant.RegisterCollisionGeometry(
-            self._object,
-            RigidTransform(),
-            object_shape(shape),
-            "object",
-            ProximityProperties(),
-        )
         _add_surroundings(plant, task)
         plant.Finalize()
         joints = self._robot.joints(plant)
@@ -94,6 +83,21 @@ class ClearanceModel:
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
+
+    def _add_object(self, shape: Shape) -> None:
+        """Add the object as a free body."""
+        plant = self._plant
+        # any mass: the plant is not simulated
+        inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
+        self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
+        self._height = 0.5 * shape.height
+        self._object_shape = plant.RegisterCollisionGeometry(
+            self._object,
+            RigidTransform(),
+            object_shape(shape),
+            "object",
+            ProximityProperties(),
+        )
 
     def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
         """Leave out pairs that may touch: the base and the table, the object and the

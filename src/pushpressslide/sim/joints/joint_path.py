@@ -285,11 +285,9 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)
     for miss in _diverse(near):
-        move = (
-            Move.of(problem.kin, miss.posture)
-            if miss.in_approach
-            else _refined_move(problem, along, miss.posture)
-        )
+        move: Move | None = Move.of(problem.kin, miss.posture)
+        if not miss.in_approach:
+            move = _refined_move(problem, along, miss.posture)
         if move is None:
             continue
         path = path_of_move(problem, move, thorough=True)
@@ -341,7 +339,9 @@ def _refined_move(
     if better is None:
         return None
     move = Move.of(problem.kin, replace(better, q=better.q[BACK:]))
-    return move if move.allowed else None
+    if not move.allowed:
+        return None
+    return move
 
 
 def _too_near(pair: str, clear: float) -> str:

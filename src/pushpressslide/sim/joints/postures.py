@@ -273,7 +273,9 @@ def tool_options(
         for side in SIDES
     ]
     upright = (ToolAttitude(0.0, azimuths[0], axes), YAW_OFFSETS)
-    return [upright, *turning, *fixed] if rolls else [upright, *fixed, *turning]
+    if rolls:
+        return [upright, *turning, *fixed]
+    return [upright, *fixed, *turning]
 
 
 def _offsets_behind(side: float, yaw: float, azimuths: Sequence[float]) -> Array:

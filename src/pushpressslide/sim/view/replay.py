@@ -268,7 +268,9 @@ class _Marks:
         tail = np.array([tip[0], tip[1], self._height + CLEARANCE]) + radius * ahead
         self._show_arrow(f"marks/force_{arm}", tail, flat, self.scale, t, at_end)
         if arm in self._pressing:
-            down = np.array([0.0, 0.0, min(force[2], 0.0) if presses else 0.0])
+            down = np.zeros(3)
+            if presses:
+                down[2] = min(force[2], 0.0)
             top = np.array([tip[0], tip[1], self._height])
             head = top + (radius + CLEARANCE) * self._nearer
             name = f"marks/press_{arm}"

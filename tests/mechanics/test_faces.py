@@ -1,0 +1,38 @@
+"""The side faces of an object, and the room ahead of the CoM when one is pushed."""
+
+import math
+
+import pytest
+
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Shape
+from pushpressslide.mechanics.faces import faces, room_ahead
+
+TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
+SHAPES = [Box((0.4, 0.3, 0.2)), Cylinder(0.1, 0.12), TRIANGLE]
+
+
+def body(shape: Shape, center_of_mass: tuple[float, float]) -> ObjectModel:
+    return ObjectModel(shape, 1.0, center_of_mass)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_what_the_com_moves_forward_is_gained_behind_it_and_lost_ahead(
+    shape: Shape,
+) -> None:
+    for face, moved in zip(
+        faces(body(shape, (0.0, 0.0)), 0.01),
+        faces(body(shape, (0.02, -0.01)), 0.01),
+        strict=True,
+    ):
+        forward = 0.02 * face.normal[0] - 0.01 * face.normal[1]
+        before = room_ahead(body(shape, (0.0, 0.0)), face)
+        after = room_ahead(body(shape, (0.02, -0.01)), moved)
+        assert after == pytest.approx(before - forward)
+        assert moved.depth == pytest.approx(face.depth + forward)
+
+
+def test_behind_and_ahead_of_the_com_of_a_cylinder_together_are_its_diameter() -> None:
+    off_centre = body(Cylinder(0.1, 0.12), (0.03, 0.02))
+    for face in faces(off_centre, 0.01):
+        assert face.depth + room_ahead(off_centre, face) == pytest.approx(0.2)
+        assert math.hypot(*face.normal) == pytest.approx(1.0)
