@@ -92,6 +92,7 @@ class _Drake:
     has_arms = True
 
     def preparation(self, force: bool) -> Preparation:
+        """Return what planning must add before a run: nothing."""
         from pushpressslide.sim.joints.placements import GraspPaths
 
         return GraspPaths(force)
@@ -105,6 +106,7 @@ class _Drake:
         models: str = "generated",
         live: Callable[[str], None] | None = None,
     ) -> Record:
+        """Run a plan and return its record."""
         from pushpressslide.sim.engine import run
 
         return run(plan, options, paths=paths, models=models, live=live)
@@ -119,6 +121,7 @@ class _Drake:
         models: str,
         video: bool,
     ) -> None:
+        """Write the replay page of a run."""
         from pushpressslide.sim.view.replay import write_replay
 
         write_replay(task, plan, record, out, models=models)
@@ -134,6 +137,7 @@ class _PlansAlone:
     paths: JointPaths = ()
 
     def add(self, placement: Plan) -> None:
+        """Add the joint paths of one placement."""
         self.plans.append(placement)
 
 
@@ -141,6 +145,7 @@ class _Planar:
     has_arms = False
 
     def preparation(self, force: bool) -> Preparation:
+        """Return the search for joint paths."""
         return _PlansAlone()
 
     def run(
@@ -152,6 +157,7 @@ class _Planar:
         models: str = "generated",
         live: Callable[[str], None] | None = None,
     ) -> Record:
+        """Run a plan and return its record."""
         from pushpressslide.planar.engine import run
 
         return run(plan, options)
@@ -166,6 +172,7 @@ class _Planar:
         models: str,
         video: bool,
     ) -> None:
+        """Write the replay page of a run."""
         from pushpressslide.planar.replay import write_replay
 
         write_replay(task, plan, record, out)

@@ -68,6 +68,7 @@ def _overall(progress: Progress | None, done: int, sets: int) -> Progress:
     """Return what adds the progress within a set to that over the ``sets``."""
 
     def moved(part: float, parts: float) -> None:
+        """Report progress within the present set."""
         if progress is not None:
             progress(done + part / parts, sets)
 

@@ -182,9 +182,11 @@ def summarise(
     accepted = [r for r in rows if r["status"] != "refused"]
 
     def share(part: list[Any], whole: list[Any]) -> float | None:
+        """Return a share of rows; None of none."""
         return len(part) / len(whole) if whole else None
 
     def spread(name: str) -> dict[str, float] | None:
+        """Return the spread of a figure over rows."""
         values = sorted(float(r[name]) for r in accepted if r.get(name) is not None)
         if not values:
             return None
@@ -216,6 +218,7 @@ def table(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> str:
     """
 
     def line(r: dict[str, Any]) -> str:
+        """Return one row of the table."""
         position, yaw, time = (
             r.get(n) for n in ("final_position_error", "final_yaw_error", "duration")
         )
@@ -230,6 +233,7 @@ def table(rows: list[dict[str, Any]], forced: list[dict[str, Any]]) -> str:
     head += "|---|---|---|---|---|---|\n"
 
     def listed(part: list[dict[str, Any]]) -> str:
+        """Return the rows of a list."""
         return head + "\n".join(line(r) for r in part) + "\n"
 
     if not forced:

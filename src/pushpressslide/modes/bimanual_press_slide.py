@@ -359,6 +359,7 @@ def _loads(
     rho = touching_ellipsoid(pressures(task.scene)(ORIGIN), mu_s, twist).rho
 
     def presses(share: float = 1.0) -> TwoPresses:
+        """Return the presses with a share of the contact friction."""
         return TwoPresses(*points, weight, mu_s, share * mu_a, rho, cap)
 
     given = task.motion.press_force

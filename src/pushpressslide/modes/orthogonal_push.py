@@ -250,6 +250,7 @@ class OrthogonalPush(Mode):
         )
 
         def allocate(fx: float, fy: float, tau: float) -> Allocation:
+            """Return the forces of a wrench in B."""
             allocation = preferred(fx, fy, tau)
             return allocation if allocation.status == "ok" else exact(fx, fy, tau)
 

@@ -110,6 +110,7 @@ class ParallelPush(Mode):
 
         @cache
         def cars(face: Face, synchronised: bool) -> dict[Contacts, PushedCar]:
+            """Return the car of each pair of contacts on a face."""
             contacts = [pair for other, pair in placed if other == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
             made = pushed_cars(task, halves, contact_height(task), synchronised)

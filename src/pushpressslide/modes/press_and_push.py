@@ -204,6 +204,7 @@ class PressAndPush(Mode):
         press, push = contacts
 
         def dragged(load: float) -> _Drag:
+            """Return what dragging with a press of ``load`` [N] is like."""
             return self._drag(task, (replace(press, load=load), push), twist)
 
         given = task.motion.press_force
@@ -238,10 +239,12 @@ class PressAndPush(Mode):
         load = weight + press.load
 
         def forces(wrench: Wrench) -> Allocation:
+            """Return the contact forces of a wrench."""
             allocate = self.allocator(contacts, mu, None, wrench.about)
             return allocate(wrench.fx, wrench.fy, wrench.tau)
 
         def shift(wrench: Wrench) -> Point:
+            """Return how far [m] the contact forces move the centre of pressure."""
             (ax, ay), (bx, by) = forces(wrench).forces
             h1 = press.height / load
             h2 = push.height / load

@@ -96,9 +96,11 @@ def _too_near(
         box = Box(obstacle.size)
 
         def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
+            """Return the gap [m] to the obstacle at a pose."""
             return gap(shape, X_WG, box, X_WO)
 
         def inside(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
+            """Return the area [m^2] shared with the obstacle at a pose."""
             return overlap_area(shape, X_WG, box, X_WO)
 
         allowed = min(OBJECT_CLEARANCE, *(apart(X) for X in ends)) - 1e-6

@@ -83,6 +83,7 @@ def number(
     convert, adjective, json_type = _NUMBERS[whole]
 
     def read(value: Any, place: Place) -> Any:
+        """Read one value."""
         if value in words:
             return value
         if isinstance(value, bool) or not isinstance(value, (int, convert)):
@@ -111,6 +112,7 @@ def _leaf(
     """Return the kind of a value that is as it should be, or is refused."""
 
     def read(value: Any, place: Place) -> Any:
+        """Read one value."""
         if not sound(value):
             raise place.refused(value)
         return value
@@ -149,6 +151,7 @@ def array(item: Kind, low: float, high: float) -> Kind:
     words = f"a list of {size} {item.many}"
 
     def read(value: Any, place: Place) -> Any:
+        """Read one value."""
         if not isinstance(value, list) or not low <= len(value) <= high:
             raise place.refused(value)
         # of sections the whole list is said, with what each takes
@@ -229,9 +232,11 @@ def section(
     required = [key for key, field in fields.items() if field.absent is REQUIRED]
 
     def decode(value: Any) -> Any:
+        """Return the data of a plain value."""
         return make(**{names[k]: f.kind.decode(value[k]) for k, f in fields.items()})
 
     def encode(value: Any) -> Any:
+        """Return the plain value of data."""
         values = take(value)
         return {
             key: field.kind.encode(values[names[key]])
@@ -255,6 +260,7 @@ def nullable(kind: Kind) -> Kind:
     """Return the kind of what may be null, and is null where the file leaves it out."""
 
     def unless_null(step: Callable[..., Any]) -> Callable[..., Any]:
+        """Read null, or a value."""
         return lambda value, *place: None if value is None else step(value, *place)
 
     return replace(

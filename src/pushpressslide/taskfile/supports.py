@@ -60,7 +60,8 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
         if value is not None and key not in kind.takes:
             owners = " or ".join(n for n, owner in KINDS.items() if key in owner.takes)
             allowed = f"allowed for a {name}: leave {path} out"
-            yield path, value, f"only a {owners} has one; {allowed}"
+            article = "an" if owners[0] in "aeiou" else "a"
+            yield path, value, f"only {article} {owners} has one; {allowed}"
         if value is None and key in kind.needs:
             yield path, None, f"it is missing; allowed: the {key} of the {name}"
 
