@@ -171,10 +171,11 @@ class Controller:
             parts = zip(self.touches, state.tips, contacts, strict=True)
             aligned = max(t.align_time(memory, c, X_WB) for t, memory, c in parts)
         tool_yaw = self._touch_yaw(state, measurement, elapsed, aligned)
+        progress = joint_progress(state)
         steps = [
             touch.step(
                 memory,
-                self._context(state, measurement, X_WB, contact, tool_yaw),
+                self._context(state, measurement, X_WB, contact, tool_yaw, progress),
                 elapsed,
                 aligned,
             )
@@ -224,6 +225,7 @@ class Controller:
         X_WB: Pose2,
         contact: Contact,
         tool_yaw: float,
+        progress: float,
     ) -> TipContext:
         time = measurement.time
         return TipContext(
@@ -232,7 +234,7 @@ class Controller:
             X_WB,
             time,
             time - state.last_time,
-            joint_progress(state),
+            progress,
             tool_yaw,
         )
 
@@ -289,8 +291,9 @@ class Controller:
         progress = joint_reference(state, measurement.time, tracking)
         moved = []
         for memory, contact, task in zip(state.tips, contacts, tasks, strict=True):
-            context = self._context(state, measurement, X_WB, contact, X_WB.yaw)
-            context = replace(context, joint_progress=progress)
+            context = self._context(
+                state, measurement, X_WB, contact, X_WB.yaw, progress
+            )
             moved.append(self.mover.step(memory, context, task))
         commands, memories, felt = zip(*moved, strict=True)
         lost = None
@@ -499,11 +502,12 @@ class Controller:
         distance = RETREAT * smooth(elapsed / duration)
         contacts = state.binding.segment.contacts
         yaw = measurement.object_pose.yaw
+        progress = joint_progress(state)
         commands = []
         for touch, memory, contact in zip(
             self.touches, state.tips, contacts, strict=True
         ):
-            context = self._context(state, measurement, X_WB, contact, yaw)
+            context = self._context(state, measurement, X_WB, contact, yaw, progress)
             if contact.arm in self.lasting and state.failure is None:
                 command = held_at(context, memory.start, push=touch.force)
             else:
