@@ -129,7 +129,6 @@ def test_the_defaults_of_a_robot_are_those_of_the_data() -> None:
 
 KINDS = {"Box", "Prism", "Cylinder"}
 MAY_ASK_FOR_THE_KIND = {
-    "taskfile/shapes.py": "the file names the kind",
     "sim/surfaces.py": "Drake's geometry has a class a kind",
     "sim/scenes.py": "Drake's inertia and mesh sizes have a formula a kind",
     "studies/paper/virtual_axle.py": "the paper's object is a box of another height",

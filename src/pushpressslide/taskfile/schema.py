@@ -13,7 +13,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import ObjectModel, Robot, Shape, Task
 from pushpressslide.taskfile import kinds, layouts
 from pushpressslide.taskfile.kinds import Field, Kind
-from pushpressslide.taskfile.shapes import SHAPE, middle
+from pushpressslide.taskfile.shapes import SHAPE
 from pushpressslide.taskfile.supports import make_support, support_fields
 
 _ORDER = (
@@ -57,7 +57,7 @@ _KINDS = {
 
 
 def _object(shape: Shape, center_of_mass: Any, **others: Any) -> ObjectModel:
-    center = middle(shape) if center_of_mass is None else center_of_mass
+    center = shape.centroid if center_of_mass is None else center_of_mass
     return ObjectModel(shape=shape, center_of_mass=center, **others)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
-from pushpressslide.core.polygon import centroid, convexity_fault, signed_area
+from pushpressslide.core.polygon import convexity_fault, signed_area
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Box, Cylinder, Prism, Shape
 from pushpressslide.taskfile.kinds import (
@@ -76,10 +76,3 @@ def shape_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
         if fault is not None:
             corners = [list(corner) for corner in polygon]
             yield "object.shape.prism.polygon", corners, f"{fault}; allowed: {allowed}"
-
-
-def middle(shape: Shape) -> Point:
-    """Return the centroid of the footprint in G [m]."""
-    if isinstance(shape, Prism):
-        return centroid(shape.polygon)
-    return (0.0, 0.0)
