@@ -93,9 +93,9 @@ class _Drake:
 
     def preparation(self, force: bool) -> Preparation:
         """Return what planning must add before a run: nothing."""
-        from pushpressslide.sim.joints.placements import GraspPaths
+        from pushpressslide.sim.joints.placements import PlacementPaths
 
-        return GraspPaths(force)
+        return PlacementPaths(force)
 
     def run(
         self,
