@@ -129,7 +129,6 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
         task_table(run.task, run.result),
-        "<h3>Choice of mode</h3>",
         _choice_part(run),
         image(plan, "plan", "The plan, made before anything moves."),
         stretches_table(run.plan),
@@ -183,7 +182,12 @@ def _link(target: Path, page: Path) -> str:
 
 
 def _choice_part(run: Run) -> str:
-    """Return the table of all choices that were weighed, with their reasons."""
+    """Return the table of all choices that were weighed, with their reasons.
+
+    Empty if the run has none stored.
+    """
+    if not run.choices:
+        return ""
     taken = run.plan.chosen(run.choices)
     rows = []
     marks = []
@@ -207,7 +211,7 @@ def _choice_part(run: Run) -> str:
         )
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
-    return table(head, rows, marks)
+    return "<h3>Choice of mode</h3>" + table(head, rows, marks)
 
 
 def _number_cell(value: float | None, factor: float, unit: str, decimals: int) -> str:

@@ -39,8 +39,7 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     """
     if data["schema"] != SCHEMA:
         raise ValueError(
-            f"plan.json has schema {data['schema']}, this version reads {SCHEMA}; run "
-            "the task again"
+            f"schema {data['schema']}, this version reads {SCHEMA}; run the task again"
         )
     if not data["segments"]:
         raise ValueError("a plan without segments")
