@@ -114,8 +114,11 @@ def _prepared(
         problems: Problems = {}
         added = _add_first(preparation, task, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            groups[number] = group = placements(task, MORE)[number]
-            added = _add_first(preparation, task, group, force, problems)
+            more = placements(task, MORE)
+            # with more choices a leg may go on with the contacts of the one before it
+            if [other[0].leg for other in more] == [other[0].leg for other in groups]:
+                groups[number] = group = more[number]
+                added = _add_first(preparation, task, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
