@@ -146,9 +146,6 @@ class _RunLoop:
             command if i in lasting and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
-        if not self.plant.joint_paths:
-            # where tips are put elsewhere at once, the sensor sees them before as well
-            self.sensor.measure(self.plant.measure())
         self.number += 1
         self.plant.hand_over(self.placements[self.number], lasting)
         self._begin(held, tick.truth.time)
