@@ -27,7 +27,11 @@ from pushpressslide.core.shapes import Cylinder as Cylinder
 from pushpressslide.core.shapes import Prism as Prism
 from pushpressslide.core.shapes import Shape as Shape
 
-Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
+Vehicle = Literal[
+    "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"
+]
+"""Reduced model that a mode drives the object as; ``Mode.vehicles`` are those it has."""
+
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far
 "left" or "right" as a turn on the spot allows at the press that the motion takes; or a
@@ -163,8 +167,11 @@ class Motion:
     )
     vehicle: Vehicle | None = setting(
         None,
-        "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), "
-        "forklift (pushed), pivot (turned about its virtual axle); null: unicycle",
+        "reduced model that the object is driven as. press_slide: unicycle (pulled or "
+        "pushed), car (pulled), forklift (pushed), pivot (turned about its virtual "
+        "axle); null: unicycle. parallel_push: mixed (any twist inside the motion "
+        "cone), differential (turned by the difference of the normal forces), "
+        "synchronised (by equal friction forces); null: mixed, else differential",
     )
     look_ahead: float | None = setting(
         None,
