@@ -83,4 +83,4 @@ class PlanarPlant:
         """Put the tips of all arms but ``lasting`` before their new contacts."""
         self._world = World(placement.task, placement.contacts, self._period)
         gap = placement.task.motion.approach_distance
-        self._now = self._world.regrasp(self._now, gap, lasting)
+        self._now = self._world.handed_over(self._now, gap, lasting)

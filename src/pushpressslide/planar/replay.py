@@ -59,7 +59,9 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     ]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
-    contacts = [contact for grasp in plan.by_placement for contact in grasp.contacts]
+    contacts = [
+        contact for placement in plan.by_placement for contact in placement.contacts
+    ]
     return {
         **_scene_data(task),
         "time": np.round(time[frames] - time[0], 3).tolist() if len(time) else [],

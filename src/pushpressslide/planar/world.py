@@ -123,7 +123,7 @@ class World:
             X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False
         )
 
-    def regrasp(
+    def handed_over(
         self, state: WorldState, gap: float, kept: Collection[int]
     ) -> WorldState:
         """Return ``state`` with each tip ``gap`` [m] before its new contact, but for

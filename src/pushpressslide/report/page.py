@@ -19,7 +19,7 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_table,
-    stretches_table,
+    segments_table,
     table,
 )
 from pushpressslide.report.plane import plan_figure
@@ -131,7 +131,7 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         task_table(run.task, run.result),
         _choice_part(run),
         image(plan, "plan", "The plan, made before anything moves."),
-        stretches_table(run.plan),
+        segments_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(run.result),
         "<h3>Contacts</h3>",
@@ -169,12 +169,12 @@ def _links(run: Run, page: Path) -> str:
 
 
 def _caption(key: str) -> str:
-    """What a figure shows; the names of those of one grasp end with its number."""
-    name, _, grasp = key.partition("-")
+    """What a figure shows; the names of those of one placement end with its number."""
+    name, _, placement = key.partition("-")
     caption = CAPTIONS[name]
-    if not grasp:
+    if not placement:
         return caption
-    return f"Grasp {grasp}. {caption}"
+    return f"Placement {placement}. {caption}"
 
 
 def _link(target: Path, page: Path) -> str:
