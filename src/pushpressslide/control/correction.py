@@ -56,8 +56,10 @@ class Replanner:
         longest: float,
         identified: Identified | None = None,
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` replanned from where object and contacts really are; none
-        if that takes more than ``longest`` [m], or its path is not free.
+        """Return ``segments`` replanned from where object and contacts really are.
+
+        None are returned if the new path takes more than ``longest`` [m], or is not
+        free.
         """
         first = segments[0]
         part = self._parts[first.leg]
@@ -69,8 +71,8 @@ class Replanner:
     def again(
         self, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
     ) -> tuple[Segment, ...]:
-        """Return the segments of another attempt at a segment's goal; none where there
-        is none.
+        """Return the segments of another attempt at a segment's goal; empty if there is
+        none.
         """
         part = self._parts[segment.leg]
         made = MODES[segment.mode].again(part, segment, X_WB, touched)
@@ -194,8 +196,9 @@ def side_slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:
-    """Return a segment along arcs without the first ``progress`` [m] of its path; any
-    other as it is.
+    """Return a segment along arcs without the first ``progress`` [m] of its path.
+
+    A segment along another kind of path is returned as it is.
     """
     path = segment.path
     if not isinstance(path, ArcPath):

@@ -1,9 +1,9 @@
-"""The run loop: one plan on any plant. Every tick measures, decides, applies, advances
-and records.
+"""The run loop: it runs one plan on any plant.
 
-Commands come from the approach while the arms move freely, then from the controller.
-When a placement is done the next one is handed over. The controller, the watches, the
-plant, the user or the time limit end the run.
+Every tick measures, decides, applies, advances and records. Commands come from the
+approach while the arms move freely, then from the controller. When a placement is done
+the next one is handed over. The controller, the watches, the plant, the user or the
+time limit end the run.
 """
 
 from __future__ import annotations

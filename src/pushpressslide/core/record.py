@@ -1,5 +1,6 @@
-"""What a run leaves behind: time series, and why it ended. Names, shapes and units are
-listed in docs/record.md.
+"""What a run leaves behind: time series, and why it ended.
+
+Names, shapes and units are listed in docs/record.md.
 """
 
 from __future__ import annotations

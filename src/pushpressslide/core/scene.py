@@ -1,7 +1,8 @@
-"""The physical question of a task: a body on a support, arms and obstacles around it,
-as planner and controller believe them to be. How it is to be moved is not part of it.
+"""The physical question of a task, as planner and controller believe it to be.
 
-SI units and radians; docs/task-file.md documents the fields as a file has them.
+It is a body on a support with arms and obstacles around it. How the body is to be moved
+is not part of it. SI units and radians; docs/task-file.md documents the fields as a
+file has them.
 """
 
 from __future__ import annotations
@@ -150,9 +151,7 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What planner and controller are told; resolved: equals the truth where the file
-    does not differ.
-    """
+    """What planner and controller assume; once loaded, all of it is given."""
 
     support_friction: float = field(
         metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)

@@ -290,8 +290,9 @@ class Task:
 
     @property
     def parts(self) -> tuple[Task, ...]:
-        """The task of each leg, from where the one before it ends; of a task without
-        legs itself.
+        """One task for each leg, from where the leg before it ends.
+
+        A task without legs is its own only part.
         """
         out = []
         begin = replace(self, legs=())

@@ -1,5 +1,6 @@
-"""The engines that a task can be run on, by name. An engine's modules are imported when
-they are first used.
+"""The engines that a task can be run on, by name.
+
+An engine's modules are imported when they are first used.
 """
 
 from __future__ import annotations

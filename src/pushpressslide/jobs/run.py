@@ -75,12 +75,12 @@ def simulate(
     models: str = "generated",
     monitor: Monitor | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run; the choices come back with the reasons why better-ranked
-    ones were passed over.
+    """Select, plan and run, and return the plan, the record and all choices.
 
-    Where the engine has arms a choice must also have a joint path: the first that has
-    one is run. ``force`` runs the best choice that has a path even where it was judged
-    infeasible. Raises InfeasibleTaskError where nothing can do the task.
+    Choices that were passed over say why. Where the engine has arms a choice must also
+    have a joint path: the first that has one is run. ``force`` runs the best choice
+    that has a path even where it was judged infeasible. Raises InfeasibleTaskError
+    where nothing can do the task.
     """
     monitor = monitor or Monitor()
     chosen = engine_named(engine)
@@ -187,12 +187,11 @@ def run_task(
     out: Output | None = None,
     monitor: Monitor | None = None,
 ) -> dict[str, Any]:
-    """Run ``task`` and return its result; with ``out`` also leave all files of a run
-    there.
+    """Run ``task`` and return its result.
 
-    Raises InfeasibleTaskError before anything moves where nothing can do the task, and
-    Interrupted on Ctrl-C once the engine runs, after record and result so far are
-    written.
+    With ``out`` all files of the run are written there. Raises InfeasibleTaskError
+    before anything moves where nothing can do the task, and Interrupted on Ctrl-C once
+    the engine runs, after record and result so far are written.
     """
     from pushpressslide.report.metrics import result as measure
 

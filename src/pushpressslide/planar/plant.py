@@ -19,8 +19,9 @@ TOUCH_AND_RELEASE = 6.0  # [s] typical time of both, for the progress
 
 
 class PlanarPlant:
-    """An object and tips without arms; at a hand-over the tips are put before their new
-    contacts at once.
+    """An object and tips without arms.
+
+    At a hand-over the tips are put before their new contacts at once.
     """
 
     name = "planar"

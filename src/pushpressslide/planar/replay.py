@@ -28,8 +28,9 @@ FORCE_SCALE = 0.02  # [m/N] length of the force arrows
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
-    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not
-    at all; return it.
+    """Write the page to the file ``out``, whole or not at all, and return its path.
+
+    In a folder ``out`` it is replay.html.
     """
     data = json.dumps(
         replay_data(task, plan, record), separators=(",", ":"), allow_nan=False

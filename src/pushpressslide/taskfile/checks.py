@@ -234,8 +234,9 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> float:
-    """Return by how much [m] a tip stays short of every place where it could touch; 0
-    if it reaches one.
+    """Return by how much [m] a tip stays short of every place where it could touch.
+
+    It is 0 if the tip reaches one.
     """
     import numpy as np
 

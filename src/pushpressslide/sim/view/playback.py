@@ -228,8 +228,9 @@ def leads_somewhere(points: Array) -> bool:
 
 
 def ribbon(points: Array, width: float) -> Mesh:
-    """Return a flat strip of ``width`` [m] along ``points`` (K, 2) in the plane z = 0,
-    facing up; K >= 2.
+    """Return a flat strip of ``width`` [m] along ``points`` (K, 2), K >= 2.
+
+    It lies in the plane z = 0 and faces up.
     """
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)

@@ -64,12 +64,11 @@ PRESS_CAPTION = """
 def write_replay(
     task: Task, plan: Plan, record: Record, out: Path, models: str = "generated"
 ) -> Path:
-    """Write the page to the file ``out``, or to replay.html in the folder ``out``;
-    return its path.
+    """Write the page to the file ``out`` and return its path.
 
-    It plays the recorded joint positions and poses at 30 frames a second, and is
-    written whole or not at all. Raises SimulationError for a record without joint
-    positions. ``models``: as in ``run``.
+    In a folder ``out`` it is replay.html. It plays the recorded joint positions and
+    poses at 30 frames a second, and is written whole or not at all. Raises
+    SimulationError for a record without joint positions. ``models``: as in ``run``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
