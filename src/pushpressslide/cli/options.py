@@ -18,6 +18,20 @@ class Variation(StrEnum):
     tasks = "tasks"
 
 
+class Drawing(StrEnum):
+    """Which new tasks a sweep draws."""
+
+    ahead = "ahead"
+    any = "any"
+
+
+class World(StrEnum):
+    """Whether the drawn tasks of a sweep are as the planner believes."""
+
+    known = "known"
+    uncertain = "uncertain"
+
+
 class Models(StrEnum):
     """Whose robot models are used on Drake."""
 

@@ -10,6 +10,7 @@ import typer
 
 from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
+    Drawing,
     Engine,
     Force,
     Json,
@@ -20,6 +21,7 @@ from pushpressslide.cli.options import (
     Sets,
     TaskName,
     Variation,
+    World,
 )
 from pushpressslide.cli.shell import progress_bar, results_folder
 from pushpressslide.jobs.engines import DEFAULT
@@ -32,8 +34,17 @@ class SweepOptions:
     task: TaskName
     samples: Annotated[
         int,
-        typer.Option("--samples", min=1, max=1_000_000, help="Number of variations."),
-    ]
+        typer.Option("--samples", min=0, max=1_000_000, help="Number of variations."),
+    ] = 0
+    attempts: Annotated[
+        int,
+        typer.Option(
+            "--attempts",
+            min=0,
+            max=1_000_000,
+            help="Draw until so many samples are not refused, in place of --samples.",
+        ),
+    ] = 0
     engine: Engine = DEFAULT
     vary: Annotated[
         Variation,
@@ -42,14 +53,36 @@ class SweepOptions:
             help="truth: what is true of the task; tasks: new tasks for its robots.",
         ),
     ] = Variation.truth
+    draw: Annotated[
+        Drawing,
+        typer.Option(
+            "--draw",
+            help="Of new tasks. ahead: goals about ahead of the push, objects of medium "
+            "size; any: goals in all directions, objects of all sizes, mass off centre.",
+        ),
+    ] = Drawing.ahead
+    world: Annotated[
+        World,
+        typer.Option(
+            "--world",
+            help="Of new tasks. known: as believed; uncertain: other frictions, mass and "
+            "centre of mass, noisy and late sensors.",
+        ),
+    ] = World.known
     check_refusals: Annotated[
         int,
         typer.Option(
             "--check-refusals",
             min=0,
-            help="Run this many refused samples all the same.",
+            help="Run the three best choices of so many refused samples all the same.",
         ),
     ] = 0
+    sample_time: Annotated[
+        float,
+        typer.Option(
+            "--sample-time", min=0.0, help="Seconds that a sample may take; 0: any."
+        ),
+    ] = 0.0
     mode: ModeName = None
     jobs: Annotated[
         int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
@@ -70,18 +103,26 @@ def sweep(options: SweepOptions) -> None:
     """
     from pushpressslide.jobs import sweep as sweep_job
 
+    if (options.samples > 0) == (options.attempts > 0):
+        raise typer.BadParameter("give --samples or --attempts, one of them")
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, f"sweep-{task.name}", options.force)
     job = sweep_job.SweepOptions(
         samples=options.samples,
+        attempts=options.attempts,
         vary=options.vary.value,
+        draw=options.draw.value,
+        world=options.world.value,
         seed=options.seed,
         engine=options.engine,
         check_refusals=options.check_refusals,
+        sample_time=options.sample_time,
         jobs=options.jobs,
         force=options.force,
     )
     label = f"{options.samples} samples on {options.engine}"
+    if options.attempts:
+        label = f"{options.attempts} attempts on {options.engine}"
     with progress_bar(label, not options.quiet) as progress:
         result = sweep_job.sweep(task, job, folder, progress)
     print_outcome(result, folder, options.as_json, options.quiet)

@@ -155,6 +155,29 @@ def _add_first(
     return False
 
 
+def forced_choices(task: Task, count: int) -> list[Choice]:
+    """Return the ``count`` best-ranked choices that have a path, feasible or not."""
+    from pushpressslide.selection.select import select
+
+    return [choice for choice in select(task, MORE) if choice.segments][:count]
+
+
+def run_choice(
+    task: Task, choice: Choice, *, engine: str = DEFAULT, seed: int = 0
+) -> tuple[Plan, Record]:
+    """Run one choice of ``task``, whatever was judged of it.
+
+    Raises InfeasibleTaskError where an arm has no joint path at all for it.
+    """
+    chosen = engine_named(engine)
+    preparation = chosen.preparation(True)
+    for placement in plan_of(task, [choice]).by_placement:
+        preparation.add(placement)
+    segments = chain.from_iterable(part.segments for part in preparation.plans)
+    plan = Plan(task, tuple(segments))
+    return plan, chosen.run(plan, RunOptions(seed), paths=preparation.paths)
+
+
 def run(
     what: Task | Plan,
     *,

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from pushpressslide.core.errors import TaskError
+from pushpressslide.core.errors import PushPressSlideError, TaskError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -17,6 +18,7 @@ from pushpressslide.core.task import (
     ObjectModel,
     Prism,
     Robot,
+    Sensing,
     Shape,
     Task,
 )
@@ -24,6 +26,10 @@ from pushpressslide.mechanics.top import inside_top
 from pushpressslide.modes import MODES
 
 Range = tuple[float, float]
+Draw = Literal["ahead", "any"]
+"""Which tasks are drawn: goals about ahead of the push, objects of medium size; or goals
+in any direction, objects of any size, the centre of mass off centre.
+"""
 Poses = tuple[Pose2, Pose2]
 """X_WG at the start and at the goal."""
 
@@ -33,11 +39,13 @@ DISTANCE = (0.12, 0.35)  # [m] from start to goal
 # [rad] to the goal, either side of the push: of the object's x axis for one arm
 BEARING = math.radians(25.0)
 TRIES = 10_000
+BASE_ROOM = 0.15  # [m] about the axis of a base, in which no object is drawn
 
 # [m] of the object's origin from the robot's base, for one arm
 ONE_ARM_REACH = (0.35, 0.72)
 AZIMUTH = math.radians(80.0)  # either side of the base's forward direction
 ONE_ARM_TURN = math.radians(50.0)  # of the object, either side
+ANY_ONE_ARM_TURN = math.radians(90.0)  # of draw "any"
 TOP_CONTACT_SHARE = 0.25  # of the pressed tasks; else the mode chooses the contact
 TOP_CONTACT_DISTANCE = (0.02, 0.1)  # [m] from the CoM
 TOP_CONTACT_EDGE = 0.015  # [m] at least, to the edge of the object's top
@@ -88,7 +96,31 @@ TWO_ARMS = ObjectRanges(
 )
 
 
-def random_task(base: Task, index: int, seed: int) -> Task:
+# of draw "any"
+ANY_SIZE: dict[int, Range] = {1: (0.02, 0.4), 2: (0.1, 1.0)}  # [m] by number of arms
+ANY_HEIGHT = (0.3, 1.2)  # over the mean size of the footprint
+ANY_HEIGHTS = (0.02, 0.3)  # [m]
+ANY_DENSITY = (100.0, 800.0)  # [kg/m^3], hollow to wood
+ANY_MASS: dict[int, Range] = {1: (0.05, 6.0), 2: (0.3, 10.0)}  # [kg]
+OFF_CENTER = 0.2  # of the half width: the centre of mass, either side of the centroid
+
+# of an uncertain world
+FRICTION_ERROR = 0.2  # of both frictions and of the mass, either way
+CENTER_ERROR = 0.01  # [m] of the centre of mass, in any direction
+UNCERTAIN_SENSING = Sensing(
+    position_noise=5e-4, yaw_noise=math.radians(0.2), force_noise=0.2, delay=0.02
+)
+
+
+class Aim(NamedTuple):
+    """Where a push or a press goes, in angles either side [rad]."""
+
+    heading: float  # of the push, of straight away from two robots
+    bearing: float  # of the goal, of the direction of the push
+    turn: float  # of the object
+
+
+def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task:
     """Return a new task for ``base``'s robots: other object, frictions, start and goal.
 
     Objects are boxes, and triangular and hexagonal prisms for a third; pressed ones are
@@ -98,24 +130,32 @@ def random_task(base: Task, index: int, seed: int) -> Task:
     neighbours, look back at the robots within ``HEADING``; the goal is up to
     ``BEARING`` off the direction of the push. Pressed objects go in any direction.
 
-    Raises TaskError if there are two arms and ``base`` does not name one mode that
-    tasks are drawn for.
+    With ``draw`` "any" goals lie in any direction, and sizes, masses and centres of
+    mass are drawn from ANY_SIZE, ANY_DENSITY and OFF_CENTER.
+
+    Raises TaskError if ``base`` names one mode that no tasks are drawn for, and
+    PushPressSlideError where no start and goal are found.
     """
-    faces = _pushed_faces(base)
     rng = np.random.default_rng([seed, index])
+    faces = _pushed_faces(base, rng)
     pressed = faces == 0
-    single = len(base.robots) == 1
-    body = _object(rng, ONE_ARM if single else TWO_ARMS, pressed)
+    arms = len(base.robots)
+    single = arms == 1
+    if draw == "any":
+        body = _any_object(rng, arms, pressed)
+    else:
+        body = _object(rng, ONE_ARM if single else TWO_ARMS, pressed)
+    aim = _aim(draw, arms, pressed)
     support = float(rng.uniform(*SUPPORT_FRICTION))
     contact = float(rng.uniform(*CONTACT_FRICTION))
     motion = replace(base.motion, face=None, contact_height=None, contacts=None)
     motion = replace(motion, press_force=None, vehicle=None)
     if single:
-        start, goal = _one_arm_poses(rng, base.robots[0])
+        start, goal = _one_arm_poses(rng, base.robots[0], body, aim)
         if pressed and rng.random() < TOP_CONTACT_SHARE:
             motion = replace(motion, contacts=(_top_contact(rng, body),))
     else:
-        start, goal = _two_arm_poses(rng, base.robots, body, faces)
+        start, goal = _two_arm_poses(rng, base.robots, body, faces, aim)
     return replace(
         base,
         name=f"{base.name}-random-{seed}-{index:03d}",
@@ -155,23 +195,96 @@ def varied_task(base: Task, index: int, seed: int) -> Task:
     )
 
 
-def _pushed_faces(base: Task) -> int:
+def uncertain_task(known: Task, index: int, seed: int) -> Task:
+    """Return a task whose truth differs from what is believed: ``known``.
+
+    Both frictions and the mass are off by up to FRICTION_ERROR, the centre of mass by up
+    to CENTER_ERROR; all sensors are noisy and late.
+    """
+    rng = np.random.default_rng([seed, index, 1])
+    support, contact, mass = 1.0 + FRICTION_ERROR * rng.uniform(-1.0, 1.0, size=3)
+    body = known.object
+    error = _polar(
+        CENTER_ERROR * math.sqrt(rng.random()), rng.uniform(-math.pi, math.pi)
+    )
+    center = (body.center_of_mass[0] + error[0], body.center_of_mass[1] + error[1])
+    if body.shape.depth(center) <= 0.0:
+        center = body.center_of_mass
+    return replace(
+        known,
+        belief=replace(known.believed, center_of_mass=body.center_of_mass),
+        support=replace(
+            known.support, friction=min(1.9, known.support.friction * float(support))
+        ),
+        contact_friction=min(1.9, known.contact_friction * float(contact)),
+        object=replace(body, mass=body.mass * float(mass), center_of_mass=center),
+        sensing=UNCERTAIN_SENSING,
+    )
+
+
+def _pushed_faces(base: Task, rng: np.random.Generator) -> int:
     """Return how many faces are pushed, 0 if the object is pressed.
 
-    One arm pushes one face unless ``base`` names a single mode that does otherwise.
+    That of the mode that ``base`` names; drawn where it leaves the mode open.
     """
     drawn = {
         name: mode.pushed_faces
         for name, mode in MODES.items()
         if mode.arms == len(base.robots) and mode.pushed_faces is not None
     }
-    names = base.modes or ()
-    if len(names) == 1 and names[0] in drawn:
-        return drawn[names[0]]
-    if len(base.robots) == 1:
-        return 1
-    allowed = f"allowed where two arms' tasks are drawn: one of {', '.join(drawn)}"
-    raise TaskError(base.source or base.name, "modes", list(names), allowed)
+    names = base.modes or tuple(drawn)
+    faces = sorted({drawn[name] for name in names if name in drawn})
+    if not faces:
+        allowed = f"allowed where tasks are drawn: {', '.join(drawn)}"
+        raise TaskError(base.source or base.name, "modes", list(names), allowed)
+    if len(faces) == 1:
+        return faces[0]
+    return faces[int(rng.integers(len(faces)))]
+
+
+def _aim(draw: Draw, arms: int, pressed: bool) -> Aim:
+    if draw == "any":
+        turn = ANY_ONE_ARM_TURN if arms == 1 else PRESSED_TURN
+        return Aim(math.pi, math.pi, turn)
+    if arms == 1:
+        return Aim(math.pi, BEARING, ONE_ARM_TURN)
+    if pressed:
+        return Aim(math.pi, math.pi, PRESSED_TURN)
+    return Aim(HEADING, BEARING, TWO_ARM_TURN)
+
+
+def _any_object(rng: np.random.Generator, arms: int, pressed: bool) -> ObjectModel:
+    """Draw an object of any size, its mass by its volume, its CoM off the centroid."""
+    low, high = (math.log(size) for size in ANY_SIZE[arms])
+
+    def size() -> float:
+        """Draw a size [m], evenly in its logarithm."""
+        return math.exp(float(rng.uniform(low, high)))
+
+    kinds = ["box"] * 4 + ["triangle", "hexagon"] + ["cylinder"] * pressed
+    kind = rng.choice(kinds)
+    length = size()
+    width = size() if kind == "box" else length
+    mean = math.sqrt(length * width)
+    height = min(
+        max(float(rng.uniform(*ANY_HEIGHT)) * mean, ANY_HEIGHTS[0]), ANY_HEIGHTS[1]
+    )
+    shape: Shape
+    if kind == "box":
+        shape = Box((length, width, height))
+    elif kind == "cylinder":
+        shape = Cylinder(0.5 * length, height)
+    else:
+        count = 3 if kind == "triangle" else 6
+        shape = Prism(_regular(count, 0.5 * length, math.pi / 6.0), height)
+    volume = mean * mean * height
+    mass = volume * float(rng.uniform(*ANY_DENSITY))
+    x, y = _centroid(shape)
+    off = OFF_CENTER * shape.inner_radius * rng.uniform(-1.0, 1.0, size=2)
+    center = (x + float(off[0]), y + float(off[1]))
+    return ObjectModel(
+        shape, min(max(mass, ANY_MASS[arms][0]), ANY_MASS[arms][1]), center
+    )
 
 
 def _object(
@@ -230,15 +343,27 @@ def _centroid(shape: Shape) -> Point:
 
 
 def _first_within(draw: Callable[[], Poses], within: Callable[[Pose2], bool]) -> Poses:
-    """Draw until start and goal are within reach; give up after ``TRIES``."""
+    """Draw until start and goal are within reach. Raises PushPressSlideError after
+    ``TRIES`` draws.
+    """
     for _ in range(TRIES):
         poses = draw()
         if all(map(within, poses)):
-            break
-    return poses
+            return poses
+    raise PushPressSlideError(
+        f"no start and goal within reach of the robots in {TRIES} draws: the object or "
+        "the distance is too large for the cell"
+    )
 
 
-def _one_arm_poses(rng: np.random.Generator, robot: Robot) -> Poses:
+def _clear_of(robot: Robot, body: ObjectModel, X_WG: Pose2) -> bool:
+    """Whether an object at a pose leaves BASE_ROOM about a robot's base."""
+    return body.shape.distance(X_WG.unapply(robot.base[:2])) >= BASE_ROOM
+
+
+def _one_arm_poses(
+    rng: np.random.Generator, robot: Robot, body: ObjectModel, aim: Aim
+) -> Poses:
     """Draw start and goal in an annular sector in front of the robot."""
     x, y, _ = robot.base
 
@@ -253,8 +378,8 @@ def _one_arm_poses(rng: np.random.Generator, robot: Robot) -> Poses:
             float(yaw),
         )
         distance = rng.uniform(*DISTANCE)
-        ahead = _polar(distance, rng.uniform(-BEARING, BEARING))
-        turn = rng.uniform(-ONE_ARM_TURN, ONE_ARM_TURN)
+        ahead = _polar(distance, rng.uniform(-aim.bearing, aim.bearing))
+        turn = rng.uniform(-aim.turn, aim.turn)
         return start, Pose2(*start.apply(ahead), float(yaw + turn))
 
     def within(pose: Pose2) -> bool:
@@ -263,7 +388,8 @@ def _one_arm_poses(rng: np.random.Generator, robot: Robot) -> Poses:
         dy = pose.y - y
         azimuth = math.remainder(math.atan2(dy, dx) - robot.base_yaw, 2.0 * math.pi)
         near, far = ONE_ARM_REACH
-        return near <= math.hypot(dx, dy) <= far and abs(azimuth) <= AZIMUTH
+        reached = near <= math.hypot(dx, dy) <= far and abs(azimuth) <= AZIMUTH
+        return reached and _clear_of(robot, body, pose)
 
     return _first_within(draw, within)
 
@@ -279,7 +405,11 @@ def _top_contact(rng: np.random.Generator, body: ObjectModel) -> Point:
 
 
 def _two_arm_poses(
-    rng: np.random.Generator, robots: Sequence[Robot], body: ObjectModel, faces: int
+    rng: np.random.Generator,
+    robots: Sequence[Robot],
+    body: ObjectModel,
+    faces: int,
+    aim: Aim,
 ) -> Poses:
     """Draw start and goal in front of two robots.
 
@@ -288,20 +418,18 @@ def _two_arm_poses(
     (lx, ly), (rx, ry) = (robot.base[:2] for robot in robots)
     # x away from the robots
     X_WM = Pose2(0.5 * (lx + rx), 0.5 * (ly + ry), math.atan2(rx - lx, ly - ry))
-    heading, bearing, turn = HEADING, BEARING, TWO_ARM_TURN
-    if faces == 0:
-        heading, bearing, turn = math.pi, math.pi, PRESSED_TURN
 
     def draw() -> Poses:
         """Draw start and goal, wherever they are."""
         push = _push(rng, body.shape, faces)
         x = rng.uniform(AHEAD, FARTHEST_AHEAD)
         y = rng.uniform(-ASIDE, ASIDE)
-        yaw = rng.uniform(-heading, heading) - push
+        yaw = rng.uniform(-aim.heading, aim.heading) - push
         start = X_WM.compose(Pose2(float(x), float(y), float(yaw)))
         distance = rng.uniform(*DISTANCE)
-        ahead = _polar(distance, push + rng.uniform(-bearing, bearing))
-        return start, start.compose(Pose2(*ahead, float(rng.uniform(-turn, turn))))
+        ahead = _polar(distance, push + rng.uniform(-aim.bearing, aim.bearing))
+        turn = float(rng.uniform(-aim.turn, aim.turn))
+        return start, start.compose(Pose2(*ahead, turn))
 
     def within(X_WG: Pose2) -> bool:
         """Whether both robots reach the object there."""
@@ -309,7 +437,8 @@ def _two_arm_poses(
         near, far = TWO_ARM_REACH
         distances = [math.dist(center, robot.base[:2]) for robot in robots]
         ahead = X_WM.unapply(center)[0]
-        return ahead >= AHEAD and all(near <= d <= far for d in distances)
+        reached = ahead >= AHEAD and all(near <= d <= far for d in distances)
+        return reached and all(_clear_of(robot, body, X_WG) for robot in robots)
 
     return _first_within(draw, within)
 

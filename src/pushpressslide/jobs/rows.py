@@ -1,0 +1,121 @@
+"""The rows of a sweep: one line of JSON each, appended as the samples finish.
+
+A row counts only for the sweep that it was made by: its key is a hash of the resolved
+task, the options, the versions of libraries and the package's own source files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from array import array
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+Row = dict[str, Any]
+SOURCES = (".py", ".yaml", ".css")
+ABSENT = -1
+
+
+@cache
+def source_hash() -> str:
+    """Return a hash of all source files of the package."""
+    digest = hashlib.sha256()
+    root = Path(str(resources.files("pushpressslide")))
+    for path in sorted(root.rglob("*")):
+        if path.suffix in SOURCES:
+            digest.update(str(path.relative_to(root)).encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def key_of(settings: Mapping[str, Any]) -> str:
+    """Return the key of rows that were made with ``settings``, which JSON can hold."""
+    text = json.dumps(settings, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+class Rows:
+    """The rows of one sweep in a file; only their places are held in memory."""
+
+    def __init__(self, path: Path, key: str) -> None:
+        """Find the rows of ``key`` in the file ``path``; others in it do not count."""
+        self._path = path
+        self._key = key
+        self._places = array("q")  # in the file, of each sample's row; ABSENT: none yet
+        self._codes = bytearray()  # of each sample's status, an index into _statuses
+        self._statuses: list[str] = []
+        self._forced: dict[tuple[int, int], int] = {}  # places by sample and rank
+        if path.exists():
+            for place, row in _lines(path):
+                if row.get("key") == key:
+                    self._note(row, place)
+
+    def __contains__(self, index: int) -> bool:
+        return index < len(self._places) and self._places[index] != ABSENT
+
+    def __len__(self) -> int:
+        return len(self._places) - self._places.count(ABSENT)
+
+    def has_forced(self, index: int, rank: int) -> bool:
+        """Return whether a forced run of a refused sample's choice is there."""
+        return (index, rank) in self._forced
+
+    def status(self, index: int) -> str:
+        """Return how a sample ended."""
+        return self._statuses[self._codes[index]]
+
+    def add(self, row: Row) -> None:
+        """Append a row."""
+        row = {"key": self._key, **row}
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with self._path.open("ab") as file:
+            place = file.tell()
+            file.write((json.dumps(row) + "\n").encode())
+        self._note(row, place)
+
+    def read(self, count: int) -> Iterator[Row]:
+        """Yield the rows of the first ``count`` samples in their order."""
+        yield from self._at(self._places[i] for i in range(count))
+
+    def read_forced(self, count: int) -> Iterator[Row]:
+        """Yield the forced runs of the first ``count`` samples in their order."""
+        wanted = sorted(key for key in self._forced if key[0] < count)
+        yield from self._at(self._forced[key] for key in wanted)
+
+    def _note(self, row: Row, place: int) -> None:
+        index = int(row["index"])
+        if "rank" in row:
+            self._forced[index, int(row["rank"])] = place
+            return
+        missing = index + 1 - len(self._places)
+        self._places.extend([ABSENT] * missing)
+        self._codes.extend([0] * missing)
+        status = str(row["status"])
+        if status not in self._statuses:
+            self._statuses.append(status)
+        self._places[index] = place
+        self._codes[index] = self._statuses.index(status)
+
+    def _at(self, places: Iterable[int]) -> Iterator[Row]:
+        if not self._path.exists():
+            return
+        with self._path.open("rb") as file:
+            for place in places:
+                file.seek(place)
+                row: Row = json.loads(file.readline())
+                yield row
+
+
+def _lines(path: Path) -> Iterator[tuple[int, Row]]:
+    """Yield each row and its place; a line that was cut off is passed over."""
+    with path.open("rb") as file:
+        place = 0
+        for line in file:
+            with suppress(json.JSONDecodeError):
+                yield place, json.loads(line)
+            place += len(line)

@@ -1,0 +1,146 @@
+"""One sample of a sweep: draw the task, run it, and say what came of it in a row."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Literal
+
+from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
+from pushpressslide.core.task import Task
+from pushpressslide.jobs.rows import Row
+from pushpressslide.jobs.run import forced_choices, run_choice, simulate, versions
+from pushpressslide.jobs.sampling import random_task, uncertain_task, varied_task
+
+if TYPE_CHECKING:
+    from pushpressslide.core.plan import Plan
+    from pushpressslide.core.record import Record
+    from pushpressslide.jobs.sweep import SweepOptions
+
+Status = Literal["reached", "missed", "refused", "failed", "not run"]
+FIGURES = (
+    "final_position_error",
+    "final_yaw_error",
+    "duration",
+    "rms_position_error",
+    "rms_yaw_error",
+    "max_normal_force",
+    "slip_distance",
+    "cone_violation_fraction",
+    "torque_limit_violation_fraction",
+    "realtime_factor",
+)
+"""Of a run's result, what its row holds."""
+FORCED = 3
+"""Choices of a refused task that are run all the same: the best that have a path."""
+
+
+class SampleTimeoutError(RuntimeError):
+    """A sample took longer than it may."""
+
+
+def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
+    """Return sample ``index`` of a sweep over ``task``.
+
+    Raises TaskError where no tasks can be drawn for it.
+    """
+    if options.vary == "truth":
+        return varied_task(task, index, options.seed)
+    drawn = random_task(task, index, options.seed, options.draw)
+    if options.world == "uncertain":
+        return uncertain_task(drawn, index, options.seed)
+    return drawn
+
+
+def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
+    """Run one sample and return its row: reached, missed, refused or, where something of
+    ours fails, failed.
+    """
+    row: Row = {"index": index}
+    try:
+        sample = sample_task(task, options, index)
+        row["task"] = sample.name
+        with _at_most(options.sample_time):
+            plan, record, choices = simulate(
+                sample, engine=options.engine, seed=options.seed
+            )
+    except InfeasibleTaskError as error:
+        return {**row, "status": "refused", "reason": str(error)}
+    except (SimulationError, ValueError, RuntimeError, IndexError, KeyError) as error:
+        reason = f"{type(error).__name__}: {error}"
+        return {**row, "status": "failed", "reason": reason}
+    chosen = plan.chosen(choices)
+    figures = _figures(sample, plan, record)
+    return {**row, **figures, "choice": chosen[0].reason if chosen else ""}
+
+
+def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
+    """Run the choice of that rank of a refused sample, and return its row: reached,
+    missed, or not run with the reason.
+    """
+    row: Row = {"index": index, "rank": rank}
+    try:
+        sample = sample_task(task, options, index)
+        row["task"] = sample.name
+        choices = forced_choices(sample, FORCED)
+        if rank >= len(choices):
+            reason = f"has {len(choices)} choices with a path"
+            return {**row, "status": "not run", "reason": reason}
+        row["choice"] = choices[rank].reason
+        with _at_most(options.sample_time):
+            plan, record = run_choice(
+                sample, choices[rank], engine=options.engine, seed=options.seed
+            )
+    except (
+        InfeasibleTaskError,
+        SimulationError,
+        ValueError,
+        RuntimeError,
+        IndexError,
+        KeyError,
+    ) as error:
+        reason = f"{type(error).__name__}: {error}"
+        return {**row, "status": "not run", "reason": reason}
+    return {**row, **_figures(sample, plan, record)}
+
+
+def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
+    """Return what a row holds of a run."""
+    from pushpressslide.report.metrics import result as measure
+
+    measured = measure(sample, plan, record, versions())
+    return {
+        "status": "reached" if measured["success"] else "missed",
+        "code": measured["reason"]["code"],
+        "reason": measured["reason"]["text"] or measured["reason"]["code"],
+        "modes": measured["modes"],
+        **{name: measured[name] for name in FIGURES},
+    }
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    """Raise SampleTimeoutError where the block takes longer; 0: no bound.
+
+    In the main thread of a process only, where there are alarms.
+    """
+    alarms = hasattr(signal, "SIGALRM")
+    main = threading.current_thread() is threading.main_thread()
+    if not (seconds and alarms and main):
+        yield
+        return
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        """End the block."""
+        raise SampleTimeoutError(f"took longer than {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
