@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import poses_along, workspace_refusal
+from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.selection.clearance import obstacle_refusal, swept
 
 SLID = 2.5e-3  # [m] of a contact along its face
@@ -115,7 +115,8 @@ class Replanner:
     def _free(self, part: Task, segments: Sequence[Segment]) -> bool:
         """Whether segments keep clear of obstacles and stay in the workspace."""
         for piece in segments:
-            if workspace_refusal(part, poses_along(piece)) is not None:
+            poses = poses_along(piece)
+            if workspace_refusal(part.object, part.limits, poses) is not None:
                 return False
         if not (segments and part.obstacles):
             return True

@@ -18,11 +18,13 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.friction import utilisation_margin
+from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.three_turns import words
 from pushpressslide.planning.pressed.turns import PressedTurn, pressed_turns
 from pushpressslide.planning.pressed.vehicle import SWING, press_of
+from pushpressslide.planning.segments import describe_points
 from pushpressslide.rom.drives import TurnDrive
 from pushpressslide.rom.unicycle import Unicycle
 
@@ -137,13 +139,11 @@ class Manoeuvre:
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a segment for each turn."""
-        belief = task.believed
+        scene = task.scene
         contact = self.contact
-        mu = belief.contact_friction
-        weight = task.scene.weight_on
-        used = friction_use(contact.load, weight, belief.support_friction, mu)
-        margin = math.atan(mu) - math.atan(used * mu)
-        max_friction = belief.support_friction * (weight + contact.load)
+        used = press_utilisation(scene, contact.load)
+        margin = utilisation_margin(scene.belief.contact_friction, used)
+        max_friction = scene.max_friction(contact.load)
         X_BG = task.object.X_GB.inverse()
         stretches = self.stretches
         run_in = stretches[-1]
@@ -166,10 +166,10 @@ class Manoeuvre:
         moving = sum(segment.profile.duration for segment in reversed(segments))
         return Choice(
             mode,
-            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f})",
+            f"manoeuvre at {describe_points([contact.point])}",
             (contact,),
             tuple(segments),
-            moving + overhead(task, pressed=True),
+            moving + overhead(task.motion, pressed=True),
             f"{contact.load:.1f} N, {turns}; {used:.2f} of the tip's friction used",
         )
 
@@ -181,11 +181,11 @@ def pressed_manoeuvres(
     press at one of ``contacts``.
     """
     pressed = [
-        (contact, press_of(task, contact))
+        (contact, press_of(task.scene, contact))
         for contact in contacts
         if contact.point != (0.0, 0.0)
     ]
-    goal = task.goal.compose(task.object.X_GB)
+    _, goal = task.body_ends
     out = []
     turns = pressed_turns([press for _, press in pressed])
     for (contact, _), usable in zip(pressed, turns, strict=True):
@@ -211,7 +211,7 @@ def _by_press(
     if not run_ins:
         return []
     turns = _both_ways(turns)
-    speeds = [_speed(task, turn) for turn in turns]
+    speeds = [_speed(task.motion.speed, turn) for turn in turns]
     bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
@@ -247,7 +247,7 @@ def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_Run
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
-            speed = _speed(task, turn)
+            speed = _speed(task.motion.speed, turn)
             look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
     return out
@@ -267,12 +267,8 @@ def _straight(turn: PressedTurn) -> bool:
     return abs(math.remainder(turn.angle, math.pi)) < 1e-6
 
 
-def _speed(task: Task, turn: PressedTurn) -> float:
-    return (
-        task.motion.speed
-        * min(1.0, SWING / turn.pace)
-        * min(1.0, turn.room / SAFE_ROOM)
-    )
+def _speed(speed: float, turn: PressedTurn) -> float:
+    return speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
 
 
 def as_driven(curvature: float, like: float) -> float:

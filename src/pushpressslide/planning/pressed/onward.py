@@ -19,7 +19,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
 from pushpressslide.planning.pressed.manoeuvre import Stretch, as_driven
 from pushpressslide.planning.pressed.turns import pressed_turns
 from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
@@ -36,13 +36,13 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
 def pressed_at(
-    task: Task, segments: Sequence[Segment], contact: Contact
+    scene: Scene, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
     """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
     their paths as they were, but for the curvatures. A turn that is no longer one there
     stays as planned.
     """
-    (found,) = pressed_turns([press_of(task, contact)])
+    (found,) = pressed_turns([press_of(scene, contact)])
     turns = {turn.angle: turn for turn in found}
     out = []
     for segment in segments:
@@ -63,15 +63,15 @@ def pressed_at(
 
 
 def onward(
-    task: Task, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
+    scene: Scene, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
 ) -> tuple[Segment, ...]:
     """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
     lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
     next to the planned ones, where several do. The last turn is steered besides: it has
     too few lengths.
     """
-    now = pressed_at(task, segments, contact)
-    X_GB = task.object.X_GB
+    now = pressed_at(scene, segments, contact)
+    X_GB = scene.body.X_GB
     goal = now[-1].goal.compose(X_GB)
     arcs, lengths = _arcs(now, X_WB, goal)
     poses = _poses(arcs, lengths, X_WB)
