@@ -365,7 +365,7 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             twist = twist.moved_to(segment.X_BV.position)
             along, across = segment.X_BV.unrotate((twist.vx, twist.vy))
             assert abs(math.atan2(across, along)) < math.radians(10.0)
-            turned_more = drive.gain * (
+            turned_more = drive.effective_wheelbase * (
                 twist.w / math.hypot(along, across) - drive.turn
             )
             if abs(guidance.steering) < 0.01:  # in terms of the force's angle

@@ -120,7 +120,7 @@ class Replanner:
                 return False
         if not (segments and part.obstacles):
             return True
-        return obstacle_refusal(part, swept(part, segments)) is None
+        return obstacle_refusal(part, swept(part.object, segments)) is None
 
 
 def _axle_error(segment: Segment, identified: Identified | None) -> float:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from math import dist, hypot, inf
+from math import inf
 
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.slide_loads import (
@@ -30,7 +30,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.mechanics.top import inside_top, top_places
+from pushpressslide.mechanics.top import inside_top
 from pushpressslide.mechanics.wall import lever
 from pushpressslide.modes.base import (
     BOTH_CROSSING,
@@ -40,17 +40,11 @@ from pushpressslide.modes.base import (
     Measured,
     Mode,
 )
-from pushpressslide.planning.held_twist import (
-    DECAY,
-    EDGE,
-    path_onward,
-    tipping_refusal,
-)
+from pushpressslide.planning.held_twist import DECAY, path_onward, tipping_refusal
 from pushpressslide.planning.overhead import path_time
-from pushpressslide.planning.press_pairs import APART, Pair, pair_refusal, press_pairs
+from pushpressslide.planning.press_pairs import APART, PlacedPair, placed_pairs
 from pushpressslide.planning.pressed.drag import HeldDrag, held_drag
 from pushpressslide.planning.segments import describe_points, ends_onward, segment
-from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import ORIGIN, HeldDrive
 from pushpressslide.tracking.carried import CarriedTracker
 from pushpressslide.tracking.eased import EasedTracker
@@ -70,45 +64,25 @@ class BimanualPressSlide(Mode):
 
     def drafts(self, task: Task) -> list[Draft | Choice]:
         """Return one draft per pair of contacts, those with the shortest arms first."""
-        farthest = max((hypot(*p) for p in top_places(task.object, EDGE)), default=0.0)
-        placed = [self._placed(task, points, farthest) for points in press_pairs(task)]
+        placed = placed_pairs(task)
         if not placed:
             text = "the top has no two places {allowed:mm.0f} apart"
             refusal = Refusal("too_close", text, None, APART, "m")
             return [Choice(self.name, refusal=refusal)]
-        placed.sort(key=lambda one: _arm_length(task, one[0].contacts))
-        return [
-            Draft(choice.time or inf, partial(self._pressed, task, choice, path))
-            for choice, path in placed
-        ]
+        return [self._draft(task, pair) for pair in placed]
 
-    def _placed(
-        self, task: Task, points: Pair, farthest: float
-    ) -> tuple[Choice, TwistPath]:
-        """Return the choice of one pair of contacts, but for their loads, and the path
-        of the body; ``farthest`` [m] that a place is from the CoM.
-        """
-        body = task.object
-        radius = max(farthest, *(hypot(*p) for p in points))
-        path = TwistPath.between(task.body_ends, radius)
-        poses = [path.pose(0.25 * i * path.length) for i in range(5)]
-        assigned = assignments(task.scene.bases, points, poses)
-        given = task.motion.contacts is not None and (0, 1) in assigned
-        arms = (0, 1) if given else next(iter(assigned), None)
-        if arms == (1, 0):
-            points = (points[1], points[0])
-        contacts = tuple(
-            Contact(i, "top", point, ORIGIN, body.shape.height)
-            for i, point in enumerate(points)
-        )
-        refusal = pair_refusal(body, points)
-        if refusal is None and arms is None:
+    def _draft(self, task: Task, pair: PlacedPair) -> Draft:
+        """Return the draft of one pair of contacts."""
+        refusal = pair.refusal
+        if refusal is None and pair.crossing:
             refusal = BOTH_CROSSING
-        if refusal is None and path.length == 0.0:
+        if refusal is None and pair.path.length == 0.0:
             refusal = Refusal("at_goal", "the goal is the start")
+        points = (contact.point for contact in pair.contacts)
         label = f"pressed at {describe_points(points)}"
-        time = _time(task, path)
-        return Choice(self.name, label, contacts, time=time, refusal=refusal), path
+        time = _time(task, pair.path)
+        choice = Choice(self.name, label, pair.contacts, time=time, refusal=refusal)
+        return Draft(time or inf, partial(self._pressed, task, choice, pair.path))
 
     def _pressed(
         self, task: Task, placed: Choice, path: TwistPath, evaluated: bool
@@ -229,16 +203,6 @@ class BimanualPressSlide(Mode):
 def _time(task: Task, path: TwistPath) -> float:
     """How long the whole run takes [s]."""
     return round(path_time(task.motion, path.length, pressed=True), 3)
-
-
-def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
-    """How far the contacts are from their arms' bases, at start and goal together [m]."""
-    bases = task.scene.bases
-    return sum(
-        dist(X_WB.apply(contact.point), bases[contact.arm][:2])
-        for X_WB in task.body_ends
-        for contact in contacts
-    )
 
 
 def _tracking_point(scene: Scene, contacts: Sequence[Contact], twist: Twist) -> Point:

@@ -54,7 +54,6 @@ from pushpressslide.planning.pressed.placements import (
     press_placements,
 )
 from pushpressslide.planning.pressed.ranking import by_time, soonest
-from pushpressslide.planning.pressed.vehicle import axle_ahead
 from pushpressslide.planning.segments import describe_points, ends_onward
 from pushpressslide.rom.drives import (
     ORIGIN,
@@ -149,7 +148,7 @@ class PressSlide(Mode):
         out: list[Choice] = []
         skipped: list[Choice] = []
         missing = enough
-        turning = placements.turning(task)
+        turning = placements.turning(task.object)
         for load in placements.loads:
             contacts = [replace(contact, load=load) for contact in turning]
             ranked = by_time(task, X_WB, contacts)
@@ -219,7 +218,7 @@ class PressSlide(Mode):
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = drive.car
         predicted = Identified(
-            axle_ahead(car), abs(car.effective_wheelbase), drive.max_friction
+            car.axle, abs(car.effective_wheelbase), drive.max_friction
         )
         stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness)
@@ -311,9 +310,7 @@ def _steered_by(
     """Return a drive with ``car``, or with the axle that was identified."""
     max_friction = drive.max_friction
     if identified is not None:
-        rho = math.sqrt(identified.effective_wheelbase * abs(car.lever))
-        car = replace(car, rho=rho, shift=0.0)
-        car = replace(car, shift=identified.axle - axle_ahead(car))
+        car = car.with_axle(identified.axle, identified.effective_wheelbase)
         max_friction = identified.drag
     if isinstance(drive, TurnDrive):
         drive = replace(drive, X_BV=car.X_BV)

@@ -78,7 +78,7 @@ class RearPush(Mode):
                 f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
             )
             return [choice.refused(refusal or Refusal("not_straight", straight))]
-        drive = RearSteerDrive(car, shift, scene.max_friction())
+        drive = RearSteerDrive(car, scene.max_friction(), shift)
         driven = self._driven(task, choice, drive)
         return [driven.refused(refusal or driven.refusal)]
 

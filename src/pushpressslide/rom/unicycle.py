@@ -5,7 +5,7 @@ virtual axle.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.pose import Point, Pose2
 
@@ -70,6 +70,21 @@ class Unicycle:
             self.cop[1] + ahead * e[1],
             math.atan2(e[1], e[0]),
         )
+
+    @property
+    def axle(self) -> float:
+        """Coordinate [m] of the virtual axle on the heading axis, from B's origin."""
+        X_BV = self.X_BV
+        ex, ey = self.axis
+        return X_BV.x * ex + X_BV.y * ey
+
+    def with_axle(self, axle: float, effective_wheelbase: float) -> Unicycle:
+        """Return the vehicle with its virtual axle at ``axle`` [m] from B's origin, of
+        an ``effective_wheelbase`` [m] > 0.
+        """
+        rho = math.sqrt(effective_wheelbase * abs(self.lever))
+        car = replace(self, rho=rho, shift=0.0)
+        return replace(car, shift=axle - car.axle)
 
     @property
     def length(self) -> float:

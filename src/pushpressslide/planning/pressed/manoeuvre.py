@@ -55,11 +55,11 @@ class Stretch:
     @property
     def look_ahead(self) -> float:
         """A third of the vehicle's length, more where all steering corrects little [m]."""
-        gain = abs(self.turn.gain)
+        wheelbase = abs(self.turn.effective_wheelbase)
         most = min(self.turn.left, -self.turn.right)
-        least = math.sqrt(4.0 * CORRECTED * gain / math.tan(most))
+        least = math.sqrt(4.0 * CORRECTED * wheelbase / math.tan(most))
         return min(
-            max(0.35 * (gain + self.turn.press.lever), least, LOOK_AHEAD[0]),
+            max(0.35 * (wheelbase + self.turn.press.lever), least, LOOK_AHEAD[0]),
             LOOK_AHEAD[1],
         )
 
@@ -68,7 +68,7 @@ class Stretch:
         turn = self.turn
         press = turn.press
         X_BV = turn.X_BV
-        wheelbase = abs(turn.gain)
+        wheelbase = abs(turn.effective_wheelbase)
         ex, ey = press.axis
         cop = press.cop
         backward = abs(turn.angle) > 0.5 * math.pi
@@ -90,7 +90,7 @@ class Stretch:
             axis_angle=turn.angle,
             angle=math.atan2(ey, ex) + turn.angle,
             turn=self.path.curvature(0.0),
-            gain=turn.gain,
+            effective_wheelbase=turn.effective_wheelbase,
             right=turn.right,
             left=turn.left,
             stiffness=stiffness,
@@ -207,7 +207,7 @@ def _by_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
-    run_ins = _run_ins(task, goal, turns)
+    run_ins = _run_ins(task.motion.speed, goal, turns)
     if not run_ins:
         return []
     turns = _both_ways(turns)
@@ -242,12 +242,12 @@ def _both_ways(turns: list[PressedTurn]) -> list[PressedTurn]:
     return [*turns, *(replace(t, curvature=-t.curvature) for t in straight)]
 
 
-def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
-    """Return the straight turns, as long as they may be, that can be corrected well."""
+def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
+    """Return the straight turns, at up to ``most`` [m/s], as long as they may be, that can be corrected well."""
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
-            speed = _speed(task.motion.speed, turn)
+            speed = _speed(most, turn)
             look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
     return out

@@ -95,14 +95,14 @@ class _Course:
     """
 
     arcs: list[Arc]
-    gain: float  # [m] tan(steering) per curvature of the first arc
+    effective_wheelbase: float  # [m] of the first arc
     start: Pose2  # X_WB
     goal: Pose2
 
     def steered(self, x: Array) -> list[Arc]:
         """Return the arcs as they are steered."""
         (X_BV, curvature), *others = self.arcs
-        return [(X_BV, curvature + math.tan(x[-1]) / self.gain), *others]
+        return [(X_BV, curvature + math.tan(x[-1]) / self.effective_wheelbase), *others]
 
     def short(self, x: Array) -> Array:
         """Return what is left to the goal at their end (3,) [m]."""
@@ -153,7 +153,7 @@ def _arcs(
     high = np.minimum([*longest, PLANNED * turn.left], x + MOST / measure)
     if len(arcs) > 2:
         low[-1] = high[-1] = 0.0
-    course = _Course(arcs, turn.gain, X_WB, goal)
+    course = _Course(arcs, turn.effective_wheelbase, X_WB, goal)
     x = course.solved(x, low, high, measure)
     return course.steered(x), [float(length) for length in x[:-1]]
 

@@ -8,7 +8,7 @@ from itertools import product
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.mechanics.pressing import press_loads
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.held_twist import EDGE
@@ -23,12 +23,12 @@ class PressPlacements:
     contacts: tuple[Contact, ...]  # without loads, one for each arm and place
     loads: tuple[float, ...]  # [N], the safest first
 
-    def turning(self, task: Task) -> list[Contact]:
+    def turning(self, body: ObjectModel) -> list[Contact]:
         """Return the contacts on the top that turn the object: those off its CoM."""
         return [
             contact
             for contact in self.contacts
-            if contact.point != ORIGIN and inside_top(task.object, contact.point, EDGE)
+            if contact.point != ORIGIN and inside_top(body, contact.point, EDGE)
         ]
 
 

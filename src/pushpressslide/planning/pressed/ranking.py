@@ -91,11 +91,15 @@ def manoeuvre_times(
     turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
     out = np.full(len(presses), math.inf)
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
-        gain = np.abs(table.gain[:, end])
+        wheelbase = np.abs(table.effective_wheelbase[:, end])
         free = paces.steering[:, end]
         able = table.usable[:, end] & (free >= CORRECTING)
-        needed = np.sqrt(4.0 * CORRECTED * gain / np.tan(np.where(able, free, 1.0)))
-        look_ahead = np.clip(np.maximum(0.35 * (gain + levers), needed), *LOOK_AHEAD)
+        needed = np.sqrt(
+            4.0 * CORRECTED * wheelbase / np.tan(np.where(able, free, 1.0))
+        )
+        look_ahead = np.clip(
+            np.maximum(0.35 * (wheelbase + levers), needed), *LOOK_AHEAD
+        )
         length = RUN_INS[-1] * look_ahead
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(

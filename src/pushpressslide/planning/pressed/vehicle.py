@@ -178,13 +178,6 @@ def turns(car: Unicycle, tightest: float) -> list[float]:
     return sorted({min(k * SWING / car.length, tightest) for k in TIGHTER})
 
 
-def axle_ahead(car: Unicycle) -> float:
-    """Return the coordinate of the virtual axle on the heading axis, from the CoM [m]."""
-    X_BV = car.X_BV
-    ex, ey = car.axis
-    return X_BV.x * ex + X_BV.y * ey
-
-
 def backing_up(
     task: Task, vehicle: PressedVehicle, then: Segment, distance: float
 ) -> Segment:
