@@ -69,18 +69,30 @@ def slide_loads(
     if found is not None:
         harder = loads_with(presses(), cop, min(cap, HARDER * max(found)))
         return None, [found, harder]
+    return _loads_at_limit(presses, cop, twist)
+
+
+def _loads_at_limit(
+    presses: Presses, cop: Cop, twist: Twist
+) -> tuple[Refusal, list[Point]]:
+    """Return what stands against the loads, and loads [N] at the cap. Raises
+    RefusedError where no two tips can press so.
+    """
+    pair = presses()
+    mu_a = pair.contact_friction
+    mu_s = pair.support_friction
     if mu_a <= mu_s:
         text = (
             "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
             "press drags"
         )
         raise RefusedError(Refusal("friction", text, mu_a, mu_s))
-    if isinstance(cop, str):
-        normals = loads_with(presses(), cop, cap)
-        utilisation = presses().at(normals, twist).needed / sum(normals)
-        limit = f"; limits.normal_force is {cap:g} N"
-        return slip_refusal(normals, utilisation, limit), [normals]
-    raise RefusedError(_cop_refusal(presses, cop, twist, cap))
+    if not isinstance(cop, str):
+        raise RefusedError(_cop_refusal(presses, cop, twist, pair.cap))
+    normals = loads_with(pair, cop, pair.cap)
+    utilisation = pair.at(normals, twist).needed / sum(normals)
+    limit = f"; limits.normal_force is {pair.cap:g} N"
+    return slip_refusal(normals, utilisation, limit), [normals]
 
 
 def slip_refusal(normals: Point, utilisation: float, note: str = "") -> Refusal:

@@ -43,6 +43,9 @@ from pushpressslide.planning.in_cone import (
 )
 from pushpressslide.planning.overhead import path_time
 from pushpressslide.planning.pushed_car import (
+    LOOP_RATIO,
+    SLACK,
+    car_path,
     gentle_path,
     least_lengths,
     pushed_cars,
@@ -65,9 +68,6 @@ VEHICLES = ("differential", "synchronised", "mixed")
 EITHER = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
-# times the straight distance, and [m]: a longer path has turned a loop
-LOOP_RATIO = 1.25
-SLACK = 0.03
 
 Cars = Callable[[Face, bool], dict[Contacts, PushedCar]]
 
@@ -143,17 +143,10 @@ class ParallelPush(TwistPushes):
         return [choice.refused(Refusal("no_path", literal("; ".join(why))))]
 
     def _as_car(self, task: Task, choice: Choice, car: PushedCar) -> Choice:
-        """Return the choice to push as a car."""
+        """Return the choice to push as a car. Raises ValueError where there is none."""
         start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
         curvature = task.motion.curvature_margin * car.tightest
-        longest = LOOP_RATIO * math.hypot(goal.x - start.x, goal.y - start.y) + SLACK
-        path = gentle_path(start, goal, curvature, longest)
-        if path.length > longest:
-            text = (
-                "a loop of {figure:m.2f} with radii of "
-                f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
-            )
-            return choice.refused(Refusal("loop", text, path.length, longest, "m"))
+        path = car_path((start, goal), curvature)
         used = max((abs(k) for k, _ in path.pieces), default=0.0)
         mu = task.believed.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * used)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Task
 from pushpressslide.core.twist_path import TwistPath
@@ -22,6 +23,9 @@ from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
+# times the straight distance, and [m]: a longer path has turned a loop
+LOOP_RATIO = 1.25
+SLACK = 0.03
 RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
 # curvatures that are tried, in shares of the tightest that a plan may use
 TIGHTER = (0.3, 0.6, 1.0)
@@ -144,6 +148,21 @@ def least_lengths(task: Task, face: Face) -> tuple[float, float]:
     square = dx * dx + dy * dy
     ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
     return direct, math.hypot(x + ahead * dx, y + ahead * dy)
+
+
+def car_path(ends: tuple[Pose2, Pose2], curvature: float) -> ArcPath:
+    """Return the gentle path of a car's axle between its ``ends``, with curvatures up
+    to ``curvature`` [1/m]. Raises RefusedError where it has to turn a loop.
+    """
+    longest = LOOP_RATIO * math.dist(*(X_WV.position for X_WV in ends)) + SLACK
+    path = gentle_path(*ends, curvature, longest)
+    if path.length > longest:
+        text = (
+            "a loop of {figure:m.2f} with radii of "
+            f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
+        )
+        raise RefusedError(Refusal("loop", text, path.length, longest, "m"))
+    return path
 
 
 def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:

@@ -76,11 +76,7 @@ def held_drag(
         fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
         held = Wrench(wx, wy, 0.0).moved_to((x, y))
         given = allocate(fx - wx, fy - wy, tau - held.tau)
-        pressed = max(
-            hypot(*force) / (mu * contact.load)
-            for force, contact in zip(given.forces, contacts, strict=True)
-        )
-        most = max(most, _utilisation(pressed, given, surface))
+        most = max(most, _utilisation(contacts, mu, given, surface))
         moved = (cop[0] - raised * wx, cop[1] - raised * wy)
         margin = min(margin, room_inside(scene.body, moved))
     return HeldDrag(surface, most, margin)
@@ -97,7 +93,6 @@ def pinned_drag(
     """
     belief = scene.belief
     press, push = contacts
-    mu = belief.contact_friction
     load = scene.weight_on + press.load
 
     def forces(wrench: Wrench) -> Allocation:
@@ -116,16 +111,21 @@ def pinned_drag(
         pressures(scene), belief.support_friction, load, resting, twist, shift
     )
     given = forces(surface.wrench(twist))
-    pressed = hypot(*given.forces[0]) / (mu * press.load)
-    utilisation = _utilisation(pressed, given, surface)
+    utilisation = _utilisation([press], belief.contact_friction, given, surface)
     margin = room_inside(scene.body, cop)
     return PinnedDrag(surface, utilisation, margin, given, cop)
 
 
-def _utilisation(pressed: float, given: Allocation, surface: DraggedSurface) -> float:
-    """Return the friction utilisation ``pressed`` of an allocation, scaled up by the
-    share of the wanted wrench that it could not give.
+def _utilisation(
+    presses: Sequence[Contact], mu: float, given: Allocation, surface: DraggedSurface
+) -> float:
+    """Return the largest friction utilisation of presses, the first of the contacts of
+    an allocation, scaled up by the share of the wanted wrench that it could not give.
     """
+    most = max(
+        hypot(*force) / (mu * press.load)
+        for press, force in zip(presses, given.forces, strict=False)
+    )
     fx, fy, tau = given.residual
     lost = hypot(fx, fy, tau / surface.rho) / surface.max_force
-    return pressed / max(1.0 - lost, LEAST_GIVEN)
+    return most / max(1.0 - lost, LEAST_GIVEN)

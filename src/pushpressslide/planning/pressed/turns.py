@@ -195,44 +195,38 @@ def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
     if not presses:
         return []
     table = turn_table(presses)
-    out = []
-    for row, press in enumerate(presses):
-        ex, ey = press.axis
-        cx, cy = press.cop
-        turns = []
-        for i in np.flatnonzero(table.usable[row, ::EVERY]) * EVERY:
-            ahead, heading, curvature, wheelbase, share, pace, right, left, room = (
-                float(quantity[row, i])
-                for quantity in (
-                    table.ahead,
-                    table.heading,
-                    table.curvature,
-                    table.effective_wheelbase,
-                    table.share,
-                    table.pace,
-                    table.right,
-                    table.left,
-                    table.room,
-                )
-            )
-            axle = Pose2(cx + ahead * ex, cy + ahead * ey, math.atan2(ey, ex) + heading)
-            angle = math.remainder(float(i) * STEP, 2.0 * math.pi)
-            turns.append(
-                PressedTurn(
-                    press,
-                    angle,
-                    -right,
-                    left,
-                    room,
-                    axle,
-                    curvature,
-                    wheelbase,
-                    share,
-                    pace,
-                )
-            )
-        out.append(turns)
-    return out
+    return [
+        [
+            _turn(table, row, int(column) * EVERY, press)
+            for column in np.flatnonzero(table.usable[row, ::EVERY])
+        ]
+        for row, press in enumerate(presses)
+    ]
+
+
+def _turn(table: TurnTable, row: int, column: int, press: Press) -> PressedTurn:
+    """Return the turn of one press at one angle."""
+
+    def entry(quantity: Array) -> float:
+        """Return the quantity of this turn."""
+        return float(quantity[row, column])
+
+    ex, ey = press.axis
+    cx, cy = press.cop
+    ahead = entry(table.ahead)
+    yaw = math.atan2(ey, ex) + entry(table.heading)
+    return PressedTurn(
+        press=press,
+        angle=math.remainder(column * STEP, 2.0 * math.pi),
+        right=-entry(table.right),
+        left=entry(table.left),
+        room=entry(table.room),
+        X_BV=Pose2(cx + ahead * ex, cy + ahead * ey, yaw),
+        curvature=entry(table.curvature),
+        effective_wheelbase=entry(table.effective_wheelbase),
+        share=entry(table.share),
+        pace=entry(table.pace),
+    )
 
 
 def steering_of(press: Press, backward: bool) -> float:
