@@ -52,6 +52,11 @@ class Refusal:
         return self.text.format(figure=figure, allowed=allowed)
 
 
+NOT_EVALUATED = Refusal(
+    SKIPPED, "not judged in full, as there is one that is no slower"
+)
+
+
 class RefusedError(ValueError):
     """Raised where a model cannot be made; carries the refusal."""
 

@@ -17,19 +17,16 @@ from typing import ClassVar, NamedTuple, Protocol
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import contact_refusal
 
-ENOUGH = 8  # feasible choices of one mode, after which no other is evaluated
-NOT_EVALUATED = Refusal(
-    SKIPPED, "not judged in full, as there is one that is no slower"
-)
 CROSSING = Refusal("arms_cross", "the arms would cross")
 BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
 
@@ -141,18 +138,26 @@ class Mode(ABC):
         longest: float,
         identified: Identified | None = None,
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` with the first one replanned from where object and
-        contacts (points in B [m]) really are; none if that takes more than ``longest``
-        [m]. ``identified``: what was seen of the virtual axle on the way.
+        """Return ``segments`` replanned from where object and contacts (points in B
+        [m]) really are; none if that takes more than ``longest`` [m]. ``identified``:
+        what was seen of the virtual axle on the way.
         """
-        first, *others = segments
         contacts = tuple(
             replace(contact, point=point)
-            for contact, point in zip(first.contacts, touched, strict=True)
+            for contact, point in zip(segments[0].contacts, touched, strict=True)
         )
         measured = Measured(X_WB, contacts, longest, identified)
+        return self.onward(task, segments, measured)
+
+    def onward(
+        self, task: Task, segments: Sequence[Segment], measured: Measured
+    ) -> tuple[Segment, ...]:
+        """Return ``segments`` with the first one on its course from what was
+        ``measured``; none where there is no course, or only a longer one.
+        """
+        first, *others = segments
         course = self.course(task, first, measured)
-        if course is None or course.path.length > longest:
+        if course is None or course.path.length > measured.longest:
             return ()
         led = replace(first, contacts=course.contacts, drive=course.drive)
         return (led.follows(course.path), *others)

@@ -26,7 +26,6 @@ from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
-    NOT_EVALUATED,
     Allocator,
     Course,
     Draft,
@@ -37,7 +36,6 @@ from pushpressslide.modes.base import (
     search,
 )
 from pushpressslide.planning.held_twist import EDGE
-from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.driven import (
     driven_again,
     steered_path,
@@ -48,13 +46,13 @@ from pushpressslide.planning.pressed.manoeuvre import (
     CORRECTING,
     pressed_manoeuvres,
 )
-from pushpressslide.planning.pressed.onward import onward, pressed_at
+from pushpressslide.planning.pressed.manoeuvre_choices import manoeuvre_choices
+from pushpressslide.planning.pressed.onward import pressed_at, turns_onward
 from pushpressslide.planning.pressed.placements import (
     PressPlacements,
     press_placements,
 )
-from pushpressslide.planning.pressed.ranking import by_time, soonest
-from pushpressslide.planning.segments import describe_points, ends_onward
+from pushpressslide.planning.segments import ends_onward
 from pushpressslide.rom.drives import (
     ORIGIN,
     SpinDrive,
@@ -127,63 +125,22 @@ class PressSlide(Mode):
         """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
         that is well steered; last a path of a vehicle however steered.
         """
+
+        def manoeuvres() -> list[Choice]:
+            """Return the choices of manoeuvres."""
+            refusal = partial(arms_refusal, task)
+            return manoeuvre_choices(task, self.name, placements, enough, refusal)
+
         free = task.motion.vehicle is None and task.tool is None
         given = bool(task.motion.contacts)
         if free and not given:
-            yield "manoeuvre", self._manoeuvres(task, placements, enough)
+            yield "manoeuvre", manoeuvres()
         straight = vehicle_choices(task, self.name, placements)
         straight.sort(key=promptness)
         yield "vehicle", search(task, _steered(task, straight, CORRECTING), enough)
         if free and given:
-            yield "manoeuvre", self._manoeuvres(task, placements, enough)
+            yield "manoeuvre", manoeuvres()
         yield "vehicle", search(task, _steered(task, straight, 0.0), enough)
-
-    def _manoeuvres(
-        self, task: Task, placements: PressPlacements, enough: int
-    ) -> list[Choice]:
-        """Return manoeuvres until ``enough`` are feasible, those of the safest press
-        first: one per contact, then others; then the contacts that were skipped.
-        """
-        X_WB, _ = task.body_ends
-        out: list[Choice] = []
-        skipped: list[Choice] = []
-        missing = enough
-        turning = placements.turning(task.object)
-        for load in placements.loads:
-            contacts = [replace(contact, load=load) for contact in turning]
-            ranked = by_time(task, X_WB, contacts)
-            wanted = min(missing, ENOUGH)
-            for manoeuvre in soonest(task, X_WB, list(ranked)):
-                choice = manoeuvre.choice(task, self.name)
-                choice = choice.refused(arms_refusal(task, choice))
-                out.append(choice)
-                wanted -= choice.feasible
-                if wanted == 0:
-                    break
-            missing = enough - sum(choice.feasible for choice in out)
-            if missing < enough and not skipped:
-                tried = {choice.contacts[0] for choice in out}
-                skipped = [
-                    self._skipped(task, contact, time)
-                    for contact, time in ranked.items()
-                    if contact not in tried
-                ]
-            # lighter presses only where more are asked for
-            if missing == 0 or missing < enough <= ENOUGH:
-                break
-        return sorted(out, key=lambda choice: not choice.feasible) + skipped
-
-    def _skipped(self, task: Task, contact: Contact, time: float) -> Choice:
-        """Return the choice of a contact for which no manoeuvre was planned; it takes
-        about ``time`` [s].
-        """
-        return Choice(
-            self.name,
-            f"manoeuvre at {describe_points([contact.point])}",
-            (contact,),
-            time=time + overhead(task.motion, pressed=True),
-            refusal=NOT_EVALUATED,
-        )
 
     def tracker(self, task: Task, segment: Segment) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a segment, or that of a turn on the spot."""
@@ -244,25 +201,18 @@ class PressSlide(Mode):
                 return manoeuvre.choice(here, self.name).segments
         return ()
 
-    def replan(
-        self,
-        task: Task,
-        segments: Sequence[Segment],
-        X_WB: Pose2,
-        touched: Sequence[Point],
-        longest: float,
-        identified: Identified | None = None,
+    def onward(
+        self, task: Task, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` replanned: the first one, or all turns of a manoeuvre."""
-        first = segments[0]
-        contact = replace(first.contacts[0], point=touched[0])
+        """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
+        (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
-        drive = first.drive
+        drive = segments[0].drive
         if isinstance(drive, TurnDrive) and not drive.last:
-            led = onward(task.scene, segments, X_WB, contact)
-            return led if led[0].path.length <= longest else ()
-        return super().replan(task, segments, X_WB, touched, longest, identified)
+            turns = turns_onward(task.scene, segments, measured.X_WB, contact)
+            return turns if turns[0].path.length <= measured.longest else ()
+        return super().onward(task, segments, measured)
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contact, with the axle as it was seen to be."""

@@ -62,7 +62,7 @@ def pressed_at(
     return out
 
 
-def onward(
+def turns_onward(
     scene: Scene, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
 ) -> tuple[Segment, ...]:
     """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
