@@ -61,6 +61,12 @@ def test_given_contacts_are_in_the_order_of_their_arms() -> None:
     assert given[0].point == contacts[1].point
 
 
+def test_of_given_contacts_the_press_is_first_whichever_arm_has_it() -> None:
+    press = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.2)
+    push = Contact(1, "side", (-0.2, 0.0), (1.0, 0.0), 0.05)
+    assert [c.kind for c in given_to((press, push), (1, 0))] == ["top", "side"]
+
+
 def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
     def at(height: float) -> float:
         body = replace(TASK.object, shape=Box((0.4, 0.4, height)))

@@ -229,6 +229,18 @@ def test_the_force_of_the_unicycle_moves_its_axle_as_wanted(car, speed, rate):
     assert math.hypot(*force) == pytest.approx(car.least_friction_force(angle, 2.0))
 
 
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize(("axle", "wheelbase"), [(-0.05, 0.08), (0.02, 0.3)])
+def test_a_unicycle_with_another_axle_has_it_there_and_that_wheelbase(
+    backward: bool, axle: float, wheelbase: float
+) -> None:
+    car = Unicycle((0.1, 0.05), (0.02, 0.01), 0.08, backward).with_axle(axle, wheelbase)
+    assert car.axle == pytest.approx(axle)
+    assert abs(car.effective_wheelbase) == pytest.approx(wheelbase)
+    x, y = car.X_BV.position
+    assert (x, y) == pytest.approx((axle * car.axis[0], axle * car.axis[1]))
+
+
 def test_the_unicycle_turned_backward_keeps_its_axle_and_turns_its_heading():
     forward = Unicycle((0.2, 0.1), (0.1, 0.05), 0.1)
     backward = Unicycle((0.2, 0.1), (0.1, 0.05), 0.1, backward=True)
