@@ -58,17 +58,17 @@ def slide_loads(
         """Return the presses with a share of the contact friction."""
         return TwoPresses(*points, scene.weight_on, mu_s, share * mu_a, rho, cap)
 
-    given = motion.press_force
-    if given is not None:
-        return None, [_given_loads(presses(), cop, given, cap)]
+    press = motion.press_force
+    if press is not None:
+        return None, [_given_loads(presses(), cop, press, cap)]
     if any(scene.weight_along):
         steps = [(twist, along) for along in weights(scene, path)]
         least = max(LEAST_PRESS, lean_press(scene))
         return None, [wall_loads(presses, steps, UTILISATION, least)]
-    found = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
-    if found is not None:
-        harder = loads_with(presses(), cop, min(cap, HARDER * max(found)))
-        return None, [found, harder]
+    loads = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
+    if loads is not None:
+        harder = loads_with(presses(), cop, min(cap, HARDER * max(loads)))
+        return None, [loads, harder]
     return _loads_at_limit(presses, cop, twist)
 
 

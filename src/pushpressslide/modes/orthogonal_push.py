@@ -113,39 +113,39 @@ class OrthogonalPush(TwistPushes):
             refusal = Refusal("too_close", text, None, least_distance(scene), "m")
         if refusal is not None:
             return [none.refused(refusal)]
-        way = ConeGoal.of(task, LOOP_RATIO)
+        cone_goal = ConeGoal.of(task, LOOP_RATIO)
         try:
-            surface = push_surface(scene, height, Twist(*way.direct))
+            surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:
             return [none.refused(refusal_of(error, "tipping"))]
         mu = scene.belief.contact_friction
         cones = [TwistCone(contacts, mu, surface) for contacts in placements]
-        return self._by_twists(task, names, way, cones)
+        return self._by_twists(task, names, cone_goal, cones)
 
     def _by_twists(
-        self, task: Task, names: str, way: ConeGoal, cones: list[TwistCone]
+        self, task: Task, names: str, cone_goal: ConeGoal, cones: list[TwistCone]
     ) -> list[Choice]:
         """Return the best choices of contacts with ``cones``; or the one nearest to
         having a path, refused.
         """
-        direct = way.direct
+        direct = cone_goal.direct
         margins = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
         cones = sorted(cones, key=lambda cone: (-margins[cone], spread(cone.contacts)))
         inside = sum(margin >= CONE_MARGIN for margin in margins.values())
-        found = []
+        driven = []
         for cone in cones[: max(PIECEWISE, inside)]:
-            path = way.path(cone)
+            path = cone_goal.path(cone)
             if path is not None:
-                found.append(self._driven(task, names, path, cone))
-        if found:
-            found.sort(key=lambda choice: (not choice.feasible, *_rank(choice)))
-            return found[:OFFERED]
+                driven.append(self._driven(task, names, path, cone))
+        if driven:
+            driven.sort(key=lambda choice: (not choice.feasible, *_rank(choice)))
+            return driven[:OFFERED]
         fx, fy, tau, _ = cones[0].wrench(*direct)
         margin = cones[0].angle(*direct)
         text = (
             f"to the goal it takes ({fx:.1f}, {fy:.1f}) N and {tau:.2f} N m, "
             f"{describe_cone_margin(margin)}; no way of three twists "
-            f"within {way.longest:.2f} m"
+            f"within {cone_goal.longest:.2f} m"
         )
         refusal = Refusal("outside_cone", text, margin, CONE_MARGIN, "rad")
         return [Choice(self.name, names, cones[0].contacts, refusal=refusal)]

@@ -147,15 +147,15 @@ class ParallelPush(TwistPushes):
         start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
         curvature = task.motion.curvature_margin * car.tightest
         path = car_path((start, goal), curvature)
-        used = max((abs(k) for k, _ in path.pieces), default=0.0)
+        tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
         mu = task.believed.contact_friction
-        margin = atan(mu) - atan(car.effective_wheelbase * used)
+        margin = atan(mu) - atan(car.effective_wheelbase * tightest)
         drive = CarDrive(car, task.scene.max_friction(), curvature)
         piece = segment(
             task, self.name, choice.contacts, drive, path, cone_margin=margin
         )
         merits = (
-            f"path {path.length:.3f} m, {used / car.tightest:.2f} of the tightest "
+            f"path {path.length:.3f} m, {tightest / car.tightest:.2f} of the tightest "
             "curve used"
         )
         time = run_time(task.motion, (piece,))
@@ -163,17 +163,17 @@ class ParallelPush(TwistPushes):
 
     def _by_twists(self, task: Task, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        way = ConeGoal.of(task, LOOP_RATIO, SLACK)
+        cone_goal = ConeGoal.of(task, LOOP_RATIO, SLACK)
         height = choice.contacts[0].height
-        surface = push_surface(task.scene, height, Twist(*way.direct))
+        surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)
-        path = way.path(cone)
+        path = cone_goal.path(cone)
         if path is not None:
             return driven_by_twists(task, choice, path, cone)
-        margin = cone.angle(*way.direct)
+        margin = cone.angle(*cone_goal.direct)
         text = (
             f"the direct way is {describe_cone_margin(margin)}; "
-            f"no three twists of {way.longest:.2f} m"
+            f"no three twists of {cone_goal.longest:.2f} m"
         )
         return choice.refused(Refusal("outside_cone", text, margin, CONE_MARGIN, "rad"))
 

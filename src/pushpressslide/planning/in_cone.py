@@ -93,20 +93,20 @@ def path_in_cone(
     scale = np.array([1.0, 1.0, radius])
     rays = np.array(cone.rays(least)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
-    ways = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
-    twists = ways[:, None] * np.concatenate(
+    ends = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
+    twists = ends[:, None] * np.concatenate(
         [np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))]
     )
     firsts = reached(start, twists)
     lasts = reached(goal, -twists)
     middles = screws(firsts, lasts)
-    lengths = np.linalg.norm(middles * scale, axis=-1) + ways[:, None] + ways
+    lengths = np.linalg.norm(middles * scale, axis=-1) + ends[:, None] + ends
     lengths = np.where(
         cone.cone_margins(middles.reshape(-1, 3)).reshape(lengths.shape) >= least,
         lengths,
         math.inf,
     )
-    i, j = divmod(int(np.argmin(lengths)), len(ways))
+    i, j = divmod(int(np.argmin(lengths)), len(ends))
     if lengths[i, j] >= longest:
         return None
     return TwistPath.between(

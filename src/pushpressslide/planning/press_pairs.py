@@ -48,8 +48,9 @@ def _placed(task: Task, points: Pair, farthest: float) -> PlacedPair:
     path = TwistPath.between(task.body_ends, radius)
     poses = [path.pose(0.25 * i * path.length) for i in range(5)]
     assigned = assignments(task.scene.bases, points, poses)
-    given = task.motion.contacts is not None and (0, 1) in assigned
-    arms = (0, 1) if given else next(iter(assigned), None)
+    arms = next(iter(assigned), None)
+    if task.motion.contacts is not None and (0, 1) in assigned:
+        arms = (0, 1)
     if arms == (1, 0):
         points = (points[1], points[0])
     contacts = tuple(
@@ -75,9 +76,9 @@ def _pairs(task: Task) -> list[Pair]:
     """Return pairs of places to press, in B [m]: opposite each other about the CoM, or given."""
     scene = task.scene
     body = task.object
-    given = task.motion.contacts
-    if given is not None and len(given) == 2:
-        first, second = (body.X_GB.inverse().apply(p) for p in given)
+    places = task.motion.contacts
+    if places is not None and len(places) == 2:
+        first, second = (body.X_GB.inverse().apply(place) for place in places)
         return [(first, second)]
     dx, dy = lean(scene, task.goal, task.motion.press_force or lean_press(scene))
     pairs: list[Pair] = []

@@ -116,8 +116,8 @@ def assignments(
         tips = [[X.apply(p) for p in points] for X in poses]
         if any(_cross((ax, ay), a, (bx, by), b) for a, b in tips):
             continue
-        way = sum(math.dist((ax, ay), a) + math.dist((bx, by), b) for a, b in tips)
-        out.append((way, arms))
+        distance = sum(math.dist((ax, ay), a) + math.dist((bx, by), b) for a, b in tips)
+        out.append((distance, arms))
     return [arms for _, arms in sorted(out)]
 
 
@@ -125,10 +125,10 @@ def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact,
     """Return ``contacts`` given to ``arms``: presses first, then pushes in the order of
     the arms.
     """
-    given = (
+    assigned = (
         replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True)
     )
-    return tuple(sorted(given, key=_order))
+    return tuple(sorted(assigned, key=_order))
 
 
 def _order(contact: Contact) -> tuple[bool, int]:

@@ -75,8 +75,8 @@ def held_drag(
         lifted = replace(surface, center=(x - raised * wx, y - raised * wy))
         fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
         held = Wrench(wx, wy, 0.0).moved_to((x, y))
-        given = allocate(fx - wx, fy - wy, tau - held.tau)
-        most = max(most, _utilisation(contacts, mu, given, surface))
+        allocation = allocate(fx - wx, fy - wy, tau - held.tau)
+        most = max(most, _utilisation(contacts, mu, allocation, surface))
         moved = (cop[0] - raised * wx, cop[1] - raised * wy)
         margin = min(margin, room_inside(scene.body, moved))
     return HeldDrag(surface, most, margin)
@@ -110,22 +110,25 @@ def pinned_drag(
     surface, cop = dragged_ellipsoid(
         pressures(scene), belief.support_friction, load, resting, twist, shift
     )
-    given = forces(surface.wrench(twist))
-    utilisation = _utilisation([press], belief.contact_friction, given, surface)
+    allocation = forces(surface.wrench(twist))
+    utilisation = _utilisation([press], belief.contact_friction, allocation, surface)
     margin = room_inside(scene.body, cop)
-    return PinnedDrag(surface, utilisation, margin, given, cop)
+    return PinnedDrag(surface, utilisation, margin, allocation, cop)
 
 
 def _utilisation(
-    presses: Sequence[Contact], mu: float, given: Allocation, surface: DraggedSurface
+    presses: Sequence[Contact],
+    mu: float,
+    allocation: Allocation,
+    surface: DraggedSurface,
 ) -> float:
     """Return the largest friction utilisation of presses, the first of the contacts of
     an allocation, scaled up by the share of the wanted wrench that it could not give.
     """
     most = max(
         hypot(*force) / (mu * press.load)
-        for press, force in zip(presses, given.forces, strict=False)
+        for press, force in zip(presses, allocation.forces, strict=False)
     )
-    fx, fy, tau = given.residual
+    fx, fy, tau = allocation.residual
     lost = hypot(fx, fy, tau / surface.rho) / surface.max_force
     return most / max(1.0 - lost, LEAST_GIVEN)

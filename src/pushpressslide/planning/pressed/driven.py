@@ -31,14 +31,14 @@ from pushpressslide.planning.pressed.vehicle import (
     RUN_INS,
     SHORT_RUN_INS,
     SWING,
+    PressedRoute,
     PressedVehicle,
-    Way,
     backing_up,
     press_of,
     pressed_vehicle,
+    route_to,
     turns,
     way_back,
-    way_to,
 )
 from pushpressslide.planning.run_in import gentlest
 from pushpressslide.planning.segments import (
@@ -91,14 +91,14 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
         pushed, segments = _driven_segments(task, mode, press, vehicle)
     except ValueError as error:
         return choice.refused(refusal_of(error, "tipping"))
-    used = press_utilisation(task.scene, contact.load, pushed)
-    margin = utilisation_margin(task.believed.contact_friction, used)
+    utilisation = press_utilisation(task.scene, contact.load, pushed)
+    margin = utilisation_margin(task.believed.contact_friction, utilisation)
     segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
     merits = (
         f"{contact.load:.1f} N, path {last.path.length:.3f} m, virtual axle "
-        f"{1e3 * distance:.0f} mm from the centre of pressure, {used:.2f} of the "
+        f"{1e3 * distance:.0f} mm from the centre of pressure, {utilisation:.2f} of the "
         "tip's friction used"
     )
     for piece in segments[:-1]:
@@ -152,28 +152,28 @@ def _drive(
     car = vehicle.car
     contact = press.contact
     look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
-    way = _way(task, press, vehicle, look_ahead, returns)
+    route = _route(task, press, vehicle, look_ahead, returns)
     speed = motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
     if press.backward:
         speed *= PUSHED_SPEED
-    speed *= min(1.0, SWING / (car.length * way.curvature))
+    speed *= min(1.0, SWING / (car.length * route.curvature))
     drive = UnicycleDrive(
         car,
         task.scene.max_friction(contact.load),
         vehicle.steepest,
         look_ahead,
-        way.curvature,
-        way.run_in,
+        route.curvature,
+        route.run_in,
     )
-    piece = segment(task, mode, (contact,), drive, way.path, speed=speed)
-    if not way.back_up:
+    piece = segment(task, mode, (contact,), drive, route.path, speed=speed)
+    if not route.back_up:
         return (piece,)
-    return (backing_up(task, vehicle, piece, way.back_up), piece)
+    return (backing_up(task, vehicle, piece, route.back_up), piece)
 
 
-def _way(
+def _route(
     task: Task, press: Press, vehicle: PressedVehicle, look_ahead: float, returns: bool
-) -> Way:
+) -> PressedRoute:
     """Return the path to the goal, straight back first where that helps."""
     straight = 0.0
     if task.tool is not None:
@@ -184,18 +184,18 @@ def _way(
         run_ins = run_ins[:2]
         back_ups = (0.0,)
     start, goal = (X_WB.compose(vehicle.X_BV) for X_WB in task.body_ends)
-    way = way_to(start, goal, vehicle, run_ins, back_ups)
+    route = route_to(start, goal, vehicle, run_ins, back_ups)
     # where a loop is too long a manoeuvre is better, if one is allowed
     loop = 0.0
     if task.motion.vehicle or task.tool:
         loop = LOOP
-    if way.too_long > loop:
+    if route.too_long > loop:
         text = (
-            f"only by a loop of {way.path.length:.2f} m, {{figure:m.2f}} too long, "
+            f"only by a loop of {route.path.length:.2f} m, {{figure:m.2f}} too long, "
             "allowed {allowed:mg}"
         )
-        raise RefusedError(Refusal("loop", text, way.too_long, loop, "m"))
-    return way
+        raise RefusedError(Refusal("loop", text, route.too_long, loop, "m"))
+    return route
 
 
 def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:

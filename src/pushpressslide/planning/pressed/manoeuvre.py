@@ -141,8 +141,8 @@ class Manoeuvre:
         """Return it as a choice of ``mode``, a segment for each turn."""
         scene = task.scene
         contact = self.contact
-        used = press_utilisation(scene, contact.load)
-        margin = utilisation_margin(scene.belief.contact_friction, used)
+        utilisation = press_utilisation(scene, contact.load)
+        margin = utilisation_margin(scene.belief.contact_friction, utilisation)
         max_friction = scene.max_friction(contact.load)
         X_BG = task.object.X_GB.inverse()
         stretches = self.stretches
@@ -170,7 +170,7 @@ class Manoeuvre:
             (contact,),
             tuple(segments),
             moving + overhead(task.motion, pressed=True),
-            f"{contact.load:.1f} N, {turns}; {used:.2f} of the tip's friction used",
+            f"{contact.load:.1f} N, {turns}; {utilisation:.2f} of the tip's friction used",
         )
 
 

@@ -45,18 +45,18 @@ def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
     """Return what stands against a press of ``load`` [N] where a contact may have up to
     ``cap`` [N]; None if nothing.
     """
-    used = drag.friction_utilisation
+    utilisation = drag.friction_utilisation
     push = drag.forces.normals[1]
     if load > cap:
         text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
         return Refusal("normal_force", text, load, cap, "N")
-    if drag.forces.status != "ok" or used > UTILISATION[-1]:
+    if drag.forces.status != "ok" or utilisation > UTILISATION[-1]:
         text = (
             f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
             "{figure:.2f} of its friction, allowed {allowed:g}; limits.normal_force is "
             f"{cap:g} N"
         )
-        return Refusal("friction", text, used, UTILISATION[-1])
+        return Refusal("friction", text, utilisation, UTILISATION[-1])
     if push > cap:
         text = "needs a push of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
         return Refusal("normal_force", text, push, cap, "N")
@@ -74,10 +74,10 @@ def pin_of(task: Task) -> Point:
         text = "the goal is turned by {figure:deg.1f}, allowed from {allowed:degg}"
         raise RefusedError(Refusal("turn", text, w, LEAST_TURN, "rad"))
     pin = (-vy / w, vx / w)
-    given = task.motion.contacts
-    if given is not None:
+    places = task.motion.contacts
+    if places is not None:
         com = body.center_of_mass
-        pin = (given[0][0] - com[0], given[0][1] - com[1])
+        pin = (places[0][0] - com[0], places[0][1] - com[1])
         apart = math.dist(start.apply(pin), goal.apply(pin))
         allowed = task.tolerance.position
         if apart > allowed:

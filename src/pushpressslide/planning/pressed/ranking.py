@@ -63,12 +63,12 @@ def soonest(
     """
     later: list[Manoeuvre] = []
     for i in range(0, len(contacts), AT_ONCE):
-        found = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
-        first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(found)}
+        manoeuvres = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
+        first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(manoeuvres)}
         yield from sorted(first.values(), key=attrgetter("time"))
         later += [
             manoeuvre
-            for manoeuvre in found
+            for manoeuvre in manoeuvres
             if manoeuvre is not first[manoeuvre.contact]
         ]
     yield from sorted(later, key=attrgetter("time"))[:TRIED]

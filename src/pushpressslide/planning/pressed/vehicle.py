@@ -131,7 +131,7 @@ def _room(press: Press, angle: float, backward: bool) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class PressedRoute:
     """A path of the virtual axle, after going back straight."""
 
     path: ArcPath
@@ -141,26 +141,26 @@ class Way:
     too_long: float  # [m] longer than a path without a loop
 
 
-def way_to(
+def route_to(
     start: Pose2,
     goal: Pose2,
     vehicle: PressedVehicle,
     run_ins: Sequence[float],
     back_ups: Sequence[float],
-) -> Way:
-    """Return the gentlest way of the vehicle frame from ``start`` to ``goal``, going
+) -> PressedRoute:
+    """Return the gentlest route of the vehicle frame from ``start`` to ``goal``, going
     back as little as needed.
     """
     tightest = math.tan(PLANNED * vehicle.steepest) / abs(
         vehicle.car.effective_wheelbase
     )
     curvatures = turns(vehicle.car, tightest)
-    ways = []
+    routes = []
     for back_up in back_ups:
         begin = advance(start, 0.0, -back_up)
         run_in, curvature, path = gentlest(begin, goal, curvatures, run_ins)
-        ways.append(
-            Way(
+        routes.append(
+            PressedRoute(
                 path,
                 back_up,
                 run_in,
@@ -168,9 +168,9 @@ def way_to(
                 path.length - room(begin, goal, curvature),
             )
         )
-        if ways[-1].too_long <= 0.0:
+        if routes[-1].too_long <= 0.0:
             break
-    return min(ways, key=lambda way: max(way.too_long, 0.0))
+    return min(routes, key=lambda route: max(route.too_long, 0.0))
 
 
 def turns(car: Unicycle, tightest: float) -> list[float]:
