@@ -123,6 +123,11 @@ class Mode(ABC):
         About the CoM for pushes, about the centre of pressure ``cop`` [m] for presses.
         """
 
+    def allocator_of(self, segment: Segment, friction: float) -> Allocator:
+        """Return the allocator of a segment's contacts with its drive."""
+        drive = segment.drive
+        return self.allocator(segment.contacts, friction, drive.rho, drive.center)
+
     @abstractmethod
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return how a segment is led to its goal from where object and contacts were

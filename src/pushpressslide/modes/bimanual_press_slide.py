@@ -166,9 +166,8 @@ class BimanualPressSlide(Mode):
         law = CarriedTracker(
             drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, DECAY
         )
-        mu = task.believed.contact_friction
-        allocate = self.allocator(segment.contacts, mu, drive.rho, drive.center)
-        return EasedTracker(law, allocate)
+        friction = task.believed.contact_friction
+        return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(
         self,

@@ -175,9 +175,8 @@ class PressAndPush(Mode):
         drive = segment.drive
         assert isinstance(drive, PinnedDrive)
         law = HolonomicTracker(drive.X_BV, drive.surface, decay=DECAY)
-        mu = task.believed.contact_friction
-        allocate = self.allocator(segment.contacts, mu, drive.rho, drive.center)
-        return EasedTracker(law, allocate)
+        friction = task.believed.contact_friction
+        return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(
         self,

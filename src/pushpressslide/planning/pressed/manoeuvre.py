@@ -44,7 +44,7 @@ COUNT = 3  # words per run-in that are handed on
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class DrivenTurn:
     """One turn of a manoeuvre."""
 
     turn: PressedTurn
@@ -111,19 +111,19 @@ class Manoeuvre:
     time: float  # [s]
 
     @property
-    def stretches(self) -> list[Stretch]:
+    def driven_turns(self) -> list[DrivenTurn]:
         """The paths of the turns' axles."""
         out = []
         X = self.start
         for turn, speed, arc in self.arcs[:-1]:
             path = ArcPath(X.compose(turn.X_BV), (arc,))
             X = path.end.compose(turn.X_BV.inverse())
-            out.append(Stretch(turn, path, X, speed))
+            out.append(DrivenTurn(turn, path, X, speed))
         turn, speed, (_, length) = self.arcs[-1]
         path = ArcPath(
             advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),)
         )
-        return [*out, Stretch(turn, path, self.goal, speed)]
+        return [*out, DrivenTurn(turn, path, self.goal, speed)]
 
     @property
     def swing(self) -> float:
@@ -145,23 +145,24 @@ class Manoeuvre:
         margin = utilisation_margin(scene.belief.contact_friction, utilisation)
         max_friction = scene.max_friction(contact.load)
         X_BG = task.object.X_GB.inverse()
-        stretches = self.stretches
-        run_in = stretches[-1]
+        driven_turns = self.driven_turns
+        run_in = driven_turns[-1]
         segments = []
-        for stretch in stretches:
-            last = stretch is run_in
-            path = stretch.path
+        for driven in driven_turns:
+            last = driven is run_in
+            path = driven.path
             goal = task.goal
             if not last:
-                goal = stretch.end.compose(X_BG)
-            drive = stretch.drive(max_friction, last)
-            profile = SpeedProfile(path.length, stretch.speed, task.motion.acceleration)
+                goal = driven.end.compose(X_BG)
+            drive = driven.drive(max_friction, last)
+            profile = SpeedProfile(path.length, driven.speed, task.motion.acceleration)
             segments.append(
                 Segment(mode, (contact,), drive, path, profile, goal, margin)
             )
         turns = ", ".join(
-            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg"
-            for s in stretches
+            f"{1e3 * driven.path.length:.0f} mm at "
+            f"{math.degrees(driven.turn.angle):.0f} deg"
+            for driven in driven_turns
         )
         moving = sum(segment.profile.duration for segment in reversed(segments))
         return Choice(
@@ -248,7 +249,9 @@ def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_Ru
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
             speed = _speed(most, turn)
-            look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+            look_ahead = DrivenTurn(
+                turn, ArcPath(turn.X_BV, ()), goal, speed
+            ).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
     return out
 

@@ -20,7 +20,7 @@ from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.scene import Scene
-from pushpressslide.planning.pressed.manoeuvre import Stretch, as_driven
+from pushpressslide.planning.pressed.manoeuvre import DrivenTurn, as_driven
 from pushpressslide.planning.pressed.turns import pressed_turns
 from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
 from pushpressslide.rom.drives import TurnDrive
@@ -55,7 +55,7 @@ def pressed_at(
             if curvature:
                 curvature = as_driven(turn.curvature, curvature)
             path = ArcPath(path.start, ((curvature, length),))
-            now = Stretch(turn, path, segment.goal, segment.profile.speed)
+            now = DrivenTurn(turn, path, segment.goal, segment.profile.speed)
             drive = now.drive(planned.max_friction, planned.last)
             segment = replace(segment, contacts=(contact,), drive=drive, path=path)
         out.append(segment)
