@@ -15,9 +15,8 @@ from functools import partial
 from itertools import combinations
 
 from pushpressslide.allocation.projections import Projection
+from pushpressslide.allocation.reserve import reserving_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
-from pushpressslide.allocation.two_contacts import two_contact_allocator
-from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, refusal_of
@@ -48,15 +47,13 @@ from pushpressslide.planning.side_contacts import (
     contact_height,
     drag_refusal,
     least_distance,
+    push_refusal,
 )
 from pushpressslide.rom.drives import ORIGIN, TwistDrive
 
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
 # of placements with more margin the one that takes the least force is the best
 AMPLE_MARGIN = math.radians(30.0)
-PREFERRED = 0.8  # of the friction, that forces keep to where they can
-# times the drag that one contact may push with: more is spent against the other
-SQUEEZE = 1.6
 LOOP_RATIO = 1.6  # times the direct path: a longer one is not taken
 PIECEWISE = 5  # placements on two faces for which paths of several twists are sought
 OFFERED = 6  # placements on two faces that are judged further
@@ -159,7 +156,7 @@ class OrthogonalPush(TwistPushes):
         push = self._push(path, cone, task.believed.contact_friction)
         driven = driven_by_twists(task, placed, path, cone, push)
         merits = f"{driven.merits}, pushed with up to {push:.1f} N"
-        refusal = _push_refusal(push, task.limits.normal_force, cone)
+        refusal = push_refusal(push, task.limits, cone.surface.max_force)
         return replace(driven, merits=merits, refusal=refusal)
 
     def _push(self, path: TwistPath, cone: TwistCone, mu: float) -> float:
@@ -178,25 +175,15 @@ class OrthogonalPush(TwistPushes):
     ) -> Allocator:
         """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], by default the CoM.
 
-        Forces keep to PREFERRED of the friction where that is enough. ``rho`` [m]
-        weighs torque errors (default: half the distance of the contacts);
-        ``projection`` says what remains of a wrench outside the cone.
+        Forces keep a reserve of friction where they can. ``rho`` [m] weighs torque
+        errors (default: half the distance of the contacts); ``projection`` says what
+        remains of a wrench outside the cone.
         """
         points = [(c.point[0] - cop[0], c.point[1] - cop[1]) for c in contacts]
         normals = [c.normal for c in contacts]
         if rho is None:
             rho = 0.5 * math.dist(*points)
-        preferred = two_contact_allocator(points, normals, PREFERRED * friction, rho)
-        exact = two_contact_allocator(
-            points, normals, friction, rho, projection=projection
-        )
-
-        def allocate(fx: float, fy: float, tau: float) -> Allocation:
-            """Return the forces of a wrench in B."""
-            allocation = preferred(fx, fy, tau)
-            return allocation if allocation.status == "ok" else exact(fx, fy, tau)
-
-        return allocate
+        return reserving_allocator(points, normals, friction, rho, projection)
 
 
 def _in_arms(task: Task, choice: Choice, evaluated: bool) -> list[Choice]:
@@ -204,21 +191,6 @@ def _in_arms(task: Task, choice: Choice, evaluated: bool) -> list[Choice]:
     if not (choice.feasible and evaluated):
         return [choice]
     return in_free_arms(task, choice)
-
-
-def _push_refusal(push: float, limit: float, cone: TwistCone) -> Refusal | None:
-    """Return what stands against a push [N] at most ``limit``; None if nothing."""
-    squeeze = SQUEEZE * cone.surface.max_force
-    if push > limit:
-        text = "pushed with up to {figure:N.1f}, limits.normal_force is {allowed:Ng}"
-        return Refusal("normal_force", text, push, limit, "N")
-    if push > squeeze:
-        text = (
-            "pushed with up to {figure:N.1f}, a squeeze: allowed {allowed:N.1f}, "
-            f"{SQUEEZE:g} times the drag"
-        )
-        return Refusal("squeeze", text, push, squeeze, "N")
-    return None
 
 
 def _rank(choice: Choice) -> tuple[float, float, float, float]:

@@ -21,6 +21,8 @@ TABLE_GAP = 0.006  # [m] of a tip above the support
 WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
 TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
+# times the drag that one of two contacts may push with: more is spent against the other
+SQUEEZE = 1.6
 TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
 
 
@@ -98,6 +100,24 @@ def drag_refusal(
     if max_friction > limit:
         text = "needs {figure:N.1f}, limits.normal_force is {allowed:Ng}"
         return Refusal("normal_force", text, max_friction, limit, "N")
+    return None
+
+
+def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
+    """Return what stands against a contact that pushes with up to ``push`` [N], beside
+    another one, an object of ``max_friction`` [N]; None if nothing.
+    """
+    limit = limits.normal_force
+    squeeze = SQUEEZE * max_friction
+    if push > limit:
+        text = "pushed with up to {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, push, limit, "N")
+    if push > squeeze:
+        text = (
+            "pushed with up to {figure:N.1f}, a squeeze: allowed {allowed:N.1f}, "
+            f"{SQUEEZE:g} times the drag"
+        )
+        return Refusal("squeeze", text, push, squeeze, "N")
     return None
 
 
