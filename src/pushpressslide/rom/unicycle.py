@@ -91,26 +91,6 @@ class Unicycle:
         """Distance from the axle to the contact [m], the shift left out."""
         return abs(self.lever + self.effective_wheelbase)
 
-    @property
-    def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m]: it turns on the spot."""
-        return 0.0
-
-    @property
-    def input_bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (speed [m/s], turn rate [rad/s]): none, if the press is
-        hard enough.
-        """
-        return (-math.inf, math.inf), (-math.inf, math.inf)
-
-    def xdot(
-        self, x: tuple[float, float, float], u: tuple[float, float]
-    ) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s], turn
-        rate [rad/s]).
-        """
-        return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[1])
-
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
         """Return the contact force [N] in B, on the limit surface, for a motion of V.
 
@@ -133,11 +113,3 @@ class Unicycle:
         d = self.lever
         across = (d + self.effective_wheelbase - self.shift) * turn_rate
         return (speed * e[0] - across * e[1], speed * e[1] + across * e[0])
-
-    def least_friction_force(self, force_angle: float, max_force: float) -> float:
-        """Return mu_a N_a [N] that the press needs to stick at ``force_angle`` [rad]
-        from the axis.
-        """
-        return max_force / math.sqrt(
-            1.0 + (self.lever * math.sin(force_angle) / self.rho) ** 2
-        )
