@@ -110,7 +110,7 @@ class OrthogonalPush(TwistPushes):
             refusal = Refusal("too_close", text, None, least_distance(scene), "m")
         if refusal is not None:
             return [none.refused(refusal)]
-        cone_goal = ConeGoal.of(task, LOOP_RATIO)
+        cone_goal = ConeGoal.from_task(task, LOOP_RATIO)
         try:
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:

@@ -163,7 +163,7 @@ class ParallelPush(TwistPushes):
 
     def _by_twists(self, task: Task, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        cone_goal = ConeGoal.of(task, LOOP_RATIO, SLACK)
+        cone_goal = ConeGoal.from_task(task, LOOP_RATIO, SLACK)
         height = choice.contacts[0].height
         surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)

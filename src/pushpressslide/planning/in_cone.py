@@ -53,7 +53,7 @@ class ConeGoal:
     longest: float  # [m] that the way may be
 
     @classmethod
-    def of(cls, task: Task, loop_ratio: float, slack: float = 0.0) -> ConeGoal:
+    def from_task(cls, task: Task, loop_ratio: float, slack: float = 0.0) -> ConeGoal:
         """Return that of a task, the longest way ``loop_ratio`` times the direct one and
         ``slack`` [m].
         """

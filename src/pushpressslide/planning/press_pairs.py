@@ -73,7 +73,9 @@ def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
 
 
 def _pairs(task: Task) -> list[Pair]:
-    """Return pairs of places to press, in B [m]: opposite each other about the CoM, or given."""
+    """Return pairs of places to press, in B [m]: opposite each other about the CoM, or
+    given.
+    """
     scene = task.scene
     body = task.object
     places = task.motion.contacts

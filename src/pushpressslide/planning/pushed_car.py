@@ -43,8 +43,8 @@ def pushed_cars(
     Turned by normal forces alone it is a differential car, ``synchronised``, by equal
     forces, a rear-steer one (docs/mechanics.md, section 5). Axle and rho are those of
     the exact surface, under the load that the push itself shifts, at
-    ``motion.curvature_margin`` of the force's way to its limits; the tightest curves are no
-    tighter than the object's. Raises ValueError where the object tips.
+    ``motion.curvature_margin`` of the force's way to its limits; the tightest curves
+    are no tighter than the object's. Raises ValueError where the object tips.
     """
     belief = scene.belief
     if belief.rho is not None:

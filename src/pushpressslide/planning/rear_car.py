@@ -100,9 +100,10 @@ def fitted_car(
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angle at which the path turns, the first of ``twists`` (``push_twists``);
-    its friction is lowered by the wheelbase's growth up to the cone's edge, so that its tightest curve
-    is the object's. Raises RefusedError where the object tips.
+    those of the angle at which the path turns, the first of ``twists`` (from
+    ``push_twists``); its friction is lowered by the wheelbase's growth up to the cone's
+    edge, so that its tightest curve is the object's. Raises RefusedError where the
+    object tips.
     """
     belief = scene.belief
     mu = belief.contact_friction

@@ -171,7 +171,8 @@ class Manoeuvre:
             (contact,),
             tuple(segments),
             moving + overhead(task.motion, pressed=True),
-            f"{contact.load:.1f} N, {turns}; {utilisation:.2f} of the tip's friction used",
+            f"{contact.load:.1f} N, {turns}; {utilisation:.2f} of the tip's friction "
+            "used",
         )
 
 
@@ -244,7 +245,9 @@ def _both_ways(turns: list[PressedTurn]) -> list[PressedTurn]:
 
 
 def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
-    """Return the straight turns, at up to ``most`` [m/s], as long as they may be, that can be corrected well."""
+    """Return the straight turns that can be corrected well, as long as they may be, at
+    up to ``most`` [m/s].
+    """
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
