@@ -36,7 +36,6 @@ def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
-        run.task,
         run.plan,
         run.record,
         result(run.task, run.plan, run.record),
