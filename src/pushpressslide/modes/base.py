@@ -21,7 +21,7 @@ from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
@@ -93,6 +93,7 @@ class Mode(ABC):
     # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
     pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
+    vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each

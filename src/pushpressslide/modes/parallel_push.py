@@ -20,7 +20,7 @@ from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
-from pushpressslide.core.task import Motion, Task
+from pushpressslide.core.task import Motion, Task, Vehicle
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
@@ -62,10 +62,10 @@ from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.axle import AxleTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
-VEHICLES = ("differential", "synchronised", "mixed")
-# in this order, where motion.vehicle is none of these: both mixed correct an error any
+VEHICLES: tuple[Vehicle, ...] = ("differential", "synchronised", "mixed")
+# in this order, where motion.vehicle is null: both mixed correct an error any
 # way at once, a car takes some look-aheads of straight path for it
-EITHER = ("mixed", "differential")
+EITHER: tuple[Vehicle, ...] = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
 
@@ -83,6 +83,7 @@ class ParallelPush(TwistPushes):
     carries_weight = False
     pushed_faces = 1
     drives = (CarDrive, TwistDrive)
+    vehicles = VEHICLES
 
     def drafts(self, task: Task) -> list[Draft | Choice]:
         """Return one draft for each pair of contacts on each face."""
@@ -225,10 +226,9 @@ class ParallelPush(TwistPushes):
         return Course(measured.contacts, drive, path)
 
 
-def _vehicles(motion: Motion) -> tuple[str, ...]:
+def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:
     """Return how the object may be driven, in the order to try it."""
-    vehicle = motion.vehicle or ""
-    return (vehicle,) if vehicle in VEHICLES else EITHER
+    return EITHER if motion.vehicle is None else (motion.vehicle,)
 
 
 def _least_time(task: Task, face: Face) -> float:

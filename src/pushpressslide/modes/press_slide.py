@@ -37,6 +37,7 @@ from pushpressslide.modes.base import (
 )
 from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.pressed.driven import (
+    DIRECTIONS,
     driven_again,
     steered_path,
     vehicle_choices,
@@ -80,6 +81,7 @@ class PressSlide(Mode):
     carries_weight = False
     pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
+    vehicles = tuple(DIRECTIONS)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first.

@@ -7,7 +7,7 @@ Source: docs/mechanics.md, sections 2 and 4.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -15,7 +15,7 @@ from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import press_utilisation
@@ -50,7 +50,7 @@ from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import SpinDrive, SteeredDrive, TurnDrive, UnicycleDrive
 
 # whether a vehicle is driven backward, with the contact behind its axle
-DIRECTIONS = {
+DIRECTIONS: Mapping[Vehicle, tuple[bool, ...]] = {
     "unicycle": (False, True),
     "car": (False,),
     "forklift": (True,),
