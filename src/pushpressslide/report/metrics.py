@@ -58,12 +58,12 @@ def result(
     }
     if series.ticks(record) > 0:
         placements = series.by_placement(plan, record)
-        out |= motion_figures(task, placements, record)
-        out |= contact_figures(task, placements)
-        out["pivots"] = pivots(task, placements)
+        out |= motion_figures(placements, record)
+        out |= contact_figures(placements)
+        out["pivots"] = pivots(placements)
     out |= {
-        **torque_figures(task, record),
-        "joint_limit_margin": joint_margin(task, record),
+        **torque_figures(task.robots, record),
+        "joint_limit_margin": joint_margin(task.robots, record),
         **_time_figures(record),
         "bodies": _bodies(record),
         **support_figures(task, record),
