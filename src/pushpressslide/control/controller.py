@@ -47,6 +47,8 @@ from pushpressslide.core.control import ControlLog, Measurement, Phase, TipComma
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.twist_path import moved
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
@@ -59,6 +61,7 @@ CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
 RETREAT = 0.06  # [m] drawn back on release
+REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
 # [m] of slid contact, and of path left, above which a tip lets go and touches the
 # planned place again
 RETOUCH = 0.012
@@ -120,7 +123,8 @@ class Controller:
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
-        self.holds = final and not plan.task.scene.carried(last.goal)
+        self.scene = plan.task.scene
+        self.holds = final and not self.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
         self.lasting: frozenset[int] = frozenset()
         if not final:
@@ -150,16 +154,40 @@ class Controller:
             MODES[first.mode].identifier(first),
         )
 
+    def stop(
+        self,
+        state: ControllerState,
+        measurement: Measurement,
+        failure: tuple[ReasonCode, str],
+    ) -> ControllerState:
+        """Return the state that ends the run safely because of ``failure``: the tips
+        slow down, then draw back or hold.
+        """
+        return begin(replace(state, failure=failure), "release", measurement)
+
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was decided, and
         the next state.
         """
+        measurement = replace(measurement, object_pose=self._pose(state, measurement))
         X_WB = measurement.object_pose.compose(self.X_GB)
+        state = replace(state, X_WB=X_WB)
         if state.phase == "touch":
             return self._touch(state, measurement, X_WB)
         if state.phase == "move":
             return self._move(state, measurement, X_WB)
         return self._release(state, measurement, X_WB)
+
+    def _pose(self, state: ControllerState, measurement: Measurement) -> Pose2:
+        """Return X_WG: as measured; where the camera missed it, as it should have moved
+        since the last tick.
+        """
+        if measurement.pose_seen or state.X_WB is None:
+            return measurement.object_pose
+        dt = measurement.time - state.last_time
+        at_com = state.twist.moved_to((0.0, 0.0))
+        X_WB = moved(state.X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
+        return X_WB.compose(self.X_BG)
 
     def _touch(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -310,6 +338,7 @@ class Controller:
             tips=memories,
             last_time=measurement.time,
             axle=seen(state, measurement, X_WB),
+            twist=guidance.twist,
             ticks=ticks,
         )
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
@@ -497,9 +526,15 @@ class Controller:
     def _release(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
     ) -> Step:
+        """Draw the tips back; after a failure slow down first, and go on holding an
+        object that nothing else carries.
+        """
+        failed = state.failure is not None
+        holds = failed and not self.scene.carried(measurement.object_pose)
+        rest = REST_TIME if failed else 0.0
         duration = ramp_time(RETREAT)
         elapsed = measurement.time - state.since
-        distance = RETREAT * smooth(elapsed / duration)
+        distance = RETREAT * smooth((elapsed - rest) / duration)
         contacts = state.binding.segment.contacts
         yaw = measurement.object_pose.yaw
         progress = joint_progress(state)
@@ -508,12 +543,13 @@ class Controller:
             self.touches, state.tips, contacts, strict=True
         ):
             context = self._context(state, measurement, X_WB, contact, yaw, progress)
-            if contact.arm in self.lasting and state.failure is None:
+            if holds or (contact.arm in self.lasting and not failed):
                 command = held_at(context, memory.start, push=touch.force)
             else:
                 command = drawn_back(context, memory.start, distance)
             commands.append(command)
-        phase: Phase = "done" if elapsed > duration + 0.3 else "release"
+        over = elapsed > rest + duration + 0.3
+        phase: Phase = "done" if over else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state

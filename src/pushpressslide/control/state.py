@@ -19,7 +19,7 @@ from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Task
-from pushpressslide.core.wrench import Wrench
+from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
 from pushpressslide.modes import MODES
@@ -33,6 +33,7 @@ ALIGN_SPEED = 0.10  # [m/s] of the free tip
 # [m] that the joint reference may be ahead of the object or behind it: a spring
 # stretched round a bend would pull the tip sideways off its face
 JOINT_LEAD = 0.03
+NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +116,9 @@ class ControllerState:
     axle: AxleState = AxleState()
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
+    # of the object, as measured or, where the camera missed it, as predicted
+    X_WB: Pose2 | None = None
+    twist: Twist = NO_TWIST  # that the object is led with, in B
     failure: tuple[ReasonCode, str] | None = None
     ticks: tuple[float, float] = (0.0, 0.0)  # [s] wall time of track and allocate
 
@@ -160,6 +164,12 @@ def smooth(u: float) -> float:
     return u * u * u * (10.0 + u * (6.0 * u - 15.0))
 
 
+def smooth_rate(u: float) -> float:
+    """Return the derivative of the minimum-jerk ramp at ``u``, zero outside [0, 1]."""
+    u = min(max(u, 0.0), 1.0)
+    return 30.0 * u * u * (1.0 - u) * (1.0 - u)
+
+
 def ramp_time(way: float) -> float:
     """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its
     fastest [s].
@@ -201,6 +211,7 @@ def begin(
         last_time=measurement.time,
         align=True,
         lost=state.lost if phase == "touch" else None,
+        twist=NO_TWIST,
     )
 
 

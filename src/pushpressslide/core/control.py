@@ -36,6 +36,8 @@ class Measurement:
     time: float  # [s]
     object_pose: Pose2  # X_WG
     tips: tuple[TipState, ...]
+    # False: the camera missed this tick, and ``object_pose`` is the last one seen
+    pose_seen: bool = True
 
 
 @dataclass(frozen=True, slots=True)

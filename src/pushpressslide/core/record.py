@@ -20,6 +20,7 @@ ReasonCode = Literal[
     "force_limit",
     "torque_limit",
     "joint_limit",
+    "reference_jump",
     "diverged",
     "interrupted",
 ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from pushpressslide.control.run_loop import RunOptions, run_loop
-from pushpressslide.control.watches import ForceWatch
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.sim.joints.joint_path import ArmPath
@@ -43,5 +42,4 @@ def run(
     step = time_step or motion.time_step
     station = Station(plan, models=models, time_step=step, view=view)
     plant = DrakePlant(plan, station, paths, models)
-    watch = ForceWatch(task.limits.normal_force, motion.control_period)
-    return run_loop(plant, plan, options, [watch])
+    return run_loop(plant, plan, options)
