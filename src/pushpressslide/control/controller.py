@@ -56,7 +56,7 @@ from pushpressslide.modes import MODES
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion
 # [s] without contact force before a tip goes back to touch: a side push rides over a
 # gap, a press must not
-LOSS_TIME = {"side": 0.12, "top": 0.012}
+LOSS_TIME = {"side": 0.12, "top": 0.008}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
@@ -118,7 +118,13 @@ class Controller:
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
-        self.mover = TipMover(damping, friction, threshold, regulator)
+        noise = task.sensing.force_noise
+        self.mover = TipMover(damping, friction, threshold, noise, regulator)
+        self.patience = min(
+            LOSS_TIME[contact.kind]
+            + motion.control_period * self.mover.samples(contact)
+            for contact in first.contacts
+        )
         last = self.parts[self.segments[-1].leg]
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
@@ -405,8 +411,7 @@ class Controller:
             if not ahead:
                 return begin(state, "done" if self.holds else "release", measurement)
             return self._next_segment(state, ahead, measurement, X_WB)
-        patience = min(LOSS_TIME[contact.kind] for contact in segment.contacts)
-        if state.lost is not None and time - state.lost > patience:
+        if state.lost is not None and time - state.lost > self.patience:
             return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
         slid = side_slide(state.segment.contacts, touched)
