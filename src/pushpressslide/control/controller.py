@@ -36,6 +36,7 @@ from pushpressslide.control.state import (
     identified,
     joint_progress,
     joint_reference,
+    pressed,
     ramp_time,
     seen,
     smooth,
@@ -48,6 +49,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.task import Sensing
 from pushpressslide.core.twist_path import moved
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.online import AxleState
@@ -60,6 +62,11 @@ LOSS_TIME = {"side": 0.12, "top": 0.008}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
+# [m], [rad] of noise that may remain in the object's pose: the mean of as many
+# measurements as it takes, up to 1 / LEAST_GAIN
+POSE_NOISE = 2e-4
+YAW_NOISE = math.radians(0.08)
+LEAST_GAIN = 0.1
 RETREAT = 0.06  # [m] drawn back on release
 REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
 # [m] of slid contact, and of path left, above which a tip lets go and touches the
@@ -119,6 +126,7 @@ class Controller:
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
         noise = task.sensing.force_noise
+        self.pose_gain = pose_gain(task.sensing)
         self.mover = TipMover(damping, friction, threshold, noise, regulator)
         self.patience = min(
             LOSS_TIME[contact.kind]
@@ -184,16 +192,43 @@ class Controller:
             return self._move(state, measurement, X_WB)
         return self._release(state, measurement, X_WB)
 
-    def _pose(self, state: ControllerState, measurement: Measurement) -> Pose2:
-        """Return X_WG: as measured; where the camera missed it, as it should have moved
-        since the last tick.
+    def normal_forces(
+        self, state: ControllerState, measurement: Measurement
+    ) -> list[float]:
+        """Return the normal force [N] measured at each tip; of a tip that has no
+        contact, the size of its force.
         """
-        if measurement.pose_seen or state.X_WB is None:
+        X_WB = measurement.object_pose.compose(self.X_GB)
+        forces = [math.hypot(*tip.force) for tip in measurement.tips]
+        for contact in state.binding.segment.contacts:
+            direction = contact.direction(X_WB)
+            forces[contact.arm] = pressed(
+                measurement.tips[contact.arm].force, direction
+            )
+        return forces
+
+    def _pose(self, state: ControllerState, measurement: Measurement) -> Pose2:
+        """Return X_WG: where the object should have moved since the last tick, corrected
+        by what was measured; where the camera missed it, not corrected.
+        """
+        before = state.X_WB
+        if before is None:
             return measurement.object_pose
-        dt = measurement.time - state.last_time
         at_com = state.twist.moved_to((0.0, 0.0))
-        X_WB = moved(state.X_WB, (at_com.vx, at_com.vy, at_com.w), dt)
-        return X_WB.compose(self.X_BG)
+        dt = measurement.time - state.last_time
+        predicted = moved(before, (at_com.vx, at_com.vy, at_com.w), dt)
+        if not measurement.pose_seen:
+            return predicted.compose(self.X_BG)
+        if self.pose_gain == 1.0:
+            return measurement.object_pose
+        seen = measurement.object_pose.compose(self.X_GB)
+        turn = wrap_angle(seen.yaw - predicted.yaw)
+        corrected = Pose2(
+            predicted.x + self.pose_gain * (seen.x - predicted.x),
+            predicted.y + self.pose_gain * (seen.y - predicted.y),
+            predicted.yaw + self.pose_gain * turn,
+        )
+        return corrected.compose(self.X_BG)
 
     def _touch(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -558,6 +593,14 @@ class Controller:
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def pose_gain(sensing: Sensing) -> float:
+    """Return the share of a measured pose's error that corrects the predicted one: 1
+    without noise, less where it is larger than POSE_NOISE or YAW_NOISE.
+    """
+    noise = max(sensing.position_noise / POSE_NOISE, sensing.yaw_noise / YAW_NOISE)
+    return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
 
 
 def _touch_forces(segment: Segment) -> list[float]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pushpressslide.core.control import Commands, JointCommand, TipCommand, Vector3
+from pushpressslide.core.control import Commands, JointCommand, TipCommand
 from pushpressslide.core.record import Ending
 
 if TYPE_CHECKING:
@@ -200,12 +200,3 @@ def _tip_jump(before: TipCommand, command: TipCommand) -> float:
             if old > 0.0 and new > 0.0
         )
     )
-
-
-def normal_force(force: Vector3, direction: Vector3 | None) -> float:
-    """Return the normal force [N] of a tip that touches along ``direction``; of any
-    other tip the size of its force.
-    """
-    if direction is None:
-        return math.hypot(*force)
-    return sum(f * d for f, d in zip(force, direction, strict=True))

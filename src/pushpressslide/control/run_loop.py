@@ -9,6 +9,7 @@ the watches, the plant, the user or the time limit end the run.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -21,7 +22,7 @@ from pushpressslide.control.approach import (
     tip_path,
 )
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.limits import Guard, normal_force
+from pushpressslide.control.limits import Guard
 from pushpressslide.control.plant import Plant
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.sensing import Sensor
@@ -33,7 +34,6 @@ from pushpressslide.core.control import (
     Measurement,
     TipCommand,
     TipCommands,
-    Vector3,
 )
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Ending, Record
@@ -51,7 +51,7 @@ class RunOptions:
     # asked at every tick whether to end the run with reason "interrupted"
     stop: Callable[[], bool] = bool
     # changes the controller's commands at a time [s] on their way to the guard and the
-    # arms; the record keeps the commands as given
+    # arms, until a limit is broken; the record keeps the commands as given
     disturb: Callable[[float, Commands], Commands] | None = None
 
 
@@ -148,15 +148,10 @@ class _RunLoop:
 
     def _judged(self, measurement: Measurement, commands: Commands) -> Ending | None:
         """Return the limit that is broken at this tick."""
-        directions: list[Vector3 | None] = [None] * len(measurement.tips)
-        if self.state is not None:
-            X_WB = measurement.object_pose.compose(self.plan.task.object.X_GB)
-            for contact in self.state.binding.segment.contacts:
-                directions[contact.arm] = contact.direction(X_WB)
-        forces = [
-            normal_force(tip.force, direction)
-            for tip, direction in zip(measurement.tips, directions, strict=True)
-        ]
+        if self.state is None:
+            forces = [math.hypot(*tip.force) for tip in measurement.tips]
+        else:
+            forces = self.controller.normal_forces(self.state, measurement)
         return self.guard.breach(forces, self.plant.readings(), commands)
 
     def _stop(self, breach: Ending, measurement: Measurement) -> None:
@@ -171,7 +166,8 @@ class _RunLoop:
 
     def _disturbed(self, time: float, commands: Commands, log: ControlLog) -> Commands:
         disturb = self.options.disturb
-        if disturb is None or log.phase == "approach":
+        stopping = self.breach is not None
+        if disturb is None or stopping or log.phase == "approach":
             return commands
         return disturb(time, commands)
 
