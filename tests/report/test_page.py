@@ -194,3 +194,11 @@ def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
         write_replay(run.task, run.plan, run.record, tmp_path)
         == tmp_path / "replay.html"
     )
+
+
+def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
+    figures = result(run.task, run.plan, run.record)
+    save_run(tmp_path, run.task, run.plan, run.record, figures)
+    assert "Choice of mode" not in write_report([tmp_path]).read_text()
+    again = save(run, tmp_path / "with")
+    assert "Choice of mode" in write_report([again]).read_text()

@@ -1,5 +1,4 @@
-"""The run loop: one plan on any plant. Every tick measures, decides, applies, advances
-and records.
+"""The run loop: it runs one plan on any plant.
 
 Commands come from the approach while the arms move freely, then from the controller.
 When a placement is done the next one is handed over. A guard sees every command before

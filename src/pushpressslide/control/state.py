@@ -38,8 +38,9 @@ NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """A segment with its closed-form laws; made anew when object or contacts turn out
-    to be elsewhere.
+    """A segment with its closed-form laws.
+
+    Every replan makes a new one.
     """
 
     segment: Segment
@@ -136,8 +137,9 @@ def tip_position(
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
-    """Return the yaw [rad] of the contact frame: of the face's normal; of the object
-    under a press.
+    """Return the yaw [rad] of the contact frame.
+
+    It is that of the face's normal, and under a press that of the object.
     """
     if contact.kind == "top":
         return X_WB.yaw
@@ -193,8 +195,9 @@ def approached(value: Point, target: Point, step: float) -> Point:
 def begin(
     state: ControllerState, phase: Phase, measurement: Measurement
 ) -> ControllerState:
-    """Return the state at the start of a phase; only a press that goes on keeps its
-    regulator.
+    """Return the state at the start of a phase.
+
+    The regulator of the normal force is kept only by a press that goes on.
     """
     contacts = state.binding.segment.contacts
     tips = tuple(

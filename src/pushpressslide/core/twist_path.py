@@ -144,8 +144,9 @@ class TwistPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s`` [m]; beyond its ends the path goes on
-        with the twist there.
+        """Return the pose at arc length ``s`` [m].
+
+        Beyond the ends of the path the motion goes on with the twist there.
         """
         if not self.pieces:
             return self.start
@@ -153,8 +154,9 @@ class TwistPath:
         return moved(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
 
     def rate(self, s: float) -> TwistRate:
-        """Return the twist per metre at arc length ``s`` [m], in V; zero for a path
-        without pieces.
+        """Return the twist per metre at arc length ``s`` [m], in V.
+
+        It is zero for a path without pieces.
         """
         return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
 

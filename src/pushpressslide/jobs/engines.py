@@ -1,5 +1,6 @@
-"""The engines that a task can be run on, by name. An engine's modules are imported when
-they are first used.
+"""The engines that a task can be run on, by name.
+
+An engine's modules are imported when they are first used.
 """
 
 from __future__ import annotations
@@ -93,9 +94,9 @@ class _Drake:
 
     def preparation(self, force: bool) -> Preparation:
         """Return what planning must add before a run: nothing."""
-        from pushpressslide.sim.joints.placements import GraspPaths
+        from pushpressslide.sim.joints.placements import PlacementPaths
 
-        return GraspPaths(force)
+        return PlacementPaths(force)
 
     def run(
         self,

@@ -75,12 +75,12 @@ def simulate(
     models: str = "generated",
     monitor: Monitor | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run; the choices come back with the reasons why better-ranked
-    ones were passed over.
+    """Select, plan and run, and return the plan, the record and all choices.
 
-    Where the engine has arms a choice must also have a joint path: the first that has
-    one is run. ``force`` runs the best choice that has a path even where it was judged
-    infeasible. Raises InfeasibleTaskError where nothing can do the task.
+    Choices that were passed over say why. Where the engine has arms a choice must also
+    have a joint path: the first that has one is run. ``force`` runs the best choice
+    that has a path even where it was judged infeasible. Raises InfeasibleTaskError
+    where nothing can do the task.
     """
     monitor = monitor or Monitor()
     chosen = engine_named(engine)
@@ -114,8 +114,11 @@ def _prepared(
         problems: Problems = {}
         added = _add_first(preparation, task, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            groups[number] = group = placements(task, MORE)[number]
-            added = _add_first(preparation, task, group, force, problems)
+            more = placements(task, MORE)
+            # with more choices a leg may go on with the contacts of the one before it
+            if [other[0].leg for other in more] == [other[0].leg for other in groups]:
+                groups[number] = group = more[number]
+                added = _add_first(preparation, task, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
@@ -184,12 +187,11 @@ def run_task(
     out: Output | None = None,
     monitor: Monitor | None = None,
 ) -> dict[str, Any]:
-    """Run ``task`` and return its result; with ``out`` also leave all files of a run
-    there.
+    """Run ``task`` and return its result.
 
-    Raises InfeasibleTaskError before anything moves where nothing can do the task, and
-    Interrupted on Ctrl-C once the engine runs, after record and result so far are
-    written.
+    With ``out`` all files of the run are written there. Raises InfeasibleTaskError
+    before anything moves where nothing can do the task, and Interrupted on Ctrl-C once
+    the engine runs, after record and result so far are written.
     """
     from pushpressslide.report.metrics import result as measure
 

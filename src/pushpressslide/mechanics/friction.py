@@ -1,5 +1,4 @@
-"""Friction at one contact: the cone, the motion cone, and what a contact with a
-prescribed velocity does. Plain floats.
+"""Friction at one contact: its cone, its motion cone, and its answer to a velocity.
 
 Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n
 turned by +90 degrees; mu is the friction of the pair end effector/object.

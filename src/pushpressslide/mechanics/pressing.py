@@ -23,9 +23,11 @@ def friction_use(
     mu_contact: float,
     pushed: float = 0.0,
 ) -> float:
-    """Return what straight sliding takes of the press's friction: (mu_s (N_o + N_a) +
-    pushed) / (mu_a N_a); below 1 it sticks. ``pushed`` [N]: the drag of a body that the
-    object pushes.
+    """Return the friction utilisation of a press in straight sliding; below 1 it
+    sticks.
+
+    It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
+    body that the object pushes.
     """
     if load <= 0.0:
         return math.inf
@@ -58,11 +60,10 @@ def press_loads(
     wanted: float | None = None,
     pushed: float = 0.0,
 ) -> list[float]:
-    """Return the loads [N] to try, up to ``most`` [N], the safest first; ``wanted`` [N]
-    is the only one where it is given. ``pushed`` [N]: the drag of a body that the
-    object pushes.
+    """Return the loads [N] to try, up to ``most`` [N], the safest first.
 
-    Raises RefusedError with what stands against any press.
+    ``wanted`` [N] is the only one where it is given. ``pushed`` [N] is the drag of a
+    body that the object pushes. Raises RefusedError with what stands against any press.
     """
     if wanted is not None:
         _check_press(weight, mu_support, mu_contact, most, wanted, pushed)

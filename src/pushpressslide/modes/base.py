@@ -23,7 +23,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal, literal
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.robots.reach import held_somehow_problem
@@ -96,6 +96,7 @@ class Mode(ABC):
     # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
     pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
+    vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
     @abstractmethod
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:

@@ -21,7 +21,7 @@ from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.core.wrench import Twist
 from pushpressslide.identification.online import Identified
@@ -63,10 +63,10 @@ from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 # [m] of the contacts from the CoM's line that are tried
 HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
 CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
-VEHICLES = ("differential", "synchronised", "mixed")
-# in this order, where motion.vehicle is none of these: both mixed correct an error any
+VEHICLES: tuple[Vehicle, ...] = ("differential", "synchronised", "mixed")
+# in this order, where motion.vehicle is null: both mixed correct an error any
 # way at once, a car takes some look-aheads of straight path for it
-EITHER = ("mixed", "differential")
+EITHER: tuple[Vehicle, ...] = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
 CONE_MARGIN = math.radians(6.0)  # that a plan keeps from its cone's edges
@@ -91,6 +91,7 @@ class ParallelPush(Mode):
     carries_weight = False
     pushed_faces = 1
     drives = (CarDrive, TwistDrive)
+    vehicles = VEHICLES
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return the choices of all placements."""
@@ -137,8 +138,8 @@ class ParallelPush(Mode):
         if refusal is not None:
             return [choice.refused(refusal)]
         why = []
-        vehicle = task.motion.vehicle or ""
-        for kind in (vehicle,) if vehicle in VEHICLES else EITHER:
+        vehicle = task.motion.vehicle
+        for kind in EITHER if vehicle is None else (vehicle,):
             try:
                 if kind == "mixed":
                     driven = self._by_twists(task, choice)
@@ -318,11 +319,11 @@ def _least_time(task: Task, face: Face) -> float:
     square = dx * dx + dy * dy
     ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
     axle = math.hypot(x + ahead * dx, y + ahead * dy)
-    vehicle: str | None = motion.vehicle
+    vehicle = motion.vehicle
     least = min(direct, axle)
     if vehicle == "mixed":
         least = direct
-    elif vehicle in VEHICLES:
+    elif vehicle is not None:
         least = axle
     return SpeedProfile(least, motion.speed, motion.acceleration).duration + overhead(
         task

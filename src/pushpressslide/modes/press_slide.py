@@ -11,7 +11,7 @@ turns by forces at several angles does.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -21,7 +21,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.mechanics.pressing import press_loads, pressed_cop
@@ -74,7 +74,7 @@ from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 # limits it
 MAX_RETRY_YAW = 1.0
 # whether a vehicle is driven backward, with the contact behind its axle
-DIRECTIONS = {
+DIRECTIONS: Mapping[Vehicle, tuple[bool, ...]] = {
     "unicycle": (False, True),
     "car": (False,),
     "forklift": (True,),
@@ -101,6 +101,7 @@ class PressSlide(Mode):
     carries_weight = False
     pushed_faces = 0
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
+    vehicles = tuple(DIRECTIONS)
 
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first.

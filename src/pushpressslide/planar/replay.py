@@ -28,8 +28,9 @@ FORCE_SCALE = 0.02  # [m/N] length of the force arrows
 
 
 def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
-    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not
-    at all; return it.
+    """Write the page to the file ``out``, whole or not at all, and return its path.
+
+    In a folder ``out`` it is replay.html.
     """
     data = json.dumps(
         replay_data(task, plan, record), separators=(",", ":"), allow_nan=False
@@ -59,7 +60,9 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     ]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
-    contacts = [contact for grasp in plan.by_placement for contact in grasp.contacts]
+    contacts = [
+        contact for placement in plan.by_placement for contact in placement.contacts
+    ]
     return {
         **_scene_data(task),
         "time": np.round(time[frames] - time[0], 3).tolist() if len(time) else [],

@@ -106,9 +106,11 @@ class World:
         ]
 
     def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:
-        """Return the state with the object at ``X_WG`` and each tip ``gap`` [m] before
-        its contact on an object at ``planned``; a tip without a contact is at its
-        robot's base.
+        """Return the state with the object at ``X_WG`` and the tips before their
+        contacts.
+
+        Each tip is ``gap`` [m] before its contact on an object at ``planned``. A tip
+        without a contact is at its robot's base.
         """
         X_WB = planned.compose(self.task.object.X_GB)
         places = list(self.task.scene.bases)

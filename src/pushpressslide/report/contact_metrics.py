@@ -24,14 +24,16 @@ outside the cone.
 
 
 def contact_figures(
-    task: Task, grasps: Sequence[tuple[Plan, Record]]
+    task: Task, placements: Sequence[tuple[Plan, Record]]
 ) -> dict[str, Any]:
-    """Return the figures of the contacts, over all grasps and of each.
+    """Return the figures of the contacts, over all placements and of each.
 
     Shares are of the ticks in contact.
     """
     parts = [
-        _grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.contacts
+        _placement_figures(task, placement, part)
+        for placement, part in placements
+        if placement.contacts
     ]
     if not parts:
         return {}
@@ -54,7 +56,7 @@ def contact_figures(
     }
 
 
-def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def _placement_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
     move = series.in_phase(record, "move")
@@ -104,15 +106,18 @@ def _mean(values: Array) -> float | None:
     return float(values.mean())
 
 
-def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Return about which point in B [m] the object turned, of each grasp that pins one.
+def pivots(
+    task: Task, placements: Sequence[tuple[Plan, Record]]
+) -> list[dict[str, Any]]:
+    """Return about which point in B [m] the object turned, for each placement that pins
+    one.
 
     Beside it: the pinned point, the centre of pressure, and the virtual axle about
     which the object would turn if the press did not hold it, as the plan has them.
     """
     out = []
-    for grasp, record in grasps:
-        drive = grasp.segments[0].drive
+    for placement, record in placements:
+        drive = placement.segments[0].drive
         at = np.flatnonzero(series.contact_phase(record))
         if not isinstance(drive, PinnedDrive) or len(at) == 0:
             continue
@@ -123,14 +128,14 @@ def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, 
             first.compose(task.object.X_GB), last.compose(task.object.X_GB)
         )
         turned = (-vy / w, vx / w)
-        pinned = grasp.contacts[0].point
+        pinned = placement.contacts[0].point
         others = {
             "center_of_pressure": drive.pressure,
             "virtual_axle": drive.axle,
         }
         out.append(
             {
-                "leg": grasp.segments[0].leg,
+                "leg": placement.segments[0].leg,
                 "turn": w,
                 "turned_about": turned,
                 "pressed": pinned,

@@ -19,7 +19,7 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_table,
-    stretches_table,
+    segments_table,
     table,
 )
 from pushpressslide.report.plane import plan_figure
@@ -129,10 +129,9 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
         task_table(run.task, run.result),
-        "<h3>Choice of mode</h3>",
         _choice_part(run),
         image(plan, "plan", "The plan, made before anything moves."),
-        stretches_table(run.plan),
+        segments_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(run.result),
         "<h3>Contacts</h3>",
@@ -170,12 +169,12 @@ def _links(run: Run, page: Path) -> str:
 
 
 def _caption(key: str) -> str:
-    """What a figure shows; the names of those of one grasp end with its number."""
-    name, _, grasp = key.partition("-")
+    """What a figure shows; the names of those of one placement end with its number."""
+    name, _, placement = key.partition("-")
     caption = CAPTIONS[name]
-    if not grasp:
+    if not placement:
         return caption
-    return f"Grasp {grasp}. {caption}"
+    return f"Placement {placement}. {caption}"
 
 
 def _link(target: Path, page: Path) -> str:
@@ -183,7 +182,12 @@ def _link(target: Path, page: Path) -> str:
 
 
 def _choice_part(run: Run) -> str:
-    """Return the table of all choices that were weighed, with their reasons."""
+    """Return the table of all choices that were weighed, with their reasons.
+
+    Empty if the run has none stored.
+    """
+    if not run.choices:
+        return ""
     taken = run.plan.chosen(run.choices)
     rows = []
     marks = []
@@ -207,7 +211,7 @@ def _choice_part(run: Run) -> str:
         )
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
-    return table(head, rows, marks)
+    return "<h3>Choice of mode</h3>" + table(head, rows, marks)
 
 
 def _number_cell(value: float | None, factor: float, unit: str, decimals: int) -> str:

@@ -42,37 +42,37 @@ def plan_figure(plan: Plan) -> Figure:
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
-    stretches = plan.segments
+    segments = plan.segments
     goal = plan.goal
-    each = max(2, STATIONS // len(stretches))
+    each = max(2, STATIONS // len(segments))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [
-        plan.object_pose(stretch, u * stretch.path.length)
-        for stretch in stretches
+        plan.object_pose(segment, u * segment.path.length)
+        for segment in segments
         for u in shares
     ]
     _surroundings(ax, task)
     _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
     _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
     _footprint(ax, task, goal, style.GREEN, "goal", fill=True)
-    _planned_paths(ax, [stretch.path for stretch in stretches])
+    _planned_paths(ax, [segment.path for segment in segments])
     center = task.start.apply(task.object.center_of_mass)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
     _contacts(
         ax,
         [
-            (grasp, grasp.task.start.compose(task.object.X_GB))
-            for grasp in plan.by_placement
+            (placement, placement.task.start.compose(task.object.X_GB))
+            for placement in plan.by_placement
         ],
     )
     corners = [c for pose in [*poses, task.start, goal] for c in outline(task, pose)]
-    length = sum(series.path_length(stretch.path) for stretch in stretches)
-    seconds = sum(stretch.profile.duration for stretch in stretches)
-    modes = ", ".join(grasp.segments[0].mode for grasp in plan.by_placement)
+    length = sum(series.path_length(segment.path) for segment in segments)
+    seconds = sum(segment.profile.duration for segment in segments)
+    modes = ", ".join(placement.segments[0].mode for placement in plan.by_placement)
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
-    if len(stretches) > 1:
-        title += f", {len(stretches)} stretches"
+    if len(segments) > 1:
+        title += f", {len(segments)} segments"
     _frame(ax, task, corners, title)
     return made
 
@@ -107,11 +107,11 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     tracked = series.tracked_poses(task, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
     largest = _forces(ax, task, plan, record, picks[1:-1])
-    grasps = [
-        (grasp, _first_pose(part).compose(task.object.X_GB))
-        for grasp, part in series.by_grasp(plan, record)
+    placements = [
+        (placement, _first_pose(part).compose(task.object.X_GB))
+        for placement, part in series.by_placement(plan, record)
     ]
-    _contacts(ax, grasps)
+    _contacts(ax, placements)
     _force_key(ax, plan, largest)
     corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
     corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
@@ -138,7 +138,7 @@ def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> 
     """Draw the tracking point (N, 2) at the given ticks, and its reference paths."""
     labels: tuple[str | None, str | None] = ("tracking point", "reference path")
     look: dict[str, Any] = {"color": style.BLUE, "lw": 2.4, "ms": 5}
-    for i, reference in enumerate(series.stretch_paths(record)):
+    for i, reference in enumerate(series.segment_paths(record)):
         points = tracked[ticks[record.arrays["stretch"][ticks] == i]]
         first = [0] if len(points) else None
         ax.plot(*points.T, "-o", markevery=first, label=labels[0], **look)
@@ -151,7 +151,7 @@ def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
     """Add the largest force [N] to the legend; a press shows its shear alone."""
     if not largest > 0.0:
         return
-    kinds = {c.kind for grasp in plan.by_placement for c in grasp.contacts}
+    kinds = {c.kind for placement in plan.by_placement for c in placement.contacts}
     plane = "in the plane, " if "top" in kinds else ""
     label = f"contact force, {plane}largest {largest:.1f} N"
     ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
@@ -186,16 +186,20 @@ def _forces(
 
 
 def _first_pose(record: Record) -> Pose2:
-    """Where the object is when a grasp begins to move it."""
+    """Where the object is when a placement begins to move it."""
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
-def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
-    """Draw where the tips of each grasp touch the object at its X_WB.
+def _contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
+    """Draw where the tips of each placement touch the object at its X_WB.
 
     A press is a dot, a push a short arrow into the side.
     """
-    touched = [(contact, X_WB) for grasp, X_WB in grasps for contact in grasp.contacts]
+    touched = [
+        (contact, X_WB)
+        for placement, X_WB in placements
+        for contact in placement.contacts
+    ]
     kinds = {contact.kind for contact, _ in touched}
     for contact, X_WB in touched:
         x, y = X_WB.apply(contact.point)

@@ -45,11 +45,11 @@ def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
         "errors": errors_figure(task, plan, record),
         "tracking": tracking_figure(task, plan, record),
     }
-    grasps = series.by_grasp(plan, record)
-    for i, (grasp, part) in enumerate(grasps):
-        number = f"-{i + 1}" if len(grasps) > 1 else ""
-        made[f"axle{number}"] = axle_over_time(task, grasp, part)
-        made[f"forces{number}"] = forces_figure(task, grasp, part)
+    placements = series.by_placement(plan, record)
+    for i, (placement, part) in enumerate(placements):
+        number = f"-{i + 1}" if len(placements) > 1 else ""
+        made[f"axle{number}"] = axle_over_time(task, placement, part)
+        made[f"forces{number}"] = forces_figure(task, placement, part)
     made["torques"] = torques_figure(task, plan, record)
     made["speeds"] = speeds_figure(task, plan, record)
     return {name: figure for name, figure in made.items() if figure is not None}
@@ -151,7 +151,7 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
             tangents[:, i],
             asked_normals[:, i],
             asked_tangents[:, i],
-            _by_stretch(plan, record, partial(_load, i)),
+            _by_segment(plan, record, partial(_load, i)),
             task.contact_friction,
         )
         draw = _draw_press if contact.kind == "top" else _draw_push
@@ -201,8 +201,8 @@ def _draw_push(upper: Axes, lower: Axes, forces: ContactForces) -> None:
         lower.plot(*shown, color=style.PURPLE, lw=0.9, label="measured, up")
 
 
-def _load(i: int, stretch: Segment) -> float:
-    return stretch.contacts[i].load
+def _load(i: int, segment: Segment) -> float:
+    return segment.contacts[i].load
 
 
 def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
@@ -251,7 +251,7 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     tracked = series.tracked_poses(task, record)[:, :2]
     x, y = (tracked - record.arrays["object_pose"][:, :2]).T
     speed = np.hypot(vx - w * y, vy + w * x)
-    planned = _by_stretch(plan, record, _cruise)
+    planned = _by_segment(plan, record, _cruise)
     top.plot(*style.thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
     top.plot(*style.thin(time, 1e3 * planned), label="planned cruise", **TOLERANCE)
     yaw_rate = style.thin(time, np.degrees(w))
@@ -263,10 +263,10 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     return made
 
 
-def _cruise(stretch: Segment) -> float:
+def _cruise(segment: Segment) -> float:
     """Planned speed [m/s] of the tracking point; its path may be longer than 0 m."""
-    path = stretch.path
-    return stretch.profile.cruise * series.path_length(path) / (path.length or 1.0)
+    path = segment.path
+    return segment.profile.cruise * series.path_length(path) / (path.length or 1.0)
 
 
 def comparison_plot(
@@ -301,16 +301,16 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
     ax.fill_between(sampled, bottom, top, label=label, **look)
 
 
-def _by_stretch(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
-    """Return at every tick (N,) of the move the value of its stretch.
+def _by_segment(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
+    """Return at every tick (N,) of the move the value of its segment.
 
     NaN in a second attempt, which is not in the plan.
     """
     number = record.arrays["stretch"]
     out = np.full(series.ticks(record), np.nan)
-    for grasp, part in series.by_grasp(plan, record):
-        for i, stretch in enumerate(
-            grasp.segments, start=int(part.arrays["stretch"][0])
+    for placement, part in series.by_placement(plan, record):
+        for i, segment in enumerate(
+            placement.segments, start=int(part.arrays["stretch"][0])
         ):
-            out[(number == i) & series.in_phase(record, "move")] = value(stretch)
+            out[(number == i) & series.in_phase(record, "move")] = value(segment)
     return out

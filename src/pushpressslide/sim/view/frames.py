@@ -100,10 +100,10 @@ def render_frames(
     size: tuple[int, int] = SIZE,
     models: str = "generated",
 ) -> list[Path]:
-    """Write one PNG of ``size`` (width, height) [pixels] for each of ``times`` [s] into
-    ``out_dir``, frame_000.png and so on; return their paths.
+    """Write a PNG of ``size`` (width, height) [pixels] for each of ``times`` [s].
 
-    Raises SimulationError, in one line, where this machine cannot render.
+    They are frame_000.png and so on in ``out_dir``. Returns their paths. Raises
+    SimulationError, in one line, where this machine cannot render.
     """
     renderer = FrameRenderer(task, plan, record, size, models)
     out_dir.mkdir(parents=True, exist_ok=True)
@@ -186,10 +186,10 @@ def look_at(view: View) -> RigidTransform:
 
 
 def egl_problem() -> str | None:
-    """Return why EGL has no device to render on; None if it has one, or on a system
-    without EGL.
+    """Return why EGL has no device to render on, or None.
 
-    This is checked beforehand because the renderer ends the process without a device.
+    It is None on a system without EGL too. This is checked beforehand because the
+    renderer ends the process without a device.
     """
     if sys.platform != "linux":
         return None

@@ -79,7 +79,7 @@ class Playback:
         self._draw_plan()
 
     def _draw_plan(self) -> None:
-        """Draw the object at its goal, and one line for each stretch of the path."""
+        """Draw the object at its goal, and one line for each segment of the path."""
         task = self.task
         graph = self.scene.scene_graph
         frame = task.support.frame
@@ -93,9 +93,9 @@ class Playback:
         _anchor(graph, source, goal, GOAL_COLOR)
         X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         path = self.record.arrays["plan_path"][:, :2]
-        stretches = self.record.arrays["plan_stretch"]
-        for i in np.unique(stretches):
-            points = path[stretches == i]
+        segments = self.record.arrays["plan_stretch"]
+        for i in np.unique(segments):
+            points = path[segments == i]
             if leads_somewhere(points):
                 line = ribbon(points, RIBBON_WIDTH)
                 drawn = GeometryInstance(X, line, f"path_{i:.0f}")
@@ -129,7 +129,7 @@ class Playback:
         )
 
     def vehicle_pose(self, tick: int) -> Pose2:
-        """Return X_WV at ``tick``: tracking point and heading of the current stretch."""
+        """Return X_WV at ``tick``: tracking point and heading of the current segment."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
         return X_WG.compose(self.task.object.X_GB).compose(X_BV)
@@ -228,8 +228,9 @@ def leads_somewhere(points: Array) -> bool:
 
 
 def ribbon(points: Array, width: float) -> Mesh:
-    """Return a flat strip of ``width`` [m] along ``points`` (K, 2) in the plane z = 0,
-    facing up; K >= 2.
+    """Return a flat strip of ``width`` [m] along ``points`` (K, 2), K >= 2.
+
+    It lies in the plane z = 0 and faces up.
     """
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
