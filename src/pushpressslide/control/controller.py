@@ -41,6 +41,7 @@ from pushpressslide.control.state import (
     seen,
     smooth,
 )
+from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, missing
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
 from pushpressslide.core.allocation import Allocation
@@ -101,6 +102,7 @@ class Controller:
         """
         placements = plan.placements
         self.segments = placements[number]
+        self.planned = Timeline(self.segments)
         first = self.segments[0]
         self.parts = plan.task.parts
         task = self.parts[first.leg]
@@ -268,7 +270,7 @@ class Controller:
         elif all(step.done for step in steps):
             next_state = self._begin_move(next_state, measurement, X_WB)
         commands = tuple(step.command for step in steps)
-        log = control_log(state, measurement, self.X_BG)
+        log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _touch_yaw(
@@ -336,6 +338,8 @@ class Controller:
         if state.reference is None:
             reference = moving.binding.segment
             moving = replace(moving, reference=reference, reference_start=time)
+        if state.began is None:
+            moving = replace(moving, began=time)
         return moving
 
     def _bound(self, segment: Segment) -> Binding:
@@ -384,7 +388,9 @@ class Controller:
             ticks=ticks,
         )
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
-        log = control_log(state, measurement, self.X_BG, guidance, allocation)
+        log = control_log(
+            state, measurement, self.X_BG, self.planned, guidance, allocation
+        )
         return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _speed(self, state: ControllerState, time: float) -> float:
@@ -592,7 +598,7 @@ class Controller:
         over = elapsed > rest + duration + 0.3
         phase: Phase = "done" if over else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
-        log = control_log(state, measurement, self.X_BG)
+        log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
 
 

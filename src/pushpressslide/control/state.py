@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from pushpressslide.control.timeline import Timeline
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
     ControlLog,
@@ -105,7 +106,8 @@ class ControllerState:
     joint_start: float = 0.0  # [m] of joint path before this segment
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
-    # the segment that errors are judged by, as planned when it began
+    began: float | None = None  # [s] of the placement's motion, after its first touch
+    # what is being followed, as planned when it began
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     # whether the touch begins with lining up, or goes on from where the tips are
@@ -263,16 +265,15 @@ def control_log(
     state: ControllerState,
     measurement: Measurement,
     X_BG: Pose2,
+    planned: Timeline,
     guidance: Guidance | None = None,
     allocation: Allocation | None = None,
 ) -> ControlLog:
     """Return what was decided at a tick, for the record."""
-    followed = state.segment
     clock = 0.0
-    if state.reference is not None:
-        followed = state.reference
-        clock = measurement.time - state.reference_start
-    reference = followed.body_pose(followed.profile.at(clock)[0]).compose(X_BG)
+    if state.began is not None:
+        clock = measurement.time - state.began
+    reference = planned.body_pose(clock).compose(X_BG)
     pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
     if guidance is None or allocation is None:
         nothing = (0.0, 0.0, 0.0)

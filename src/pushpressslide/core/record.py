@@ -22,6 +22,8 @@ ReasonCode = Literal[
     "torque_limit",
     "joint_limit",
     "reference_jump",
+    "collision",
+    "body_moved",
     "diverged",
     "interrupted",
 ]

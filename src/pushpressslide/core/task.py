@@ -46,6 +46,12 @@ class Tolerance:
 
     position: float = setting(0.01, "largest position error", "m", "(0, 1]")
     yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
+    bodies: float = setting(
+        0.005,
+        "that movable obstacles may be displaced, but for a tool's",
+        "m",
+        "(0, 1]",
+    )
 
 
 @dataclass(frozen=True, slots=True)
