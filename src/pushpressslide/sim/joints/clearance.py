@@ -5,7 +5,7 @@ made for planning only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from pydrake.geometry import Box as DrakeBox
@@ -77,6 +77,9 @@ class ClearanceModel:
         # of q in a Jacobian
         self._columns = np.array([joint.velocity_start() for joint in joints])
         self._tip = set(plant.GetCollisionGeometriesForBody(self._robot.tip_body))
+        sphere = self._robot.tip_geometry
+        # the shapes that touch in a run
+        self.sphere = self._tip if sphere is None else {sphere}
         instance = self._robot.model_instance
         base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
         self._base_shapes = set(_shapes(plant, base))
@@ -130,7 +133,8 @@ class ClearanceModel:
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
         ]
-        least, pair = self.least_in_space(postures, transforms, touching=touching)
+        shapes = self._tip if touching else set()
+        least, pair = self.least_in_space(postures, transforms, shapes)
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
             if apart < least:
@@ -142,13 +146,14 @@ class ClearanceModel:
         self,
         postures: Array,
         object_poses: Sequence[RigidTransform],
+        touching: Collection[GeometryId],
         bodies: Mapping[str, Sequence[RigidTransform]] | None = None,
-        *,
-        touching: bool,
     ) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, over postures (k, n), spatial
-        poses of the object (k) and of movable ``bodies`` by name (k each; where the
-        task has them by default), and the names of its pair. Other arms are left out.
+        """Return the least distance [m], at most 0.08, over postures (k, n) and spatial
+        poses of the object (k), and the names of its pair; other arms are left out.
+
+        ``touching`` shapes of the arm may touch the object. ``bodies``: poses (k each)
+        of movable obstacles by name, by default where the task has them.
         """
         least = LOOK
         pair = "nothing within reach"
@@ -173,9 +178,10 @@ class ClearanceModel:
         its gradient (n,).
         """
         X_WO = rigid_transform(object_pose, self._height, self._frame)
+        shapes = self._tip if touching else set()
         pairs = [
             pair
-            for pair in self._pairs(q, X_WO, touching)
+            for pair in self._pairs(q, X_WO, shapes)
             if not {pair.id_A, pair.id_B} & self._base_shapes
         ]
         if not pairs:
@@ -214,7 +220,7 @@ class ClearanceModel:
         return out
 
     def _pairs(
-        self, q: Array, X_WO: RigidTransform, touching: bool
+        self, q: Array, X_WO: RigidTransform, touching: Collection[GeometryId]
     ) -> Iterator[SignedDistancePair]:
         """Yield the pairs nearer than LOOK in one posture, the object at ``X_WO``."""
         self._plant.SetPositions(self._plant_context, self._robot.model_instance, q)
@@ -222,8 +228,9 @@ class ClearanceModel:
         query = self._query.Eval(self._plant_context)
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
             between = {pair.id_A, pair.id_B}
-            if not (touching and between & self._tip and self._object_shape in between):
-                yield pair
+            if self._object_shape in between and not between.isdisjoint(touching):
+                continue
+            yield pair
 
 
 def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:

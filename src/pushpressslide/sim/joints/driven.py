@@ -41,7 +41,7 @@ def clearance_driven(plan: Plan, record: Record) -> tuple[float, str]:
     for arm, q in enumerate(postures):
         model = ClearanceModel(plan, arm)
         near, between = model.least_in_space(
-            q, poses["object_pose_3d"], body_poses, touching=True
+            q, poses["object_pose_3d"], model.sphere, body_poses
         )
         if near < least:
             least = near
