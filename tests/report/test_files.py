@@ -36,7 +36,6 @@ def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
-        run.task,
         run.plan,
         run.record,
         result(run.task, run.plan, run.record),
@@ -98,7 +97,7 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 4"),
+        (lambda data: data.update(schema=1), "schema 1, this version reads 5"),
         (
             lambda data: data["segments"][0]["drive"].update(point=[0.0]),
             "shorter|longer",

@@ -16,7 +16,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import poses_along, workspace_refusal
+from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.selection.clearance import obstacle_refusal, swept
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
@@ -121,14 +121,16 @@ def _free(part: Task, segments: Sequence[Segment]) -> bool:
     if not segments:
         return True
     for piece in segments:
-        if workspace_refusal(part, poses_along(piece)) is not None:
+        poses = poses_along(piece)
+        if workspace_refusal(part.object, part.limits, poses) is not None:
             return False
-    if part.obstacles and obstacle_refusal(part, swept(part, segments)) is not None:
+    path = swept(part.object, segments)
+    if part.obstacles and obstacle_refusal(part, path) is not None:
         return False
     if part.support.opening is None and part.tool is None:
         return True
     first = segments[0]
-    poses = swept(part, [piece for piece in segments if piece.leg == first.leg])
+    poses = swept(part.object, [p for p in segments if p.leg == first.leg])
     # what is so where the object stands already is no reason to go on as before
     here = poses[:1]
     tips = opening_refusal(part, first, poses)

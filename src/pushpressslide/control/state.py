@@ -58,9 +58,7 @@ def bind(task: Task, segment: Segment) -> Binding:
         contact.tip_place(task.robots[contact.arm].tip_radius)[0]
         for contact in contacts
     )
-    friction = task.believed.contact_friction
-    drive = segment.drive
-    allocate = mode.allocator(contacts, friction, drive.rho, drive.center)
+    allocate = mode.allocator_of(segment, task.believed.contact_friction)
     return Binding(segment, mode.tracker(task, segment), allocate, tip_points)
 
 

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 MotionPath = ArcPath | TwistPath
 
+ENOUGH = 8
+"""Feasible choices of one mode, after which no other is evaluated."""
+
 
 @dataclass(frozen=True, slots=True)
 class Contact:

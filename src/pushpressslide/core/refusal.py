@@ -66,6 +66,11 @@ def _shown(number: float | None) -> Quantity | _Unknown:
     return Quantity(number)
 
 
+NOT_EVALUATED = Refusal(
+    SKIPPED, "not judged in full, as there is one that is no slower"
+)
+
+
 class RefusedError(ValueError):
     """Raised where a model cannot be made; carries the refusal."""
 

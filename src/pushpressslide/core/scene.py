@@ -215,6 +215,12 @@ class Scene:
         """
         return -self._weight()[2]
 
+    def max_friction(self, press: float = 0.0) -> float:
+        """Return the friction of the support [N] against straight sliding under a
+        ``press`` [N] on top.
+        """
+        return self.belief.support_friction * (self.weight_on + press)
+
     @property
     def rests(self) -> bool:
         """Whether the support's friction holds the object."""

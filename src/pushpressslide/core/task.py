@@ -354,6 +354,12 @@ class Task:
         )
 
     @property
+    def body_ends(self) -> tuple[Pose2, Pose2]:
+        """X_WB at start and goal."""
+        X_GB = self.object.X_GB
+        return self.start.compose(X_GB), self.goal.compose(X_GB)
+
+    @property
     def enters(self) -> bool:
         """Whether the goal lies in an opening of the support."""
         opening = self.support.opening

@@ -10,7 +10,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.wrench import Twist
 
 if TYPE_CHECKING:
     import numpy as np
@@ -159,6 +160,10 @@ class TwistPath:
         It is zero for a path without pieces.
         """
         return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
+
+    def initial_twist(self, point: Point) -> Twist:
+        """Return the twist per metre with which a path of ``point`` [m] in B begins."""
+        return Twist(*self.rate(0.0), point)
 
     def nearest(self, X_WV: Pose2, s: float) -> float:
         """Return the arc length [m], near ``s`` and not before it, whose pose is

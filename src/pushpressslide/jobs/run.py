@@ -20,7 +20,7 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.jobs.engines import DEFAULT, Preparation, engine_named
+from pushpressslide.jobs.engines import DEFAULT, ArmOptions, Preparation, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of, refusal, usable
@@ -101,9 +101,7 @@ def simulate(
         record = chosen.run(
             plan,
             RunOptions(seed, monitor.progress, monitor.interrupt or bool),
-            paths=preparation.paths,
-            models=models,
-            live=monitor.live,
+            ArmOptions(models, preparation.paths, monitor.live),
         )
     meta = {**record.meta, "planning_time": planning_time}
     return plan, replace(record, meta=meta), judged
@@ -182,7 +180,9 @@ def run(
             what, engine=engine, seed=seed, models=models, monitor=monitor
         )
         return record
-    return engine_named(engine).run(what, RunOptions(seed, progress), models=models)
+    return engine_named(engine).run(
+        what, RunOptions(seed, progress), ArmOptions(models)
+    )
 
 
 def run_task(
@@ -215,14 +215,14 @@ def run_task(
     with interrupt.held():
         result = measure(task, plan, record, versions())
         if out is not None:
-            write_data(out.folder, task, plan, record, result, choices)
+            write_data(out.folder, plan, record, result, choices)
     if interrupt():
         message = "interrupted"
         if out is not None:
             message += f"; record and result so far are in {out.folder}"
         raise Interrupted(message)
     if out is not None:
-        write_pages(out, task, plan, record, choices, models=models)
+        write_pages(out, plan, record, choices, models=models)
     return result
 
 
@@ -231,7 +231,6 @@ PAGES = ("replay.html", "report.html", "run.webp", "plan.png")
 
 def write_data(
     out: Path,
-    task: Task,
     plan: Plan,
     record: Record,
     result: dict[str, Any],
@@ -247,12 +246,11 @@ def write_data(
         (out / name).unlink(missing_ok=True)
     for plot in (out / "plots").glob("*.png"):
         plot.unlink()
-    save_run(out, task, plan, record, result, choices)
+    save_run(out, plan, record, result, choices)
 
 
 def write_pages(
     out: Output,
-    task: Task,
     plan: Plan,
     record: Record,
     choices: list[Choice],
@@ -270,7 +268,7 @@ def write_pages(
         from pushpressslide.report.plan_files import write_plan
 
         write_plan(plan, folder, choices)
-        engine.write_replay(task, plan, record, folder, models=models, video=out.video)
+        engine.write_replay(plan, record, folder, ArmOptions(models, video=out.video))
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

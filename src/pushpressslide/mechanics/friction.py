@@ -44,6 +44,13 @@ def press_margin(force: Point, normal_force: float, mu: float) -> float:
     return mu * normal_force - math.hypot(force[0], force[1])
 
 
+def utilisation_margin(mu: float, utilisation: float) -> float:
+    """Return the angle [rad] to the edge of a friction cone of a force that takes
+    ``utilisation`` of the friction ``mu``; negative outside.
+    """
+    return math.atan(mu) - math.atan(utilisation * mu)
+
+
 def force_angle(force: Point, axis: Point) -> float:
     """Return the angle [rad] of ``force`` from ``axis``, positive to the left, in (-pi,
     pi].

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Robot, Task
+from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 
@@ -22,7 +24,7 @@ def robot_facts(robot: Robot) -> RobotFacts | None:
         return None
 
 
-def torque_figures(task: Task, record: Record) -> dict[str, float | None]:
+def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float | None]:
     """Return the share of ticks at which more than a torque limit, or than a limit of
     its rate, was asked for, and the largest share of each that was.
     """
@@ -35,7 +37,7 @@ def torque_figures(task: Task, record: Record) -> dict[str, float | None]:
             "max_torque_rate_share",
         ),
     ):
-        names = [f"{kind}_{i}" for i in range(len(task.robots))]
+        names = [f"{kind}_{i}" for i in range(len(robots))]
         rows = [record.arrays[name] for name in names if name in record.arrays]
         out[fraction] = out[largest] = None
         if rows and len(rows[0]):
@@ -45,10 +47,10 @@ def torque_figures(task: Task, record: Record) -> dict[str, float | None]:
     return out
 
 
-def speed_share(task: Task, record: Record) -> float | None:
+def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
     """Return the largest speed of any joint over its limit; None without joints."""
     shares = []
-    for i, robot in enumerate(task.robots):
+    for i, robot in enumerate(robots):
         v = record.arrays.get(f"joint_velocity_{i}")
         facts = None if v is None or not len(v) else robot_facts(robot)
         if v is not None and facts is not None and v.shape[1] == facts.size:
@@ -56,10 +58,10 @@ def speed_share(task: Task, record: Record) -> float | None:
     return max(shares, default=None)
 
 
-def joint_margin(task: Task, record: Record) -> float | None:
+def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:
     """Return the least distance [rad] of a joint to its limits; None without joints."""
     margins = []
-    for i, robot in enumerate(task.robots):
+    for i, robot in enumerate(robots):
         q = record.arrays.get(f"joint_position_{i}")
         if q is None or not len(q):
             continue

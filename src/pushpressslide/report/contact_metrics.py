@@ -14,7 +14,6 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 from pushpressslide.rom.drives import PinnedDrive
@@ -27,15 +26,13 @@ outside the cone.
 """
 
 
-def contact_figures(
-    task: Task, placements: Sequence[tuple[Plan, Record]]
-) -> dict[str, Any]:
+def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
     """Return the figures of the contacts, over all placements and of each.
 
     Shares are of the ticks in contact.
     """
     parts = [
-        _placement_figures(task, placement, part)
+        _placement_figures(placement, part)
         for placement, part in placements
         if placement.contacts
     ]
@@ -64,7 +61,7 @@ def contact_figures(
     }
 
 
-def _placement_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
     move = series.in_phase(record, "move")
@@ -73,7 +70,7 @@ def _placement_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
+    allowed = plan.task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
     utilisation = np.linalg.norm(tangents, axis=2) / allowed
     outside = touching & (utilisation > 1.0 + CONE_TOLERANCE)
     slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
@@ -81,7 +78,7 @@ def _placement_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]
     return {
         "max_normal_force": _largest(felt),
         "mean_force": _largest_mean(felt, time),
-        "commanded": _outside_commanded(task, plan, record, touching),
+        "commanded": _outside_commanded(plan, record, touching),
         "contact_loss_time": float(step[lost.any(axis=1)].sum()),
         "cone_violation_fraction": _mean(outside[touching]),
         "slip_distance": sum(slips),
@@ -117,14 +114,14 @@ def _largest_mean(forces: Array, time: Array) -> float | None:
 
 
 def _outside_commanded(
-    task: Task, plan: Plan, record: Record, touching: Mask
+    plan: Plan, record: Record, touching: Mask
 ) -> tuple[int, int, float]:
     """Return at how many ticks in contact feed-forward and servo together lie outside
     the friction cone, of how many, and by how much at most [N].
     """
     normals, tangents = series.contact_forces(plan, record, "demanded_force")
     asked = np.linalg.norm(tangents, axis=2)
-    excess = (asked - task.contact_friction * np.maximum(normals, 0.0))[touching]
+    excess = (asked - plan.task.contact_friction * np.maximum(normals, 0.0))[touching]
     if not excess.size:
         return 0, 0, 0.0
     return int((excess > 0.0).sum()), excess.size, max(0.0, float(excess.max()))
@@ -152,9 +149,7 @@ def _mean(values: Array) -> float | None:
     return float(values.mean())
 
 
-def pivots(
-    task: Task, placements: Sequence[tuple[Plan, Record]]
-) -> list[dict[str, Any]]:
+def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
     """Return about which point in B [m] the object turned, for each placement that pins
     one.
 
@@ -164,15 +159,14 @@ def pivots(
     out = []
     for placement, record in placements:
         drive = placement.segments[0].drive
+        X_GB = placement.task.object.X_GB
         at = np.flatnonzero(series.contact_phase(record))
         if not isinstance(drive, PinnedDrive) or len(at) == 0:
             continue
         first, last = (
             Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1])
         )
-        vx, vy, w = screw(
-            first.compose(task.object.X_GB), last.compose(task.object.X_GB)
-        )
+        vx, vy, w = screw(first.compose(X_GB), last.compose(X_GB))
         turned = (-vy / w, vx / w)
         pinned = placement.contacts[0].point
         others = {

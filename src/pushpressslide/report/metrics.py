@@ -59,13 +59,13 @@ def result(
     }
     if series.ticks(record) > 0:
         placements = series.by_placement(plan, record)
-        out |= motion_figures(task, placements, record)
-        out |= contact_figures(task, placements)
-        out["pivots"] = pivots(task, placements)
+        out |= motion_figures(placements, record)
+        out |= contact_figures(placements)
+        out["pivots"] = pivots(placements)
     out |= {
-        **torque_figures(task, record),
-        "max_joint_speed_share": speed_share(task, record),
-        "joint_limit_margin": joint_margin(task, record),
+        **torque_figures(task.robots, record),
+        "max_joint_speed_share": speed_share(task.robots, record),
+        "joint_limit_margin": joint_margin(task.robots, record),
         "clearance_driven": record.meta.get("clearance_driven"),
         "clearance_pair": record.meta.get("clearance_pair"),
         **_time_figures(record),

@@ -32,20 +32,21 @@ MOTION_FIELDS = (
 
 
 def motion_figures(
-    task: Task, placements: Sequence[tuple[Plan, Record]], record: Record
+    placements: Sequence[tuple[Plan, Record]], record: Record
 ) -> dict[str, Any]:
     """Return the figures ``MOTION_FIELDS`` of a run of at least one tick.
 
     ``placements`` are the plan and the record of each placement that was begun.
     """
+    body = placements[0][0].task.object
     time = record.arrays["time"]
     pose = record.arrays["object_pose"]
     tips = [
-        _tip_errors(task, contact, part)
+        _tip_errors(placement.task, contact, part)
         for placement, part in placements
         for contact in placement.contacts
     ]
-    motion = series.motion(task, record)
+    motion = series.motion(body, record)
     tracking = zip(("along", "left", "heading"), motion.tracking_error.T, strict=True)
     return {
         "start_pose": pose[0],

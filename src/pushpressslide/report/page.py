@@ -101,10 +101,7 @@ def _labels(runs: Sequence[Run]) -> list[str]:
 
 
 def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
-    curves = [
-        (name, run.record, run.task, run.plan)
-        for name, run in zip(names, runs, strict=True)
-    ]
+    curves = [(name, run.record) for name, run in zip(names, runs, strict=True)]
     return (
         "<section><h2>Side by side</h2>"
         + comparison_table(names, [run.result for run in runs])
@@ -116,7 +113,7 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 def _run_section(run: Run, page: Path, name: str) -> str:
     """Return the section of one run; writes its plots/*.png."""
     plots = []
-    for key, made in figures(run.task, run.plan, run.record).items():
+    for key, made in figures(run.plan, run.record).items():
         png = style.png(made)
         write_whole(run.folder / "plots" / f"{key}.png", png)
         plots.append(image(png, key, _caption(key)))

@@ -94,8 +94,16 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
         "Arms",
         (
-            Row("Share of the torque limit, largest", "max_torque_share", 100.0, "%", 0),
-            Row("Share of the speed limit, largest", "max_joint_speed_share", 100.0, "%", 0),
+            Row(
+                "Share of the torque limit, largest", "max_torque_share", 100.0, "%", 0
+            ),
+            Row(
+                "Share of the speed limit, largest",
+                "max_joint_speed_share",
+                100.0,
+                "%",
+                0,
+            ),
             Row(
                 "Asked for more than a torque limit",
                 "torque_limit_violation_fraction",

@@ -16,7 +16,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.modes import MODES
 
-SCHEMA = 4
+SCHEMA = 5
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import ObjectModel
 
 Mask = NDArray[np.bool_]
 
@@ -101,10 +101,10 @@ def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
     return begun
 
 
-def tracked_poses(task: Task, record: Record) -> Array:
+def tracked_poses(body: ObjectModel, record: Record) -> Array:
     """Return X_WV (N, 3): the tracking point of each tick's segment, and its heading."""
     return compose(
-        compose(record.arrays["object_pose"], task.object.X_GB),
+        compose(record.arrays["object_pose"], body.X_GB),
         record.arrays["vehicle_frame"],
     )
 
@@ -116,9 +116,9 @@ def segment_paths(record: Record) -> list[Array]:
     return [path[number == i] for i in range(1 + int(number.max(initial=-1)))]
 
 
-def path_errors(task: Task, record: Record) -> Array:
+def path_errors(body: ObjectModel, record: Record) -> Array:
     """Return the distance [m] (N,) of the tracking point to the path of its segment."""
-    tracked = tracked_poses(task, record)[:, :2]
+    tracked = tracked_poses(body, record)[:, :2]
     out = np.empty(ticks(record))
     for i, path in enumerate(segment_paths(record)):
         own = record.arrays["stretch"] == i
@@ -164,7 +164,7 @@ class Motion:
         )
 
 
-def motion(task: Task, record: Record) -> Motion:
+def motion(body: ObjectModel, record: Record) -> Motion:
     """Return the series of phase "move"."""
     move = in_phase(record, "move")
     _, position_error, yaw_error = timed_errors(record)
@@ -172,9 +172,9 @@ def motion(task: Task, record: Record) -> Motion:
     return Motion(
         position_error[judged],
         yaw_error[judged],
-        path_errors(task, record)[move],
+        path_errors(body, record)[move],
         record.arrays["tracking_error"][move],
-        tracked_poses(task, record)[move, :2],
+        tracked_poses(body, record)[move, :2],
         record.arrays["stretch"][move],
     )
 
@@ -216,7 +216,7 @@ def contact_forces(
     return normals, tangents
 
 
-def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
+def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> Array:
     """Return where on the object's surface the tip of ``contact`` touches: (N, 2) [m].
 
     Side contact: along the face (round a cylinder: the arc) and up; top contact: x and
@@ -233,7 +233,6 @@ def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
     y = -s * dx + c * dy  # in G; B has the same axes
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
-    body = task.object
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     along = side.coordinates(x, y)
     return np.stack([along, tip[:, 2]], axis=1)
@@ -274,7 +273,7 @@ def slip(plan: Plan, record: Record, index: int) -> Array:
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
-    points = surface_coordinates(plan.task, record, plan.contacts[index])
+    points = surface_coordinates(plan.task.object, record, plan.contacts[index])
     out = np.zeros(ticks(record))
     before = 0.0
     edges = np.flatnonzero(

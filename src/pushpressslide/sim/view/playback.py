@@ -59,20 +59,18 @@ class View:
 class Playback:
     """The scene of a run with its goal and planned path, at any recorded tick."""
 
-    def __init__(
-        self, task: Task, plan: Plan, record: Record, models: str = "generated"
-    ) -> None:
+    def __init__(self, plan: Plan, record: Record, models: str = "generated") -> None:
         """Build the scene.
 
         Raises SimulationError for a record without joint positions.
         """
-        for i in range(len(task.robots)):
+        for i in range(len(plan.task.robots)):
             if f"joint_position_{i}" not in record.arrays:
                 raise SimulationError(
                     f"the record of engine {record.engine!r} has no joint_position_{i} "
                     "to show"
                 )
-        self.task = task
+        self.task = plan.task
         self.plan = plan
         self.record = record
         self.scene = build_scene(plan, models=models)
@@ -143,18 +141,18 @@ class Playback:
     def view(self, field: float) -> View:
         """Return the view of a camera with a vertical field of view ``field`` [rad]."""
         poses = self.record.arrays["object_pose"][::20]
-        return camera_view(self.task, self.plan, poses, field)
+        return camera_view(self.plan, poses, field)
 
 
-def camera_view(task: Task, plan: Plan, poses: Array, field: float) -> View:
+def camera_view(plan: Plan, poses: Array, field: float) -> View:
     """Return the view of a camera that holds object, goal and arms, from the front and
     the side of the tips.
 
     ``poses`` (N, 3) [m, rad] are those of the object, X_WG; ``field`` [rad] is the
     vertical field of view.
     """
-    normal = np.array(task.support.frame.normal)
-    points = _seen_points(task, poses)
+    normal = np.array(plan.task.support.frame.normal)
+    points = _seen_points(plan.task, poses)
     if normal[2] < STEEP:  # from behind the arms, to one side
         side = np.cross([0.0, 0.0, 1.0], normal)
         return fit_view(points, 0.62 * normal + 0.78 * side + [0.0, 0.0, 0.45], field)

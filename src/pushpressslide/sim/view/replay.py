@@ -28,7 +28,6 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.view.playback import Playback, View, ribbon
@@ -62,7 +61,7 @@ PRESS_CAPTION = """
 
 
 def write_replay(
-    task: Task, plan: Plan, record: Record, out: Path, models: str = "generated"
+    plan: Plan, record: Record, out: Path, models: str = "generated"
 ) -> Path:
     """Write the page to the file ``out`` and return its path.
 
@@ -74,14 +73,14 @@ def write_replay(
         raise SimulationError(
             f"{out}: a record of fewer than two ticks cannot be replayed"
         )
-    playback = Playback(task, plan, record, models)
+    playback = Playback(plan, record, models)
     meshcat = quiet_meshcat()
     look(meshcat)
     view = playback.view(FIELD)
     meshcat.SetCameraPose(view.position, view.target)
     marks = _animate(meshcat, playback, view)
     page = meshcat.StaticHtml()
-    title = f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
+    title = f"{plan.task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
     caption = _caption(title, marks)
     if "</body>" in page:
         page = page.replace("</body>", f"{caption}</body>", 1)
