@@ -1,31 +1,98 @@
-"""The approach: joint motion in free space to where the touch begins, as a source of
-commands beside the controller.
+"""The approach: free motion to where the touch begins, as a source of commands beside
+the controller. Arms follow joint paths; on a plant without arms the tips travel.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from pushpressslide.control.joint_reference import approach_reference
+from pushpressslide.control.state import (
+    FREE_DAMPING,
+    FREE_STIFFNESS,
+    SERVO_CAP,
+    smooth,
+    smooth_rate,
+)
 from pushpressslide.core.control import (
     Commands,
     ControlLog,
     JointCommand,
     TipCommand,
     TipCommands,
+    Vector3,
 )
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.pose import Pose2
 
-SETTLE = 0.2  # [s] that an arm rests at the end of its approach
+SETTLE = 0.2  # [s] that an arm or tip rests at the end of its approach
+HALT = 0.3  # [s] in which an approach that is stopped comes to rest
+TRAVEL_SPEED = 0.25  # [m/s] of a tip without an arm, at its fastest
 NO_ERROR = (0.0, 0.0, 0.0)
 
 
-class JointApproach:
-    """Leads all arms to a placement along their joint paths.
+class Approach(ABC):
+    """Leads all arms or tips to a placement.
 
     An arm that holds a contact from the placement before keeps on obeying its last tip
-    command; its joint path gives its posture only.
+    command.
+    """
+
+    def __init__(
+        self, start: Pose2, held: TipCommands, began: float, duration: float
+    ) -> None:
+        """Prepare to move from time ``began`` [s] on, for ``duration`` [s].
+
+        ``start`` is X_WG where the placement is planned to begin; ``held`` has the
+        command of each arm that keeps its contact, None for the others.
+        """
+        self._began = began
+        self._halted: float | None = None  # [s]
+        self._log = ControlLog(
+            "approach", 0.0, start, NO_ERROR, NO_ERROR, NO_ERROR, 0.0, "ok"
+        )
+        self.held = held
+        self.arrival = began + duration  # [s] when the touch begins
+
+    def step(self, time: float) -> tuple[Commands, ControlLog]:
+        """Return one command per arm at ``time`` [s], and the log of the tick."""
+        elapsed, rate = self._clock(time)
+        commands = tuple(
+            self._command(i, held, elapsed, rate) for i, held in enumerate(self.held)
+        )
+        return commands, self._log
+
+    def halt(self, time: float) -> None:
+        """Slow down from ``time`` [s] on, along the same path, and stay at rest."""
+        self._halted = time
+        self.arrival = math.inf
+
+    def at_rest(self, time: float) -> bool:
+        """Return whether the approach has come to rest after a halt."""
+        return self._halted is not None and time - self._halted > HALT + SETTLE
+
+    def _clock(self, time: float) -> tuple[float, float]:
+        """Return the time [s] on the path and its rate: 1, less after a halt."""
+        if self._halted is None:
+            return time - self._began, 1.0
+        share = min((time - self._halted) / HALT, 1.0)
+        past = HALT * share * (1.0 - 0.5 * share)
+        return self._halted - self._began + past, 1.0 - share
+
+    @abstractmethod
+    def _command(
+        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+    ) -> TipCommand | JointCommand | None:
+        """Return an arm's command ``elapsed`` [s] on its path, passed at ``rate``."""
+
+
+class JointApproach(Approach):
+    """Leads arms along their joint paths; the path of an arm that holds a contact gives
+    its posture only.
     """
 
     def __init__(
@@ -35,37 +102,102 @@ class JointApproach:
         held: TipCommands,
         began: float,
     ) -> None:
-        """Prepare to follow ``paths``, one per arm, from time ``began`` [s] on.
-
-        ``start`` is X_WG where the placement is planned to begin; ``held`` has the
-        command of each arm that keeps its contact, None for the others. Without paths
-        the approach takes no time.
-        """
+        """Prepare to follow ``paths``, one per arm; the others as of an approach."""
+        longest = max(float(path.approach_time[-1]) for path in paths)
+        super().__init__(start, held, began, longest + SETTLE)
         self._paths = paths
-        self._began = began
-        self._log = ControlLog(
-            "approach", 0.0, start, NO_ERROR, NO_ERROR, NO_ERROR, 0.0, "ok"
+
+    def _command(
+        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+    ) -> TipCommand | JointCommand | None:
+        position, velocity = approach_reference(self._paths[arm], elapsed)
+        if held is None:
+            return JointCommand(position, rate * velocity)
+        return replace(held, posture=position)
+
+
+@dataclass(frozen=True, slots=True)
+class TipPath:
+    """A way of a tip through ``corners`` [m], at rest at each of them."""
+
+    corners: tuple[Vector3, ...]
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return sum(_travel_time(a, b) for a, b in pairwise(self.corners))
+
+    def at(self, elapsed: float) -> tuple[Vector3, Vector3]:
+        """Return place [m] and velocity [m/s] ``elapsed`` [s] after the beginning."""
+        for a, b in pairwise(self.corners):
+            time = _travel_time(a, b)
+            if elapsed < time:
+                u = elapsed / time
+                return _along(a, b, smooth(u)), _between(a, b, smooth_rate(u) / time)
+            elapsed -= time
+        return self.corners[-1], (0.0, 0.0, 0.0)
+
+
+class TipApproach(Approach):
+    """Leads tips without arms: up, across, and down to before their contacts."""
+
+    def __init__(
+        self,
+        start: Pose2,
+        paths: Sequence[TipPath | None],
+        held: TipCommands,
+        began: float,
+    ) -> None:
+        """Prepare to follow ``paths``, one per tip, None for one that stays where it
+        is; the others as of an approach.
+        """
+        longest = max((p.duration for p in paths if p is not None), default=0.0)
+        super().__init__(start, held, began, longest + SETTLE if longest else 0.0)
+        self._paths = paths
+
+    def _command(
+        self, arm: int, held: TipCommand | None, elapsed: float, rate: float
+    ) -> TipCommand | JointCommand | None:
+        path = self._paths[arm]
+        if held is not None or path is None:
+            return held
+        position, (vx, vy, vz) = path.at(elapsed)
+        return TipCommand(
+            force=(0.0, 0.0, 0.0),
+            position=position,
+            velocity=(rate * vx, rate * vy, rate * vz),
+            stiffness=FREE_STIFFNESS,
+            damping=FREE_DAMPING,
+            normal_yaw=0.0,
+            tool_yaw=0.0,
+            tool_yaw_rate=0.0,
+            servo_cap=SERVO_CAP,
+            progress=0.0,
         )
-        self.held = held
-        self.arrival = began  # [s] when the touch begins
-        if paths:
-            longest = max(float(path.approach_time[-1]) for path in paths)
-            self.arrival = began + (longest + SETTLE)
-
-    def step(self, time: float) -> tuple[Commands, ControlLog]:
-        """Return one command per arm at ``time`` [s], and the log of the tick."""
-        elapsed = time - self._began
-        commands = tuple(
-            _command(path, elapsed, held)
-            for path, held in zip(self._paths, self.held, strict=True)
-        )
-        return commands, self._log
 
 
-def _command(
-    path: JointPath, elapsed: float, held: TipCommand | None
-) -> TipCommand | JointCommand:
-    position, velocity = approach_reference(path, elapsed)
-    if held is None:
-        return JointCommand(position, velocity)
-    return replace(held, posture=position)
+def tip_path(begin: Vector3, end: Vector3, above: float) -> TipPath:
+    """Return the way from ``begin`` to ``end`` [m] at a height of at least ``above``
+    [m].
+    """
+    height = max(above, begin[2], end[2])
+    up = (begin[0], begin[1], height)
+    over = (end[0], end[1], height)
+    corners = (begin, up, over, end)
+    kept = [corners[0]]
+    kept += [b for a, b in pairwise(corners) if a != b]
+    return TipPath(tuple(kept))
+
+
+def _travel_time(a: Vector3, b: Vector3) -> float:
+    """Return how long a minimum-jerk motion takes [s] that is at most TRAVEL_SPEED."""
+    return 1.875 * math.dist(a, b) / TRAVEL_SPEED
+
+
+def _along(a: Vector3, b: Vector3, share: float) -> Vector3:
+    dx, dy, dz = _between(a, b, share)
+    return (a[0] + dx, a[1] + dy, a[2] + dz)
+
+
+def _between(a: Vector3, b: Vector3, share: float) -> Vector3:
+    return (share * (b[0] - a[0]), share * (b[1] - a[1]), share * (b[2] - a[2]))

@@ -36,10 +36,12 @@ from pushpressslide.control.state import (
     identified,
     joint_progress,
     joint_reference,
+    pressed,
     ramp_time,
     seen,
     smooth,
 )
+from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, missing
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
 from pushpressslide.core.allocation import Allocation
@@ -47,6 +49,9 @@ from pushpressslide.core.control import ControlLog, Measurement, Phase, TipComma
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.task import Sensing
+from pushpressslide.core.twist_path import moved
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
@@ -54,11 +59,17 @@ from pushpressslide.modes import MODES
 TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion
 # [s] without contact force before a tip goes back to touch: a side push rides over a
 # gap, a press must not
-LOSS_TIME = {"side": 0.12, "top": 0.012}
+LOSS_TIME = {"side": 0.12, "top": 0.008}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
 STOP = 2e-4  # [m] of path left at which the motion ends
+# [m], [rad] of noise that may remain in the object's pose: the mean of as many
+# measurements as it takes, up to 1 / LEAST_GAIN
+POSE_NOISE = 2e-4
+YAW_NOISE = math.radians(0.08)
+LEAST_GAIN = 0.1
 RETREAT = 0.06  # [m] drawn back on release
+REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
 # [m] of slid contact, and of path left, above which a tip lets go and touches the
 # planned place again
 RETOUCH = 0.012
@@ -91,6 +102,7 @@ class Controller:
         """
         placements = plan.placements
         self.segments = placements[number]
+        self.planned = Timeline(self.segments)
         first = self.segments[0]
         self.parts = plan.task.parts
         task = self.parts[first.leg]
@@ -115,12 +127,20 @@ class Controller:
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.believed.contact_friction
-        self.mover = TipMover(damping, friction, threshold, regulator)
+        noise = task.sensing.force_noise
+        self.pose_gain = pose_gain(task.sensing)
+        self.mover = TipMover(damping, friction, threshold, noise, regulator)
+        self.patience = min(
+            LOSS_TIME[contact.kind]
+            + motion.control_period * self.mover.samples(contact)
+            for contact in first.contacts
+        )
         last = self.parts[self.segments[-1].leg]
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
-        self.holds = final and not plan.task.scene.carried(last.goal)
+        self.scene = plan.task.scene
+        self.holds = final and not self.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
         self.lasting: frozenset[int] = frozenset()
         if not final:
@@ -151,16 +171,67 @@ class Controller:
             MODES[first.mode].identifier(first),
         )
 
+    def stop(
+        self,
+        state: ControllerState,
+        measurement: Measurement,
+        failure: tuple[ReasonCode, str],
+    ) -> ControllerState:
+        """Return the state that ends the run safely because of ``failure``: the tips
+        slow down, then draw back or hold.
+        """
+        return begin(replace(state, failure=failure), "release", measurement)
+
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was decided, and
         the next state.
         """
+        measurement = replace(measurement, object_pose=self._pose(state, measurement))
         X_WB = measurement.object_pose.compose(self.X_GB)
+        state = replace(state, X_WB=X_WB)
         if state.phase == "touch":
             return self._touch(state, measurement, X_WB)
         if state.phase == "move":
             return self._move(state, measurement, X_WB)
         return self._release(state, measurement, X_WB)
+
+    def normal_forces(
+        self, state: ControllerState, measurement: Measurement
+    ) -> list[float]:
+        """Return the normal force [N] measured at each tip; of a tip that has no
+        contact, the size of its force.
+        """
+        X_WB = measurement.object_pose.compose(self.X_GB)
+        forces = [math.hypot(*tip.force) for tip in measurement.tips]
+        for contact in state.binding.segment.contacts:
+            direction = contact.direction(X_WB)
+            forces[contact.arm] = pressed(
+                measurement.tips[contact.arm].force, direction
+            )
+        return forces
+
+    def _pose(self, state: ControllerState, measurement: Measurement) -> Pose2:
+        """Return X_WG: where the object should have moved since the last tick, corrected
+        by what was measured; where the camera missed it, not corrected.
+        """
+        before = state.X_WB
+        if before is None:
+            return measurement.object_pose
+        at_com = state.twist.moved_to((0.0, 0.0))
+        dt = measurement.time - state.last_time
+        predicted = moved(before, (at_com.vx, at_com.vy, at_com.w), dt)
+        if not measurement.pose_seen:
+            return predicted.compose(self.X_BG)
+        if self.pose_gain == 1.0:
+            return measurement.object_pose
+        seen = measurement.object_pose.compose(self.X_GB)
+        turn = wrap_angle(seen.yaw - predicted.yaw)
+        corrected = Pose2(
+            predicted.x + self.pose_gain * (seen.x - predicted.x),
+            predicted.y + self.pose_gain * (seen.y - predicted.y),
+            predicted.yaw + self.pose_gain * turn,
+        )
+        return corrected.compose(self.X_BG)
 
     def _touch(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -199,7 +270,7 @@ class Controller:
         elif all(step.done for step in steps):
             next_state = self._begin_move(next_state, measurement, X_WB)
         commands = tuple(step.command for step in steps)
-        log = control_log(state, measurement, self.X_BG)
+        log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _touch_yaw(
@@ -267,6 +338,8 @@ class Controller:
         if state.reference is None:
             reference = moving.binding.segment
             moving = replace(moving, reference=reference, reference_start=time)
+        if state.began is None:
+            moving = replace(moving, began=time)
         return moving
 
     def _bound(self, segment: Segment) -> Binding:
@@ -311,10 +384,13 @@ class Controller:
             tips=memories,
             last_time=measurement.time,
             axle=seen(state, measurement, X_WB),
+            twist=guidance.twist,
             ticks=ticks,
         )
         next_state = self._after_move(next_state, measurement, X_WB, guidance)
-        log = control_log(state, measurement, self.X_BG, guidance, allocation)
+        log = control_log(
+            state, measurement, self.X_BG, self.planned, guidance, allocation
+        )
         return by_arm(commands, contacts, len(self.robots)), log, next_state
 
     def _speed(self, state: ControllerState, time: float) -> float:
@@ -377,8 +453,7 @@ class Controller:
             if not ahead:
                 return begin(state, "done" if self.holds else "release", measurement)
             return self._next_segment(state, ahead, measurement, X_WB)
-        patience = min(LOSS_TIME[contact.kind] for contact in segment.contacts)
-        if state.lost is not None and time - state.lost > patience:
+        if state.lost is not None and time - state.lost > self.patience:
             return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
         slid = side_slide(state.segment.contacts, touched)
@@ -498,9 +573,15 @@ class Controller:
     def _release(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
     ) -> Step:
+        """Draw the tips back; after a failure slow down first, and go on holding an
+        object that nothing else carries.
+        """
+        failed = state.failure is not None
+        holds = failed and not self.scene.carried(measurement.object_pose)
+        rest = REST_TIME if failed else 0.0
         duration = ramp_time(RETREAT)
         elapsed = measurement.time - state.since
-        distance = RETREAT * smooth(elapsed / duration)
+        distance = RETREAT * smooth((elapsed - rest) / duration)
         contacts = state.binding.segment.contacts
         yaw = measurement.object_pose.yaw
         progress = joint_progress(state)
@@ -509,15 +590,24 @@ class Controller:
             self.touches, state.tips, contacts, strict=True
         ):
             context = self._context(state, measurement, X_WB, contact, yaw, progress)
-            if contact.arm in self.lasting and state.failure is None:
+            if holds or (contact.arm in self.lasting and not failed):
                 command = held_at(context, memory.start, push=touch.force)
             else:
                 command = drawn_back(context, memory.start, distance)
             commands.append(command)
-        phase: Phase = "done" if elapsed > duration + 0.3 else "release"
+        over = elapsed > rest + duration + 0.3
+        phase: Phase = "done" if over else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
-        log = control_log(state, measurement, self.X_BG)
+        log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def pose_gain(sensing: Sensing) -> float:
+    """Return the share of a measured pose's error that corrects the predicted one: 1
+    without noise, less where it is larger than POSE_NOISE or YAW_NOISE.
+    """
+    noise = max(sensing.position_noise / POSE_NOISE, sensing.yaw_noise / YAW_NOISE)
+    return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
 
 
 def _touch_forces(segment: Segment) -> list[float]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.core.control import Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
 
@@ -43,15 +44,22 @@ class Plant(Protocol):
 
     @property
     def joint_paths(self) -> tuple[JointPath, ...]:
-        """The joint path of each arm in this placement, from where the arm was at its
-        start.
-
-        Empty for a plant that puts its tips before their contacts at once.
+        """The joint path of each arm in this placement, from where the arm was when
+        the placement began; empty where tips move without arms.
         """
 
     @property
     def meta(self) -> Mapping[str, Any]:
         """Facts about the whole run, for the record."""
+
+    @property
+    def arm_limits(self) -> tuple[ArmLimits, ...]:
+        """The limits of each arm's joints; none where tips move without arms."""
+
+    def readings(self) -> tuple[ArmReading, ...]:
+        """Return each arm's joints at the last measurement, and what the last commands
+        asked of them; none where tips move without arms.
+        """
 
     def measure(self) -> Measurement:
         """Return the truth that sensors see at the present time."""

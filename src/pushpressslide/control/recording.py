@@ -20,6 +20,7 @@ from pushpressslide.core.control import (
 )
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.execution.impedance import tip_force
 
 PATH_SAMPLES = 200
 NO_VECTOR = (np.nan, np.nan, np.nan)
@@ -137,10 +138,15 @@ def _log_rows(tick: Tick) -> dict[str, Any]:
 
 def _arm_rows(tick: Tick) -> dict[str, Any]:
     tip_commands = [c if isinstance(c, TipCommand) else None for c in tick.commands]
+    tips = tick.truth.tips
     return {
         "command_force": [NO_VECTOR if c is None else c.force for c in tip_commands],
+        "demanded_force": [
+            NO_VECTOR if c is None else tip_force(c, tip.position, tip.velocity)
+            for c, tip in zip(tip_commands, tips, strict=True)
+        ],
         "tip_reference": [NO_VECTOR if c is None else c.position for c in tip_commands],
-        "tip_position": [tip.position for tip in tick.truth.tips],
+        "tip_position": [tip.position for tip in tips],
         "measured_force": list(tick.row.tip_forces),
     }
 

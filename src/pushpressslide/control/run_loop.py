@@ -1,23 +1,31 @@
 """The run loop: it runs one plan on any plant.
 
-Every tick measures, decides, applies, advances and records. Commands come from the
-approach while the arms move freely, then from the controller. When a placement is done
-the next one is handed over. The controller, the watches, the plant, the user or the
-time limit end the run.
+Commands come from the approach while the arms move freely, then from the controller.
+When a placement is done the next one is handed over. A guard sees every command before
+it is applied; where a limit is broken the arms stop safely. The controller, the guard,
+the watches, the plant, the user or the time limit end the run.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from pushpressslide.control.approach import JointApproach
+from pushpressslide.control.approach import (
+    Approach,
+    JointApproach,
+    TipApproach,
+    TipPath,
+    tip_path,
+)
 from pushpressslide.control.controller import Controller
+from pushpressslide.control.limits import Guard
 from pushpressslide.control.plant import Plant
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.sensing import Sensor
-from pushpressslide.control.state import ControllerState
+from pushpressslide.control.state import ControllerState, tip_position
 from pushpressslide.control.watches import Watch
 from pushpressslide.core.control import (
     Commands,
@@ -41,8 +49,8 @@ class RunOptions:
     progress: Callable[[float, float], None] | None = None
     # asked at every tick whether to end the run with reason "interrupted"
     stop: Callable[[], bool] = bool
-    # changes the controller's commands at a time [s] on their way to the arms; the
-    # record keeps the commands as given
+    # changes the controller's commands at a time [s] on their way to the guard and the
+    # arms, until a limit is broken; the record keeps the commands as given
     disturb: Callable[[float, Commands], Commands] | None = None
 
 
@@ -67,11 +75,14 @@ class _RunLoop:
         self, plant: Plant, plan: Plan, options: RunOptions, watches: Sequence[Watch]
     ) -> None:
         task = plan.part(plan.segments[0])
+        period = task.motion.control_period
         self.plan = plan
         self.plant = plant
         self.options = options
         self.time_limit = task.limits.time
-        self.sensor = Sensor(task.sensing, options.seed, task.motion.control_period)
+        self.sensor = Sensor(task.sensing, options.seed, period)
+        self.guard = Guard(task.limits.normal_force, period, plant.arm_limits)
+        self.breach: Ending | None = None  # the limit that was broken
         self.recorder = Recorder(plan)
         self.watches = (self._finished, *watches, self._diverged, self._stopped)
         self.ticks = 0
@@ -79,17 +90,17 @@ class _RunLoop:
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
-        self._begin((None,) * len(task.robots), plant.time)
+        self._begin((None,) * len(task.robots), plant.time, None)
 
     def run(self) -> Record:
         """Go through all ticks and return the record."""
         started = perf_counter()
         ending = Ending("time_limit", f"limits.time of {self.time_limit:g} s is over")
         while self.plant.time < self.time_limit:
-            tick = self._tick()
+            tick, measurement = self._tick()
             self.recorder.add(tick)
             if self._placement_done() and self.number + 1 < len(self.placements):
-                self._hand_over(tick)
+                self._hand_over(tick, measurement)
             ended = self._ending(tick)
             if ended is not None:
                 ending = ended
@@ -97,49 +108,88 @@ class _RunLoop:
             self._report(tick.truth.time)
         wall_time = perf_counter() - started
         return self.recorder.record(
-            ending, self.plant.name, self.options.seed, wall_time, self.plant.meta
+            self.breach or ending,
+            self.plant.name,
+            self.options.seed,
+            wall_time,
+            self.plant.meta,
         )
 
-    def _tick(self) -> Tick:
+    def _tick(self) -> tuple[Tick, Measurement]:
+        """Pass one control period; return what came of it, and what was measured."""
         began = perf_counter()
         truth = self.plant.measure()
+        measurement = self.sensor.measure(truth)
         followed = self.state.reference if self.state is not None else None
-        commands, log = self._decide(truth)
-        self.plant.apply(self._disturbed(truth.time, commands, log))
+        commands, log = self._decide(measurement)
+        applied = self._disturbed(truth.time, commands, log)
+        if self.breach is None:
+            self.breach = self._judged(measurement, applied)
+            if self.breach is not None:
+                self._stop(self.breach, measurement)
+                commands, log = self._decide(measurement)
+                applied = commands
+        self.plant.apply(applied)
         total = perf_counter() - began
         self.plant.advance()
         decided = self.state.ticks if self.state is not None else (0.0, 0.0)
         wall_times = (*decided, total)
-        return Tick(truth, commands, log, followed, self.plant.row(), wall_times)
+        tick = Tick(truth, commands, log, followed, self.plant.row(), wall_times)
+        return tick, measurement
 
-    def _decide(self, truth: Measurement) -> tuple[Commands, ControlLog]:
-        if truth.time < self.approach.arrival:
-            return self.approach.step(truth.time)
-        measurement = self.sensor.measure(truth)
+    def _decide(self, measurement: Measurement) -> tuple[Commands, ControlLog]:
+        if measurement.time < self.approach.arrival:
+            return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
         commands, log, self.state = self.controller.step(self.state, measurement)
         return commands, log
 
+    def _judged(self, measurement: Measurement, commands: Commands) -> Ending | None:
+        """Return the limit that is broken at this tick."""
+        if self.state is None:
+            forces = [math.hypot(*tip.force) for tip in measurement.tips]
+        else:
+            forces = self.controller.normal_forces(self.state, measurement)
+        return self.guard.breach(forces, self.plant.readings(), commands)
+
+    def _stop(self, breach: Ending, measurement: Measurement) -> None:
+        """Stop safely: slow down, then draw back or, where nothing else carries the
+        object, hold it.
+        """
+        if self.state is None:
+            self.approach.halt(measurement.time)
+        else:
+            failure = (breach.code, breach.text)
+            self.state = self.controller.stop(self.state, measurement, failure)
+
     def _disturbed(self, time: float, commands: Commands, log: ControlLog) -> Commands:
         disturb = self.options.disturb
-        if disturb is None or log.phase == "approach":
+        stopping = self.breach is not None
+        if disturb is None or stopping or log.phase == "approach":
             return commands
         return disturb(time, commands)
 
-    def _begin(self, held: TipCommands, time: float) -> None:
-        """Begin the present placement at ``time`` [s]."""
-        task = self.placements[self.number].task
+    def _begin(
+        self, held: TipCommands, time: float, measurement: Measurement | None
+    ) -> None:
+        """Begin the present placement at ``time`` [s], with the tips as measured."""
+        placement = self.placements[self.number]
+        task = placement.task
         paths = self.plant.joint_paths
-        self.approach = JointApproach(task.start, paths, held, time)
         gap = None
         if paths:  # what the approach really leaves
+            self.approach: Approach = JointApproach(task.start, paths, held, time)
             planned = task.motion.approach_distance
             gap = min(planned, *(path.gap for path in paths))
+        else:
+            travel = tip_paths(placement, held, measurement)
+            self.approach = TipApproach(task.start, travel, held, time)
         self.controller = Controller(self.plan, self.number, gap)
+        self.guard.begin()
         self.state = None
 
-    def _hand_over(self, tick: Tick) -> None:
+    def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
         """Begin the next placement; arms that keep their contact go on as commanded."""
         lasting = self.controller.lasting
         held = tuple(
@@ -148,7 +198,7 @@ class _RunLoop:
         )
         self.number += 1
         self.plant.hand_over(self.placements[self.number], lasting)
-        self._begin(held, tick.truth.time)
+        self._begin(held, tick.truth.time, measurement)
         self.recorder.begin(self.number)
 
     def _placement_done(self) -> bool:
@@ -164,7 +214,9 @@ class _RunLoop:
         return None
 
     def _finished(self, tick: Tick) -> Ending | None:
-        if self.state is None or self.state.phase != "done":
+        if self.state is None:
+            return self.breach if self.approach.at_rest(tick.truth.time) else None
+        if self.state.phase != "done":
             return None
         failure = self.state.failure
         return Ending("goal_reached") if failure is None else Ending(*failure)
@@ -184,3 +236,26 @@ class _RunLoop:
         progress = self.options.progress
         if progress is not None and self.ticks % PROGRESS_TICKS == 0:
             progress(time, self.expected)
+
+
+def tip_paths(
+    placement: Plan, held: TipCommands, measurement: Measurement | None
+) -> list[TipPath | None]:
+    """Return the way of each tip without an arm to before its planned contact, over the
+    object; None for one that holds its contact or has none, and at the start of a run.
+    """
+    task = placement.task
+    paths: list[TipPath | None] = [None] * len(task.robots)
+    if measurement is None:
+        return paths
+    X_WB = task.start.compose(task.object.X_GB)
+    for contact in placement.contacts:
+        if held[contact.arm] is None:
+            radius = task.robots[contact.arm].tip_radius
+            gap = task.motion.approach_distance
+            paths[contact.arm] = tip_path(
+                measurement.tips[contact.arm].position,
+                tip_position(contact, X_WB, radius, gap),
+                task.object.shape.height + radius + gap,
+            )
+    return paths

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from pushpressslide.control.timeline import Timeline
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
     ControlLog,
@@ -19,7 +20,7 @@ from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Task
-from pushpressslide.core.wrench import Wrench
+from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
 from pushpressslide.modes import MODES
@@ -33,6 +34,7 @@ ALIGN_SPEED = 0.10  # [m/s] of the free tip
 # [m] that the joint reference may be ahead of the object or behind it: a spring
 # stretched round a bend would pull the tip sideways off its face
 JOINT_LEAD = 0.03
+NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +84,7 @@ class TipMemory:
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
+    mean_force: float | None = None  # [N] of the last measurements, in this phase
     # of a tip that comes into this placement with the contact it has
     held: TipCommand | None = None
 
@@ -101,7 +104,8 @@ class ControllerState:
     joint_start: float = 0.0  # [m] of joint path before this segment
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
-    # the segment that errors are judged by, as planned when it began
+    began: float | None = None  # [s] of the placement's motion, after its first touch
+    # what is being followed, as planned when it began
     reference: Segment | None = None
     reference_start: float = 0.0  # [s] its time zero
     # whether the touch begins with lining up, or goes on from where the tips are
@@ -114,6 +118,9 @@ class ControllerState:
     axle: AxleState = AxleState()
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
+    # of the object, as measured or, where the camera missed it, as predicted
+    X_WB: Pose2 | None = None
+    twist: Twist = NO_TWIST  # that the object is led with, in B
     failure: tuple[ReasonCode, str] | None = None
     ticks: tuple[float, float] = (0.0, 0.0)  # [s] wall time of track and allocate
 
@@ -160,6 +167,12 @@ def smooth(u: float) -> float:
     return u * u * u * (10.0 + u * (6.0 * u - 15.0))
 
 
+def smooth_rate(u: float) -> float:
+    """Return the derivative of the minimum-jerk ramp at ``u``, zero outside [0, 1]."""
+    u = min(max(u, 0.0), 1.0)
+    return 30.0 * u * u * (1.0 - u) * (1.0 - u)
+
+
 def ramp_time(way: float) -> float:
     """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its
     fastest [s].
@@ -202,6 +215,7 @@ def begin(
         last_time=measurement.time,
         align=True,
         lost=state.lost if phase == "touch" else None,
+        twist=NO_TWIST,
     )
 
 
@@ -249,16 +263,15 @@ def control_log(
     state: ControllerState,
     measurement: Measurement,
     X_BG: Pose2,
+    planned: Timeline,
     guidance: Guidance | None = None,
     allocation: Allocation | None = None,
 ) -> ControlLog:
     """Return what was decided at a tick, for the record."""
-    followed = state.segment
     clock = 0.0
-    if state.reference is not None:
-        followed = state.reference
-        clock = measurement.time - state.reference_start
-    reference = followed.body_pose(followed.profile.at(clock)[0]).compose(X_BG)
+    if state.began is not None:
+        clock = measurement.time - state.began
+    reference = planned.body_pose(clock).compose(X_BG)
     pose = Pose2(reference.x, reference.y, wrap_angle(reference.yaw))
     if guidance is None or allocation is None:
         nothing = (0.0, 0.0, 0.0)

@@ -27,6 +27,9 @@ from pushpressslide.execution.normal_force import NormalForceRegulator
 
 LEAST_SHARE = 0.2
 LOSS_SHARE = 0.6  # of its planned load below which a press counts as lost
+# standard deviations of the mean force between a contact that holds and one that counts
+# as lost: one false loss in 10^9 measurements
+LOSS_SIGMAS = 6.0
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 HEIGHT_STIFFNESS = 2000.0
 HEIGHT_DAMPING = 300.0
@@ -74,7 +77,15 @@ class TipMover:
     damping: float  # [N s/m] of the servo
     friction: float  # of the pair end effector/object, as believed
     threshold: float  # [N] that counts as contact
+    noise: float  # [N] standard deviation of a measured force, as stated
     regulator: NormalForceRegulator
+
+    def samples(self, contact: Contact) -> int:
+        """Return over how many measurements the normal force is averaged before a loss
+        is judged: their mean is LOSS_SIGMAS surer than the drop that counts as loss.
+        """
+        drop = max(0.5 * self.threshold, (1.0 - LOSS_SHARE) * contact.load)
+        return max(1, math.ceil((LOSS_SIGMAS * self.noise / drop) ** 2))
 
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
@@ -84,7 +95,14 @@ class TipMover:
         X_WB = context.X_WB
         tip = context.tip
         normal_force = pressed(tip.force, contact.direction(X_WB))
-        felt = self._felt(contact, tip.force, contact.direction(X_WB), normal_force)
+        mean = memory.mean_force
+        if mean is None:
+            mean = normal_force
+        mean += (normal_force - mean) / self.samples(contact)
+        felt = Felt(
+            mean < self._least(contact),
+            self._utilisation(tip.force, contact.direction(X_WB), normal_force),
+        )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
         regulator = memory.regulator
@@ -110,24 +128,29 @@ class TipMover:
             normal_yaw=contact_yaw(contact, X_WB),
             tool_yaw=context.tool_yaw,
             tool_yaw_rate=task.twist.w,
-            servo_cap=SERVO_CAP,
+            servo_cap=max(SERVO_CAP, normal.push),  # the damper of an entry bears it
             progress=context.joint_progress,
             acceleration=(ax, ay, normal.acceleration),
         )
-        return command, replace(memory, velocity=velocity, regulator=regulator), felt
+        memory = replace(
+            memory, velocity=velocity, regulator=regulator, mean_force=mean
+        )
+        return command, memory, felt
 
-    def _felt(
-        self, contact: Contact, force: Vector3, normal: Vector3, normal_force: float
-    ) -> Felt:
-        """Return what a tip feels whose ``force`` on the object has ``normal_force``
-        [N] along its ``normal``.
+    def _least(self, contact: Contact) -> float:
+        """Return the normal force [N] below which a contact counts as lost."""
+        return max(0.5 * self.threshold, LOSS_SHARE * contact.load)
+
+    def _utilisation(
+        self, force: Vector3, normal: Vector3, normal_force: float
+    ) -> float:
+        """Return the friction utilisation of a ``force`` on the object that has
+        ``normal_force`` [N] along its ``normal``.
         """
         shear = math.hypot(
             force[0] - normal_force * normal[0], force[1] - normal_force * normal[1]
         )
-        least = max(0.5 * self.threshold, LOSS_SHARE * contact.load)
-        limit = self.friction * max(normal_force, self.threshold)
-        return Felt(normal_force < least, shear / limit)
+        return shear / (self.friction * max(normal_force, self.threshold))
 
     def _motion(
         self, memory: TipMemory, context: TipContext, task: TipTask

@@ -36,6 +36,8 @@ class Measurement:
     time: float  # [s]
     object_pose: Pose2  # X_WG
     tips: tuple[TipState, ...]
+    # False: the camera missed this tick, and ``object_pose`` is the last one seen
+    pose_seen: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,8 @@ class TipCommand:
     # [rad] wanted yaw of the tool in the plane, less the joint path's offset
     tool_yaw: float
     tool_yaw_rate: float  # [rad/s]
-    servo_cap: float  # [N] bound on the in-plane impedance force
+    # [N] bound on the impedance force along the support, and on that along the height
+    servo_cap: float
     progress: float  # [m] arc length on the planned path, for the joint reference
     acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] of the reference
     # (n,) [rad] joint reference; None: that of the joint path at ``progress``

@@ -21,6 +21,9 @@ ReasonCode = Literal[
     "force_limit",
     "torque_limit",
     "joint_limit",
+    "reference_jump",
+    "collision",
+    "body_moved",
     "diverged",
     "interrupted",
 ]

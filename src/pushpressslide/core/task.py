@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Belief as Belief
@@ -45,6 +46,12 @@ class Tolerance:
 
     position: float = setting(0.01, "largest position error", "m", "(0, 1]")
     yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
+    bodies: float = setting(
+        0.005,
+        "that movable obstacles may be displaced, but for a tool's",
+        "m",
+        "(0, 1]",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,20 +88,64 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Sensing:
-    """Imperfections of what the controller is given: standard deviations, and one delay
-    for all.
+    """Imperfections of each sensor: the object's pose, the tips by the joints, and the
+    contact forces. Noise is white: its standard deviation at every control period.
     """
 
     position_noise: float = setting(
-        0.0, "standard deviation of x and of y of the object", "m", "[0, 0.1]"
+        0.0, "standard deviation of the object's x and y", "m", "[0, 0.1]"
     )
     yaw_noise: float = setting(
         0.0, "standard deviation of the object's yaw", "deg", "[0, 45]"
     )
-    force_noise: float = setting(
-        0.0, "standard deviation of each force component", "N", "[0, 100]"
+    tip_noise: float = setting(
+        0.0, "standard deviation of a tip's place, each axis", "m", "[0, 0.01]"
     )
-    delay: float = setting(0.0, "delay of every measurement", "s", "[0, 1]")
+    force_noise: float = setting(
+        0.0, "standard deviation of a contact force, each axis", "N", "[0, 100]"
+    )
+    position_bias: Point = setting(
+        (0.0, 0.0), "constant error of the object's x and y", "m", "[-0.1, 0.1]"
+    )
+    yaw_bias: float = setting(
+        0.0, "constant error of the object's yaw", "deg", "[-45, 45]"
+    )
+    tip_bias: Vector3 = setting(
+        (0.0, 0.0, 0.0), "constant error of every tip's place", "m", "[-0.01, 0.01]"
+    )
+    force_bias: Vector3 = setting(
+        (0.0, 0.0, 0.0), "constant error of every contact force", "N", "[-20, 20]"
+    )
+    delay: float = setting(0.0, "of every sensor", "s", "[0, 1]")
+    pose_delay: float | None = setting(
+        None, "of the object's pose; null: `delay`", "s", "[0, 1]"
+    )
+    tip_delay: float | None = setting(
+        None, "of the tips' places; null: `delay`", "s", "[0, 1]"
+    )
+    force_delay: float | None = setting(
+        None, "of the contact forces; null: `delay`", "s", "[0, 1]"
+    )
+    pose_dropout: float = setting(
+        0.0,
+        "probability that a control period brings no pose of the object",
+        within="[0, 0.95]",
+    )
+
+    @property
+    def delay_of_pose(self) -> float:
+        """Delay [s] of the object's pose."""
+        return self.delay if self.pose_delay is None else self.pose_delay
+
+    @property
+    def delay_of_tips(self) -> float:
+        """Delay [s] of the tips' places."""
+        return self.delay if self.tip_delay is None else self.tip_delay
+
+    @property
+    def delay_of_force(self) -> float:
+        """Delay [s] of the contact forces."""
+        return self.delay if self.force_delay is None else self.force_delay
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
 from pushpressslide.execution.torque import (
+    LimitedTorque,
     inertia_torque,
     joint_torque,
     limited,
@@ -60,20 +61,20 @@ class ArmExecutor:
     frame: SupportFrame = TABLE  # of the commands
 
     def free(
-        self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array | None
-    ) -> tuple[Array, float]:
-        """Return torque (n,) and the share of the effort limit asked for, tracking
-        joints in free space.
+        self, arm: ArmState, q_ref: Array, v_ref: Array, previous: Array
+    ) -> LimitedTorque:
+        """Return the torques that track joints in free space; ``previous`` (n,) [N m]
+        are those of the tick before.
         """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
         return limited(tau, previous, self.effort, self.rate, self.dt)
 
     def contact(
-        self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array | None
-    ) -> tuple[Array, float]:
-        """Return torque (n,) and the share of the effort limit asked for, executing a
-        tip command.
+        self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array
+    ) -> LimitedTorque:
+        """Return the torques that execute a tip command; ``previous`` (n,) [N m] are
+        those of the tick before.
         """
         frame = self.frame
         place = frame.coordinates(arm.position)

@@ -16,8 +16,8 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
     Feed-forward plus stiffness and damping about the moving reference along n, t, z of
     the contact frame. The feed-forward is inside the friction cone already; the
-    horizontal impedance part may leave it, since it also accelerates the arm's own
-    inertia, but is held below ``command.servo_cap``.
+    impedance part may leave it, since it also accelerates the arm's own inertia, but is
+    held below ``command.servo_cap``: along the support, and along the height.
     """
     c = math.cos(command.normal_yaw)
     s = math.sin(command.normal_yaw)
@@ -36,6 +36,7 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     fz = kz * (command.position[2] - position[2]) + bz * (
         command.velocity[2] - velocity[2]
     )
+    fz = min(max(fz, -command.servo_cap), command.servo_cap)
     return (
         command.force[0] + c * fn - s * ft,
         command.force[1] + s * fn + c * ft,

@@ -5,9 +5,19 @@ Paper, eq. 26; docs/mechanics.md, section 11.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+
+
+class LimitedTorque(NamedTuple):
+    """Joint torques inside their limits, and what was asked for."""
+
+    torque: Array  # (n,) [N m]
+    share: float  # largest demanded torque over its limit
+    rate_share: float  # largest demanded change of a torque over its limit
 
 
 def task_torque(
@@ -53,13 +63,15 @@ def joint_torque(
 
 
 def limited(
-    tau: Array, previous: Array | None, effort: Array, rate: Array, dt: float
-) -> tuple[Array, float]:
-    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits, and the largest
-    share of an effort limit asked for.
+    tau: Array, previous: Array, effort: Array, rate: Array, dt: float
+) -> LimitedTorque:
+    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits; ``previous`` is
+    the torque (n,) of the tick before, ``dt`` [s] ago.
     """
-    share = float(np.max(np.abs(tau) / effort))
-    out = np.clip(tau, -effort, effort)
-    if previous is not None:
-        out = np.clip(out, previous - rate * dt, previous + rate * dt)
-    return out, share
+    held = np.clip(tau, -effort, effort)
+    step = rate * dt
+    return LimitedTorque(
+        np.clip(held, previous - step, previous + step),
+        float(np.max(np.abs(tau) / effort)),
+        float(np.max(np.abs(held - previous) / step)),
+    )

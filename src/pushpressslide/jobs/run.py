@@ -11,6 +11,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from itertools import chain, groupby
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions
@@ -87,7 +88,13 @@ def simulate(
     preparation = chosen.preparation(force)
     # choices after the first are for where that has no joint path
     enough = ENOUGH if chosen.has_arms else 1
-    judged = _prepared(preparation, task, select(task, enough), force)
+    began = perf_counter()
+    choices = select(task, enough)
+    selected = perf_counter()
+    judged = _prepared(preparation, task, choices, force)
+    planning_time = {"selection": selected - began}
+    if chosen.has_arms:
+        planning_time["joint_paths"] = perf_counter() - selected
     segments = chain.from_iterable(part.segments for part in preparation.plans)
     plan = Plan(task, tuple(segments))
     with monitor.held():
@@ -96,7 +103,8 @@ def simulate(
             RunOptions(seed, monitor.progress, monitor.interrupt or bool),
             ArmOptions(models, preparation.paths, monitor.live),
         )
-    return plan, record, judged
+    meta = {**record.meta, "planning_time": planning_time}
+    return plan, replace(record, meta=meta), judged
 
 
 def _prepared(

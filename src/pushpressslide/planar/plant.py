@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Commands, Measurement, TipCommand
 from pushpressslide.core.plan import JointPath, Plan
@@ -19,13 +20,11 @@ TOUCH_AND_RELEASE = 6.0  # [s] typical time of both, for the progress
 
 
 class PlanarPlant:
-    """An object and tips without arms.
-
-    At a hand-over the tips are put before their new contacts at once.
-    """
+    """An object and tips without arms."""
 
     name = "planar"
     joint_paths: tuple[JointPath, ...] = ()
+    arm_limits: tuple[ArmLimits, ...] = ()
 
     def __init__(self, plan: Plan) -> None:
         """Put the object at its true start and the tips before their contacts."""
@@ -46,6 +45,10 @@ class PlanarPlant:
     def meta(self) -> Mapping[str, Any]:
         """The time step [s]."""
         return {"time_step": self._period}
+
+    def readings(self) -> tuple[ArmReading, ...]:
+        """Return nothing: tips move without arms."""
+        return ()
 
     def measure(self) -> Measurement:
         """Return pose and tips; a tip's force is that of the tick before."""
@@ -81,7 +84,5 @@ class PlanarPlant:
         return "the object tips over: the centre of pressure has left its base"
 
     def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
-        """Put the tips of all arms but ``lasting`` before their new contacts."""
+        """Take the contacts of the next placement; the tips stay where they are."""
         self._world = World(placement.task, placement.contacts, self._period)
-        gap = placement.task.motion.approach_distance
-        self._now = self._world.handed_over(self._now, gap, lasting)

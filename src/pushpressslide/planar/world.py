@@ -5,8 +5,8 @@ commands.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
@@ -124,20 +124,6 @@ class World:
         return WorldState(
             X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False
         )
-
-    def handed_over(
-        self, state: WorldState, gap: float, kept: Collection[int]
-    ) -> WorldState:
-        """Return ``state`` with each tip ``gap`` [m] before its new contact, but for
-        the arms ``kept``.
-        """
-        X_WG = state.X_WB.compose(self.task.object.X_GB.inverse())
-        fresh = self.start(X_WG, X_WG, gap)
-        tips = (
-            old if i in kept else new
-            for i, (old, new) in enumerate(zip(state.tips, fresh.tips, strict=True))
-        )
-        return replace(fresh, tips=tuple(tips))
 
     def step(
         self, state: WorldState, commands: Sequence[TipCommand | None]

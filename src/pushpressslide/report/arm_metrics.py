@@ -25,14 +25,37 @@ def robot_facts(robot: Robot) -> RobotFacts | None:
 
 
 def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float | None]:
-    """Return the share of ticks above a torque limit, and the largest share of one."""
-    names = [f"torque_share_{i}" for i in range(len(robots))]
-    shares = np.array([record.arrays[name] for name in names if name in record.arrays])
-    fraction = largest = None
-    if shares.size:
-        fraction = float((shares > 1.0).any(axis=0).mean())
-        largest = float(shares.max())
-    return {"torque_limit_violation_fraction": fraction, "max_torque_share": largest}
+    """Return the share of ticks at which more than a torque limit, or than a limit of
+    its rate, was asked for, and the largest share of each that was.
+    """
+    out: dict[str, float | None] = {}
+    for kind, fraction, largest in (
+        ("torque_share", "torque_limit_violation_fraction", "max_torque_share"),
+        (
+            "torque_rate_share",
+            "torque_rate_saturated_fraction",
+            "max_torque_rate_share",
+        ),
+    ):
+        names = [f"{kind}_{i}" for i in range(len(robots))]
+        rows = [record.arrays[name] for name in names if name in record.arrays]
+        out[fraction] = out[largest] = None
+        if rows and len(rows[0]):
+            shares = np.array(rows)
+            out[fraction] = float((shares > 1.0).any(axis=0).mean())
+            out[largest] = float(shares.max())
+    return out
+
+
+def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
+    """Return the largest speed of any joint over its limit; None without joints."""
+    shares = []
+    for i, robot in enumerate(robots):
+        v = record.arrays.get(f"joint_velocity_{i}")
+        facts = None if v is None or not len(v) else robot_facts(robot)
+        if v is not None and facts is not None and v.shape[1] == facts.size:
+            shares.append(float((np.abs(v) / facts.velocity_limit).max()))
+    return max(shares, default=None)
 
 
 def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:

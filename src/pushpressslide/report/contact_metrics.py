@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pushpressslide.control.limits import MEAN_TIME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -15,6 +17,8 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 from pushpressslide.rom.drives import PinnedDrive
+
+Mask = NDArray[np.bool_]
 
 CONE_TOLERANCE = 0.02
 """Share by which a measured tangential force may exceed mu f_n before it counts as
@@ -44,8 +48,12 @@ def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]
         n * (part["cone_violation_fraction"] or 0.0)
         for n, part in zip(counts, parts, strict=True)
     )
+    means = [part["mean_force"] for part in parts if part["mean_force"] is not None]
+    commanded = [part.pop("commanded") for part in parts]
     return {
         "max_normal_force": max(forces, default=None),
+        "max_mean_normal_force": max(means, default=None),
+        "cone_use_commanded": _commanded(commanded),
         "contact_loss_time": sum(part["contact_loss_time"] for part in parts),
         "cone_violation_fraction": outside / sum(counts) if sum(counts) else None,
         "slip_distance": sum(part["slip_distance"] for part in parts),
@@ -69,6 +77,8 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     count = int(touching.sum())
     return {
         "max_normal_force": _largest(felt),
+        "mean_force": _largest_mean(felt, time),
+        "commanded": _outside_commanded(plan, record, touching),
         "contact_loss_time": float(step[lost.any(axis=1)].sum()),
         "cone_violation_fraction": _mean(outside[touching]),
         "slip_distance": sum(slips),
@@ -89,6 +99,42 @@ def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
             for i, c in enumerate(plan.contacts)
         ],
     }
+
+
+def _largest_mean(forces: Array, time: Array) -> float | None:
+    """Return the largest mean of a normal force [N] over MEAN_TIME."""
+    if len(time) < 2 or not len(forces):
+        return None
+    period = float(np.median(np.diff(time)))
+    count = max(1, round(MEAN_TIME / period))
+    if len(forces) < count:
+        return None
+    total = np.cumsum(np.vstack([np.zeros(forces.shape[1]), forces]), axis=0)
+    return float((total[count:] - total[:-count]).max() / count)
+
+
+def _outside_commanded(
+    plan: Plan, record: Record, touching: Mask
+) -> tuple[int, int, float]:
+    """Return at how many ticks in contact feed-forward and servo together lie outside
+    the friction cone, of how many, and by how much at most [N].
+    """
+    normals, tangents = series.contact_forces(plan, record, "demanded_force")
+    asked = np.linalg.norm(tangents, axis=2)
+    excess = (asked - plan.task.contact_friction * np.maximum(normals, 0.0))[touching]
+    if not excess.size:
+        return 0, 0, 0.0
+    return int((excess > 0.0).sum()), excess.size, max(0.0, float(excess.max()))
+
+
+def _commanded(parts: Sequence[tuple[int, int, float]]) -> dict[str, float] | None:
+    """Return the share of the ticks outside the cone, and the largest excess [N]."""
+    ticks = sum(count for _, count, _ in parts)
+    if not ticks:
+        return None
+    outside = sum(count for count, _, _ in parts)
+    largest = max(excess for _, _, excess in parts)
+    return {"share": outside / ticks, "largest_excess": largest}
 
 
 def _largest(values: Array) -> float | None:

@@ -17,18 +17,20 @@ from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.report import series
-from pushpressslide.report.arm_metrics import joint_margin, torque_figures
+from pushpressslide.report.arm_metrics import joint_margin, speed_share, torque_figures
 from pushpressslide.report.contact_metrics import contact_figures, pivots
 from pushpressslide.report.json_text import plain
 from pushpressslide.report.motion_metrics import MOTION_FIELDS, motion_figures
-from pushpressslide.report.outcome import outcome_figures
+from pushpressslide.report.outcome import OUTCOME_FIELDS, outcome_figures
 from pushpressslide.report.support import support_figures
 
-SCHEMA = 1
+SCHEMA = 2
 CONTACT_FIELDS = (
     "max_normal_force",
+    "max_mean_normal_force",
     "contact_loss_time",
     "cone_violation_fraction",
+    "cone_use_commanded",
     "slip_distance",
     "contacts",
     "pivots",
@@ -53,8 +55,7 @@ def result(
         "engine": record.engine,
         "seed": record.seed,
         "modes": list(record.modes),
-        **outcome_figures(task, record),
-        **dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS),
+        **dict.fromkeys(OUTCOME_FIELDS + MOTION_FIELDS + CONTACT_FIELDS),
     }
     if series.ticks(record) > 0:
         placements = series.by_placement(plan, record)
@@ -63,13 +64,18 @@ def result(
         out["pivots"] = pivots(placements)
     out |= {
         **torque_figures(task.robots, record),
+        "max_joint_speed_share": speed_share(task.robots, record),
         "joint_limit_margin": joint_margin(task.robots, record),
+        "clearance_driven": record.meta.get("clearance_driven"),
+        "clearance_pair": record.meta.get("clearance_pair"),
         **_time_figures(record),
+        "planning_time": record.meta.get("planning_time"),
         "bodies": _bodies(record),
         **support_figures(task, record),
         "planned": _planned(plan, record),
         "versions": installed_versions() if versions is None else versions,
     }
+    out |= outcome_figures(task, record, out)
     cleaned: dict[str, Any] = plain(out)
     return cleaned
 

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pushpressslide.control.limits import MEAN_TIME
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import wrap_angle
-from pushpressslide.core.record import Record
+from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.task import Task
 from pushpressslide.report import series
 from pushpressslide.report.support import seat_error
+
+OUTCOME_FIELDS = (
+    "success",
+    "reason",
+    "final_position_error",
+    "final_yaw_error",
+    "final_error_xy",
+    "tolerance",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,19 +39,73 @@ class GoalError:
         return math.hypot(self.ahead, self.left)
 
 
-def outcome_figures(task: Task, record: Record) -> dict[str, Any]:
-    """Return success, reason, errors at the goal and tolerance, as in result.json."""
+def outcome_figures(
+    task: Task, record: Record, figures: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return success, reason, errors at the goal and tolerance, as in result.json;
+    ``figures`` are its others.
+    """
     error = goal_error(task, record)
-    within = _within_tolerance(task, record, error)
+    fault = _fault(task, record, error, figures)
     tolerance = task.tolerance
     return {
-        "success": record.reason == "goal_reached" and within,
-        "reason": _reason(task, record, error, within),
+        "success": record.reason == "goal_reached" and fault is None,
+        "reason": _reason(task, record, error, fault),
         "final_position_error": error.position,
         "final_yaw_error": error.yaw,
         "final_error_xy": [error.ahead, error.left],
-        "tolerance": {"position": tolerance.position, "yaw": tolerance.yaw},
+        "tolerance": {
+            "position": tolerance.position,
+            "yaw": tolerance.yaw,
+            "bodies": tolerance.bodies,
+        },
     }
+
+
+def _fault(
+    task: Task, record: Record, error: GoalError, figures: Mapping[str, Any]
+) -> Ending | None:
+    """Return what else than reaching the goal's place a success asks for and this run
+    lacks.
+    """
+    if not _within_tolerance(task, record, error):
+        return Ending("goal_missed")
+    return (
+        _force_fault(task, figures)
+        or _clearance_fault(figures)
+        or _moved_fault(task, figures)
+    )
+
+
+def _force_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
+    force = figures.get("max_mean_normal_force")
+    limit = task.limits.normal_force
+    if force is None or force <= limit:
+        return None
+    text = f"{force:.1f} N over {MEAN_TIME * 1e3:.0f} ms, limits.normal_force is {limit:g} N"
+    return Ending("force_limit", text)
+
+
+def _clearance_fault(figures: Mapping[str, Any]) -> Ending | None:
+    clearance = figures.get("clearance_driven")
+    if clearance is None or clearance >= 0.0:
+        return None
+    pair = figures.get("clearance_pair")
+    return Ending("collision", f"{pair} intersect by {-clearance * 1e3:.1f} mm")
+
+
+def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
+    """Return that a body was moved which the task does not ask to be moved."""
+    allowed = task.tolerance.bodies
+    aimed = {"object", task.tool.body if task.tool is not None else "object"}
+    for name, body in figures["bodies"].items():
+        if name not in aimed and body["displacement"] > allowed:
+            text = (
+                f"{name!r} was moved by {body['displacement'] * 1e3:.1f} mm, "
+                f"tolerance.bodies is {allowed * 1e3:g} mm"
+            )
+            return Ending("body_moved", text)
+    return None
 
 
 def goal_error(task: Task, record: Record) -> GoalError:
@@ -67,7 +132,7 @@ def _within_tolerance(task: Task, record: Record, error: GoalError) -> bool:
 
 
 def _reason(
-    task: Task, record: Record, error: GoalError, within: bool
+    task: Task, record: Record, error: GoalError, fault: Ending | None
 ) -> dict[str, str]:
     """Code and text of the end of a run."""
     text = record.reason_text
@@ -75,8 +140,9 @@ def _reason(
     code = record.reason
     if code != "goal_reached":
         return {"code": code, "text": text or place}
-    if not within:
-        code = "goal_missed"
+    if fault is not None:
+        code = fault.code
+        text = fault.text or text
     return {"code": code, "text": "; ".join(filter(None, (text, place)))}
 
 

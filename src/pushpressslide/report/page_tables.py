@@ -48,7 +48,7 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         ),
     ),
     (
-        "On the way, against the reference at the same time",
+        "On the way, against the first plan at the same time",
         (
             Row("Position error, RMS", "rms_position_error", 1e3, "mm", 2),
             Row("Yaw error, RMS", "rms_yaw_error", 180.0 / math.pi, "°", 2),
@@ -67,10 +67,18 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
         "Contact",
         (
             Row("Largest normal force", "max_normal_force", 1.0, "N", 1),
+            Row("Its largest mean over 20 ms", "max_mean_normal_force", 1.0, "N", 1),
             Row("Contact lost for", "contact_loss_time", 1e3, "ms", 0),
             Row(
                 "Outside the friction cone",
                 "cone_violation_fraction",
+                100.0,
+                "% of ticks",
+                2,
+            ),
+            Row(
+                "Commanded outside the friction cone",
+                "cone_use_commanded.share",
                 100.0,
                 "% of ticks",
                 2,
@@ -86,14 +94,31 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
     (
         "Arms",
         (
-            Row("Largest torque over its limit", "max_torque_share", 100.0, "%", 0),
             Row(
-                "Beyond a torque limit",
+                "Share of the torque limit, largest", "max_torque_share", 100.0, "%", 0
+            ),
+            Row(
+                "Share of the speed limit, largest",
+                "max_joint_speed_share",
+                100.0,
+                "%",
+                0,
+            ),
+            Row(
+                "Asked for more than a torque limit",
                 "torque_limit_violation_fraction",
                 100.0,
                 "% of ticks",
                 2,
             ),
+            Row(
+                "Asked for a faster torque than allowed",
+                "torque_rate_saturated_fraction",
+                100.0,
+                "% of ticks",
+                2,
+            ),
+            Row("Clearance as driven", "clearance_driven", 1e3, "mm", 1),
             Row(
                 "Least distance to a joint limit",
                 "joint_limit_margin",
@@ -135,6 +160,7 @@ ASKED = {
     "motion_duration": "planned.motion_duration",
     "path_length": "planned.path_length",
     "joint_limit_margin": "planned.joint_limit_margin",
+    "clearance_driven": "planned.clearance",
 }
 """What a figure is set beside: a tolerance, or what the plan foresaw."""
 

@@ -129,25 +129,27 @@ def path_errors(body: ObjectModel, record: Record) -> Array:
 def timed_errors(record: Record) -> tuple[Array, Array, Array]:
     """Return time [s], position error [m] and signed yaw error [rad], all (N,).
 
-    The errors are against the reference at the same time. They are NaN outside phase
-    "move", where there is no reference.
+    The errors are against the first plan at the same time, whose clock starts at the
+    first touch of each placement. They are NaN before it and after the motion.
     """
     offset = record.arrays["object_pose"] - record.arrays["reference_pose"]
-    move = in_phase(record, "move")
-    position = np.where(move, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
+    moving = contact_phase(record)
+    position = np.where(moving, np.hypot(offset[:, 0], offset[:, 1]), np.nan)
     return (
         record.arrays["time"],
         position,
-        np.where(move, wrap_angles(offset[:, 2]), np.nan),
+        np.where(moving, wrap_angles(offset[:, 2]), np.nan),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Series over the ticks (M,) of phase "move" alone."""
+    """Series over the ticks (M,) of phase "move"; errors against the first plan over all
+    ticks (K,) from the first touch of each placement to the end of its motion.
+    """
 
-    position_error: Array  # [m] to the reference at the same time
-    yaw_error: Array  # [rad] signed, to the reference at the same time
+    position_error: Array  # (K,) [m] to the first plan at the same time
+    yaw_error: Array  # (K,) [rad] signed, to the first plan at the same time
     path_error: Array  # [m] of the tracking point to the path
     tracking_error: Array  # (M, 3) along [m], left [m], heading [rad]: the law's own
     tracked: Array  # (M, 2) [m] tracking point in the world
@@ -166,9 +168,10 @@ def motion(body: ObjectModel, record: Record) -> Motion:
     """Return the series of phase "move"."""
     move = in_phase(record, "move")
     _, position_error, yaw_error = timed_errors(record)
+    judged = contact_phase(record)
     return Motion(
-        position_error[move],
-        yaw_error[move],
+        position_error[judged],
+        yaw_error[judged],
         path_errors(body, record)[move],
         record.arrays["tracking_error"][move],
         tracked_poses(body, record)[move, :2],

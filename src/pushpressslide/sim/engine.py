@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from pushpressslide.control.run_loop import RunOptions, run_loop
-from pushpressslide.control.watches import ForceWatch
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
+from pushpressslide.sim.joints.driven import clearance_driven
 from pushpressslide.sim.joints.joint_path import ArmPath
 from pushpressslide.sim.joints.placements import all_joint_paths
 from pushpressslide.sim.plant import DrakePlant
@@ -43,5 +44,7 @@ def run(
     step = time_step or motion.time_step
     station = Station(plan, models=models, time_step=step, view=view)
     plant = DrakePlant(plan, station, paths, models)
-    watch = ForceWatch(task.limits.normal_force, motion.control_period)
-    return run_loop(plant, plan, options, [watch])
+    record = run_loop(plant, plan, options)
+    clearance, pair = clearance_driven(plan, record)
+    driven = {"clearance_driven": clearance, "clearance_pair": pair}
+    return replace(record, meta={**record.meta, **driven})

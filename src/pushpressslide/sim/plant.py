@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.joint_reference import path_reference
+from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import (
     Commands,
@@ -26,6 +27,7 @@ from pushpressslide.core.control import (
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.task import Task
 from pushpressslide.execution.arm import ArmExecutor, ArmState
+from pushpressslide.execution.torque import LimitedTorque
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
@@ -59,8 +61,7 @@ class DrivenArm:
         self._radius = robot.tip_radius
         self.state: ArmState
         self.path: JointPath
-        self.torque: Array | None = None  # (n,) [N m]
-        self._share = 0.0  # of the effort limit, as asked for
+        self._limited: LimitedTorque | None = None  # of the tick before
         self._reference = np.zeros(0)  # (n,) [rad]
 
     def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
@@ -89,7 +90,7 @@ class DrivenArm:
         """Compute the torque for a command."""
         if isinstance(command, TipCommand):
             self._reference = self._posture(command)
-            self.torque, self._share = self._executor.contact(
+            self._limited = self._executor.contact(
                 self.state, command, self._reference, self.torque
             )
             return
@@ -97,9 +98,25 @@ class DrivenArm:
             start = path_reference(self.path, 0.0)
             command = JointCommand(start, np.zeros_like(start))
         self._reference = command.position
-        self.torque, self._share = self._executor.free(
+        self._limited = self._executor.free(
             self.state, command.position, command.velocity, self.torque
         )
+
+    @property
+    def torque(self) -> Array:
+        """Torques (n,) [N m] as last applied; before the first, those of an arm that is
+        held at rest.
+        """
+        return self.state.bias if self._limited is None else self._limited.torque
+
+    @property
+    def reading(self) -> ArmReading:
+        """What the joints do, and what the last command asked of them."""
+        state = self.state
+        if self._limited is None:
+            return ArmReading(state.q, state.v)
+        asked = self._limited
+        return ArmReading(state.q, state.v, asked.share, asked.rate_share)
 
     def _posture(self, command: TipCommand) -> Array:
         if command.posture is not None:
@@ -113,7 +130,8 @@ class DrivenArm:
             f"joint_velocity_{index}": self.state.v,
             f"joint_torque_{index}": self.torque,
             f"joint_reference_{index}": self._reference,
-            f"torque_share_{index}": self._share,
+            f"torque_share_{index}": self.reading.torque_share,
+            f"torque_rate_share_{index}": self.reading.rate_share,
         }
 
     def contact_point(self, tip: TipState) -> Sequence[float]:
@@ -208,6 +226,25 @@ class DrakePlant:
         """The joint path of each arm in this placement."""
         return tuple(arm.path for arm in self._arms)
 
+    @property
+    def arm_limits(self) -> tuple[ArmLimits, ...]:
+        """The makers' limits of each arm's joints."""
+        every = [arm.model.instance.facts for arm in self._arms]
+        return tuple(
+            ArmLimits(
+                facts.lower,
+                facts.upper,
+                facts.velocity_limit,
+                facts.effort_limit,
+                facts.torque_rate_limit,
+            )
+            for facts in every
+        )
+
+    def readings(self) -> tuple[ArmReading, ...]:
+        """Return each arm's joints at the last measurement, and what was asked before."""
+        return tuple(arm.reading for arm in self._arms)
+
     def measure(self) -> Measurement:
         """Return the object's pose, and each tip's state and contact force."""
         station = self._station
@@ -237,7 +274,6 @@ class DrakePlant:
         for arm, command in zip(self._arms, commands, strict=True):
             arm.execute(command)
         for i, arm in enumerate(self._arms):
-            assert arm.torque is not None
             self._station.set_torque(i, arm.torque)
         self._executing += perf_counter() - began
 

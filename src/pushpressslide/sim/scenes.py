@@ -39,6 +39,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
+from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
     SurfaceFrictions,
     compliant_properties,
@@ -53,7 +54,7 @@ TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
 # the same under one press, where only a part of the base carries the load
 PRESSED_TILES = 6.0
 DRAWN_REACH = 0.8  # [m] of a wall that is drawn beside and above its origin
-NO_OPENING = model.Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+DRAWN_THICKNESS = 0.01  # [m] of it behind its opening's back
 TABLE_COLOR = np.array([0.82, 0.80, 0.76, 1.0])
 WALL_COLOR = np.array([0.74, 0.78, 0.80, 1.0])
 OBJECT_COLOR = np.array([0.85, 0.55, 0.25, 1.0])
@@ -277,28 +278,16 @@ def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
     frame = support.frame
     if frame == TABLE:
         return
-    opening = support.opening or NO_OPENING
-    left, right, low, high = opening.edges
-    depth = opening.depth
-    reach = DRAWN_REACH
     floor = -frame.origin[2]
-    back = -depth - 0.01
-    slabs = (  # from, to in x, y and height
-        ((-reach, left), (floor, reach), (back, -SINK)),
-        ((right, reach), (floor, reach), (back, -SINK)),
-        ((left, right), (floor, low), (back, -SINK)),
-        ((left, right), (high, reach), (back, -SINK)),
-        ((left, right), (low, high), (back, -depth - SINK)),
-    )
-    for i, spans in enumerate(slabs):
-        x, y, z = (0.5 * (a + b) for a, b in spans)
-        width, length, thickness = (b - a for a, b in spans)
-        if min(width, length, thickness) > 0.0:
-            X = rigid_transform(Pose2(x, y), z, frame)
-            box = DrakeBox(width, length, thickness)
-            plant.RegisterVisualGeometry(
-                plant.world_body(), X, box, f"wall_{i}", WALL_COLOR
-            )
+    drawn = slabs(support, DRAWN_REACH, floor, DRAWN_THICKNESS, -SINK)
+    for i, slab in enumerate(drawn):
+        plant.RegisterVisualGeometry(
+            plant.world_body(),
+            slab.pose(frame),
+            DrakeBox(*slab.size),
+            f"wall_{i}",
+            WALL_COLOR,
+        )
 
 
 def _let_only_tips_touch(

@@ -25,6 +25,7 @@ from pushpressslide.sim.joints.postures import Posture, TipPath, tool_attitude
 
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
+SPEED_SHARE = 0.7  # of a joint's own limit, in free space
 DESCENT_SPEED = 0.15  # [m/s] of the tip
 HOVER_ROOM = 0.06  # [m] above all tops, from where the tip descends beside the object
 LEAST_RISE = 0.08  # [m] of a descent, where the tip is above all tops already
@@ -278,7 +279,10 @@ def rest_to_rest(
     speed.
     """
     slides = np.array([joint.kind == "prismatic" for joint in facts.moving])
-    speeds = np.where(slides, SLIDE_SPEED, APPROACH_SPEED)
+    speeds = np.minimum(
+        np.where(slides, SLIDE_SPEED, APPROACH_SPEED),
+        SPEED_SHARE * facts.velocity_limit,
+    )
     rates = (len(corners) - 1) * np.abs(np.diff(corners, axis=0)).max(axis=0)
     blend = _blend(max(50, math.ceil(FASTEST * float(rates.max()) / FINEST)))
     span = max(0.5, FASTEST * float(np.max(rates / speeds)), FASTEST * least)

@@ -5,7 +5,7 @@ made for planning only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from pydrake.geometry import Box as DrakeBox
@@ -35,6 +35,7 @@ from pushpressslide.core.task import Shape, Task
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
+from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import object_shape
 
 LOOK = 0.08  # [m] larger distances are not computed
@@ -70,11 +71,15 @@ class ClearanceModel:
         self._add_object(task.object.shape)
         self._frame = task.support.frame
         _add_surroundings(plant, task)
+        self._bodies = _add_movable(plant, task)
         plant.Finalize()
         joints = self._robot.joints(plant)
         # of q in a Jacobian
         self._columns = np.array([joint.velocity_start() for joint in joints])
         self._tip = set(plant.GetCollisionGeometriesForBody(self._robot.tip_body))
+        sphere = self._robot.tip_geometry
+        # the shapes that touch in a run
+        self.sphere = self._tip if sphere is None else {sphere}
         instance = self._robot.model_instance
         base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
         self._base_shapes = set(_shapes(plant, base))
@@ -108,10 +113,12 @@ class ClearanceModel:
         indices = plant.GetBodyIndices(self._robot.model_instance)
         arm = GeometrySet(_shapes(plant, [plant.get_body(i) for i in indices]))
         world = GeometrySet(_shapes(plant, [plant.world_body()]))
+        movable = _shapes(plant, self._bodies.values())
         graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration()
             .ExcludeBetween(GeometrySet(_shapes(plant, base)), world)
-            .ExcludeBetween(GeometrySet(self._object_shape), world)
+            .ExcludeBetween(GeometrySet([self._object_shape, *movable]), world)
+            .ExcludeWithin(GeometrySet([self._object_shape, *movable]))
             .ExcludeWithin(arm)
         )
 
@@ -123,21 +130,45 @@ class ClearanceModel:
 
         ``touching``: the tip touches the object on purpose; this pair is left out.
         """
+        transforms = [
+            rigid_transform(pose, self._height, self._frame) for pose in object_poses
+        ]
+        shapes = self._tip if touching else set()
+        least, pair = self.least_in_space(postures, transforms, shapes)
+        for own, outline, q_still in self._still:
+            apart = least_distance(own, outline, postures, q_still, LOOK)
+            if apart < least:
+                least = apart
+                pair = "the arms"
+        return float(least), pair
+
+    def least_in_space(
+        self,
+        postures: Array,
+        object_poses: Sequence[RigidTransform],
+        touching: Collection[GeometryId],
+        bodies: Mapping[str, Sequence[RigidTransform]] | None = None,
+    ) -> tuple[float, str]:
+        """Return the least distance [m], at most 0.08, over postures (k, n) and spatial
+        poses of the object (k), and the names of its pair; other arms are left out.
+
+        ``touching`` shapes of the arm may touch the object. ``bodies``: poses (k each)
+        of movable obstacles by name, by default where the task has them.
+        """
         least = LOOK
         pair = "nothing within reach"
-        for q, pose in zip(postures, object_poses, strict=True):
-            for near in self._pairs(q, pose, touching):
+        for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
+            for name, poses in (bodies or {}).items():
+                self._plant.SetFreeBodyPose(
+                    self._plant_context, self._bodies[name], poses[i]
+                )
+            for near in self._pairs(q, X, touching):
                 if near.distance < least:
                     least = near.distance
                     pair = " and ".join(
                         self._inspector.GetName(g).split("::")[-1]
                         for g in (near.id_A, near.id_B)
                     )
-        for own, outline, q_still in self._still:
-            apart = least_distance(own, outline, postures, q_still, LOOK)
-            if apart < least:
-                least = apart
-                pair = "the arms"
         return float(least), pair
 
     def smooth_least(
@@ -146,9 +177,11 @@ class ClearanceModel:
         """Return a smooth lower bound of the least distance [m] of the moving links, and
         its gradient (n,).
         """
+        X_WO = rigid_transform(object_pose, self._height, self._frame)
+        shapes = self._tip if touching else set()
         pairs = [
             pair
-            for pair in self._pairs(q, object_pose, touching)
+            for pair in self._pairs(q, X_WO, shapes)
             if not {pair.id_A, pair.id_B} & self._base_shapes
         ]
         if not pairs:
@@ -187,40 +220,64 @@ class ClearanceModel:
         return out
 
     def _pairs(
-        self, q: Array, object_pose: Pose2, touching: bool
+        self, q: Array, X_WO: RigidTransform, touching: Collection[GeometryId]
     ) -> Iterator[SignedDistancePair]:
-        """Yield the pairs nearer than LOOK in one posture."""
+        """Yield the pairs nearer than LOOK in one posture, the object at ``X_WO``."""
         self._plant.SetPositions(self._plant_context, self._robot.model_instance, q)
-        self._plant.SetFreeBodyPose(
-            self._plant_context,
-            self._object,
-            rigid_transform(object_pose, self._height, self._frame),
-        )
+        self._plant.SetFreeBodyPose(self._plant_context, self._object, X_WO)
         query = self._query.Eval(self._plant_context)
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
             between = {pair.id_A, pair.id_B}
-            if not (touching and between & self._tip and self._object_shape in between):
-                yield pair
+            if self._object_shape in between and not between.isdisjoint(touching):
+                continue
+            yield pair
 
 
 def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
     """Add the floor or table at world height zero, the support where it is another
-    plane, and the obstacles.
+    plane, and the fixed obstacles.
     """
     frame = task.support.frame
     below = SURFACE_LEVEL - 0.5 * SLAB_DEPTH
-    slab = DrakeBox(SLAB, SLAB, SLAB_DEPTH)
-    shapes = [("table", slab, RigidTransform([0.0, 0.0, below]))]
+    table = DrakeBox(SLAB, SLAB, SLAB_DEPTH)
+    shapes = [("table", table, RigidTransform([0.0, 0.0, below]))]
     if frame != TABLE:
-        X = rigid_transform(Pose2(), below, frame)
-        shapes.append((task.support.kind, slab, X))
+        half = 0.5 * SLAB
+        behind = slabs(task.support, half, -half, SLAB_DEPTH, SURFACE_LEVEL)
+        for i, slab in enumerate(behind):
+            name = f"{task.support.kind}_{i}"
+            shapes.append((name, DrakeBox(*slab.size), slab.pose(frame)))
     for obstacle in task.obstacles:
-        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame)
-        shapes.append((obstacle.name, DrakeBox(*obstacle.size), X))
+        if not obstacle.movable:
+            X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame)
+            shapes.append((obstacle.name, DrakeBox(*obstacle.size), X))
     for name, shape, X in shapes:
         plant.RegisterCollisionGeometry(
             plant.world_body(), X, shape, name, ProximityProperties()
         )
+
+
+def _add_movable(plant: MultibodyPlant, task: Task) -> dict[str, RigidBody]:
+    """Add the movable obstacles as free bodies where the task has them, by name."""
+    # any mass: the plant is not simulated
+    inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
+    bodies = {}
+    for obstacle in task.obstacles:
+        if not obstacle.movable:
+            continue
+        instance = plant.AddModelInstance(f"obstacle_{obstacle.name}")
+        body = plant.AddRigidBody(obstacle.name, instance, inertia)
+        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], task.support.frame)
+        plant.SetDefaultFloatingBaseBodyPose(body, X)
+        plant.RegisterCollisionGeometry(
+            body,
+            RigidTransform(),
+            DrakeBox(*obstacle.size),
+            obstacle.name,
+            ProximityProperties(),
+        )
+        bodies[obstacle.name] = body
+    return bodies
 
 
 def _shapes(plant: MultibodyPlant, bodies: Iterable[RigidBody]) -> list[GeometryId]:

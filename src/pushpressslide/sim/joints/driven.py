@@ -1,0 +1,72 @@
+"""The clearance of the arms as they really moved, from the record of a run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.sim.convert import transform_from_positions
+from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
+from pushpressslide.sim.joints.outline import Outline, least_distance
+
+PERIOD = 0.02  # [s] at most, between two postures that are looked at
+
+
+def clearance_driven(plan: Plan, record: Record) -> tuple[float, str]:
+    """Return the least distance [m], at most 0.08, of any arm to object, obstacles,
+    support, table and other arms in a run, and the names of the pair; negative where
+    they intersect.
+
+    The sphere of a tip is left out against the object, which it touches on purpose.
+    """
+    times = record.arrays["time"]
+    if not len(times):
+        return LOOK, "nothing was recorded"
+    postures = _sampled(plan, record)
+    least = LOOK
+    pair = "nothing within reach"
+    stride = _stride(times)
+    poses = {
+        name: [transform_from_positions(q) for q in rows[::stride]]
+        for name, rows in record.arrays.items()
+        if name.startswith("body_") or name == "object_pose_3d"
+    }
+    body_poses = {
+        name.removeprefix("body_"): poses[name] for name in poses if "body_" in name
+    }
+    for arm, q in enumerate(postures):
+        model = ClearanceModel(plan, arm)
+        near, between = model.least_in_space(
+            q, poses["object_pose_3d"], model.sphere, body_poses
+        )
+        if near < least:
+            least = near
+            pair = f"arm {arm}: {between}"
+    outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
+    for i, one in enumerate(outlines):
+        for j in range(i):
+            near = least_distance(one, outlines[j], postures[i], postures[j], LOOK)
+            if near < least:
+                least = near
+                pair = f"arms {j} and {i}"
+    return least, pair
+
+
+def _sampled(plan: Plan, record: Record) -> list[Array]:
+    stride = _stride(record.arrays["time"])
+    return [
+        record.arrays[f"joint_position_{i}"][::stride]
+        for i in range(len(plan.task.robots))
+    ]
+
+
+def _stride(times: Array) -> int:
+    """Return how many ticks there are between two postures that are looked at."""
+    if len(times) < 2:
+        return 1
+    period = float(np.median(np.diff(times)))
+    return max(1, math.floor(PERIOD / period + 1e-9))

@@ -1,0 +1,59 @@
+"""The solid behind a support that is not the table: slabs around its opening, and the
+opening's back.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from pydrake.math import RigidTransform
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import Opening, Support
+from pushpressslide.core.support_frame import SupportFrame
+from pushpressslide.sim.convert import rigid_transform
+
+NO_OPENING = Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+
+
+class Slab(NamedTuple):
+    """A box along the axes of a support's frame."""
+
+    x: tuple[float, float]  # [m] from, to
+    y: tuple[float, float]
+    height: tuple[float, float]
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Full lengths [m]."""
+        spans = (self.x, self.y, self.height)
+        width, length, thickness = (b - a for a, b in spans)
+        return (width, length, thickness)
+
+    def pose(self, frame: SupportFrame) -> RigidTransform:
+        """Pose of its centre in the world."""
+        x, y, z = (0.5 * (a + b) for a, b in (self.x, self.y, self.height))
+        return rigid_transform(Pose2(x, y), z, frame)
+
+
+def slabs(
+    support: Support, reach: float, low: float, thickness: float, level: float
+) -> list[Slab]:
+    """Return the slabs of a support about its frame's origin, those of no volume left
+    out.
+
+    They go ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
+    ``level`` [m] in height to ``thickness`` [m] behind the opening's back.
+    """
+    opening = support.opening or NO_OPENING
+    left, right, bottom, top = opening.edges
+    depth = opening.depth
+    solid = (-depth - thickness, level)
+    every = [
+        Slab((-reach, left), (low, reach), solid),
+        Slab((right, reach), (low, reach), solid),
+        Slab((left, right), (low, bottom), solid),
+        Slab((left, right), (top, reach), solid),
+        Slab((left, right), (bottom, top), (-depth - thickness, level - depth)),
+    ]
+    return [slab for slab in every if min(slab.size) > 0.0]

@@ -1,0 +1,122 @@
+"""Sensors: what noise, bias, delay and drop-outs do to what the controller sees."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pushpressslide.control.sensing import Sensor
+from pushpressslide.core.control import Measurement, TipState
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Sensing
+
+PERIOD = 0.01
+COUNT = 4000
+
+
+def truth(tick: int) -> Measurement:
+    """Everything moves with the tick, so that a delay can be told."""
+    tip = TipState((1.0 * tick, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 2.0 * tick, 0.0))
+    return Measurement(tick * PERIOD, Pose2(3.0 * tick, 0.0, 0.0), (tip, tip))
+
+
+def still() -> Measurement:
+    tip = TipState((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), (4.0, 5.0, 6.0))
+    return Measurement(0.0, Pose2(0.1, 0.2, 0.3), (tip,))
+
+
+def seen(sensing: Sensing, count: int = COUNT, seed: int = 1) -> list[Measurement]:
+    sensor = Sensor(sensing, seed, PERIOD)
+    return [sensor.measure(still()) for _ in range(count)]
+
+
+def test_without_imperfections_the_truth_is_seen() -> None:
+    assert Sensor(Sensing(), 0, PERIOD).measure(truth(7)) == truth(7)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("position_noise", lambda m: (m.object_pose.x, m.object_pose.y)),
+        ("yaw_noise", lambda m: (m.object_pose.yaw,)),
+        ("tip_noise", lambda m: m.tips[0].position),
+        ("force_noise", lambda m: m.tips[0].force),
+    ],
+)
+def test_noise_has_its_standard_deviation_and_touches_nothing_else(
+    field, value
+) -> None:
+    rows = seen(replace(Sensing(), **{field: 0.02}))
+    measured = np.array([value(m) for m in rows])
+    error = measured - np.array(value(still()))
+    bound = 5.0 / np.sqrt(COUNT)
+    assert np.std(error, axis=0) == pytest.approx(0.02, rel=bound)
+    assert np.mean(error, axis=0) == pytest.approx(0.0, abs=0.02 * bound)
+    for name in ("position_noise", "yaw_noise", "tip_noise", "force_noise"):
+        if name != field:
+            assert Sensing().__getattribute__(name) == 0.0
+    first = rows[0]
+    untouched = {
+        "position_noise": (first.tips, first.object_pose.yaw),
+        "yaw_noise": (first.tips, first.object_pose.position),
+        "tip_noise": (first.object_pose, first.tips[0].force),
+        "force_noise": (first.object_pose, first.tips[0].position),
+    }[field]
+    exact = still()
+    assert (
+        untouched
+        == {
+            "position_noise": (exact.tips, exact.object_pose.yaw),
+            "yaw_noise": (exact.tips, exact.object_pose.position),
+            "tip_noise": (exact.object_pose, exact.tips[0].force),
+            "force_noise": (exact.object_pose, exact.tips[0].position),
+        }[field]
+    )
+
+
+def test_a_bias_is_constant() -> None:
+    sensing = Sensing(
+        position_bias=(0.01, -0.02),
+        yaw_bias=0.03,
+        tip_bias=(0.1, 0.2, 0.3),
+        force_bias=(1.0, 2.0, 3.0),
+    )
+    for m in seen(sensing, 3):
+        assert m.object_pose.position == pytest.approx((0.11, 0.18))
+        assert m.object_pose.yaw == pytest.approx(0.33)
+        assert m.tips[0].position == pytest.approx((1.1, 2.2, 3.3))
+        assert m.tips[0].force == pytest.approx((5.0, 7.0, 9.0))
+
+
+def test_each_sensor_has_its_own_delay_and_the_stamp_is_the_present() -> None:
+    sensing = Sensing(delay=0.02, pose_delay=0.0, force_delay=0.05)
+    sensor = Sensor(sensing, 0, PERIOD)
+    for tick in range(20):
+        m = sensor.measure(truth(tick))
+        assert m.time == tick * PERIOD
+        assert m.object_pose.x == 3.0 * tick
+        assert m.tips[1].position[0] == max(tick - 2, 0)
+        assert m.tips[1].force[1] == 2.0 * max(tick - 5, 0)
+
+
+def test_a_dropped_pose_is_the_last_one_seen_and_says_so() -> None:
+    sensor = Sensor(Sensing(pose_dropout=0.4), 3, PERIOD)
+    last = None
+    dropped = 0
+    for tick in range(COUNT):
+        m = sensor.measure(truth(tick))
+        if m.pose_seen:
+            assert m.object_pose.x == 3.0 * tick
+            last = m.object_pose
+        else:
+            dropped += 1
+            assert m.object_pose == last
+    assert dropped / COUNT == pytest.approx(0.4, abs=0.04)
+
+
+def test_one_sensor_more_leaves_the_noise_of_the_others_as_it_was() -> None:
+    alone = seen(Sensing(force_noise=0.1), 10)
+    both = seen(Sensing(force_noise=0.1, position_noise=0.01, tip_noise=0.01), 10)
+    assert [m.tips[0].force for m in alone] == [m.tips[0].force for m in both]
