@@ -163,8 +163,6 @@ def _add_first(
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
     """Return the ``count`` best-ranked choices that have a path, feasible or not."""
-    from pushpressslide.selection.select import select
-
     return [choice for choice in select(task, MORE) if choice.segments][:count]
 
 
@@ -181,7 +179,8 @@ def run_choice(
         preparation.add(placement)
     segments = chain.from_iterable(part.segments for part in preparation.plans)
     plan = Plan(task, tuple(segments))
-    return plan, chosen.run(plan, RunOptions(seed), paths=preparation.paths)
+    options = ArmOptions(paths=preparation.paths)
+    return plan, chosen.run(plan, RunOptions(seed), options)
 
 
 def run(
