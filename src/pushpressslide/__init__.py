@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pushpressslide.jobs.run import run
     from pushpressslide.selection.planner import plan
     from pushpressslide.selection.select import select
-    from pushpressslide.taskfile.load import dump_task, load_task
+    from pushpressslide.taskfile.load import check_task, dump_task, load_task
 
     __version__: str
 
@@ -36,6 +36,7 @@ __all__ = [
     "SimulationError",
     "TaskError",
     "__version__",
+    "check_task",
     "dump_task",
     "load_task",
     "modes",
@@ -49,6 +50,7 @@ _HOMES = {
     "PushPressSlideError": "core.errors",
     "SimulationError": "core.errors",
     "TaskError": "core.errors",
+    "check_task": "taskfile.load",
     "dump_task": "taskfile.load",
     "load_task": "taskfile.load",
     "plan": "selection.planner",

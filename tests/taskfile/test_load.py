@@ -161,7 +161,8 @@ def test_what_a_file_leaves_out_has_the_defaults_of_the_task() -> None:
     assert task.support == Support()
     assert task.tolerance == Tolerance()
     assert task.start_error == Pose2()
-    assert task.belief == Belief(0.3, 0.6, 2.0)
+    assert task.belief == Belief()
+    assert task.believed == Belief(0.3, 0.6, 2.0, (0.0, 0.0))
     assert task.modes is None
     robot = task.robots[0]
     assert robot == type(robot)("panda", (0.0, 0.0, 0.0))
@@ -189,7 +190,7 @@ def test_belief_follows_a_changed_truth_unless_it_was_given(tmp_path: Path) -> N
         dump_task(task_from_data({**MINIMAL, "belief": {"mass": 3}}, "test"))
     )
     task = load_task(file, ["support.friction=0.4", "object.mass=5"])
-    assert task.believed == Belief(0.4, 0.6, 3.0)
+    assert task.believed == Belief(0.4, 0.6, 3.0, (0.0, 0.0))
 
 
 def test_touching_bodies_are_allowed() -> None:
