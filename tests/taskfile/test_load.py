@@ -1,6 +1,7 @@
 """Task files load to what they say, and a dumped task loads again to the same."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -22,10 +23,12 @@ from pushpressslide.core.task import (
     Tolerance,
     Vehicle,
 )
+from pushpressslide.jobs.run import run
 from pushpressslide.modes import MODES
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.taskfile.load import (
+    check_task,
     dump_task,
     load_task,
     shipped_tasks,
@@ -254,3 +257,16 @@ def test_every_vehicle_of_a_tasks_modes_is_accepted_and_no_other(name: str) -> N
 def test_every_vehicle_is_one_of_some_mode() -> None:
     known = {vehicle for mode in MODES.values() for vehicle in mode.vehicles}
     assert known == set(get_args(Vehicle))
+
+
+def test_a_task_built_in_python_is_checked_as_one_of_a_file() -> None:
+    task = load_task("rear-push-rear")
+    check_task(task)
+    heavy = replace(task, object=replace(task.object, mass=-1.0))
+    with pytest.raises(TaskError, match=r"object\.mass: -1"):
+        check_task(heavy)
+    with pytest.raises(TaskError, match=r"object\.mass: -1"):
+        run(heavy, engine="planar")
+    outside = replace(task, belief=Belief(center_of_mass=(0.9, 0.0)))
+    with pytest.raises(TaskError, match=r"belief\.center_of_mass"):
+        check_task(outside)
