@@ -65,11 +65,9 @@ class PushSet:
 
     def uniform_pressure(self) -> PressureSamples | None:
         """Return the load at rest [N] in B, spread evenly; None on pins."""
-        return (
-            None
-            if self.pins
-            else polygon_pressure(self.base, self.weight, resolution=6)
-        )
+        if self.pins:
+            return None
+        return polygon_pressure(self.base, self.weight, resolution=6)
 
 
 def load_sets(
@@ -102,9 +100,9 @@ def pins_of_name(name: str) -> tuple[Point, ...]:
         numbers = [1e-3 * float(word) for word in name.split("_")]
     except ValueError:
         return ()
-    return (
-        tuple(zip(numbers[:3], numbers[3:], strict=True)) if len(numbers) == 6 else ()
-    )
+    if len(numbers) != 6:
+        return ()
+    return tuple(zip(numbers[:3], numbers[3:], strict=True))
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:
