@@ -16,6 +16,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.checks import check_force, check_rho
 from pushpressslide.mechanics.pressure import PressureSamples
 
 # roundings of the surface's edges, from coarse to fine, for pressures with pins
@@ -33,10 +34,8 @@ class EllipsoidLimitSurface:
     center: Point = (0.0, 0.0)  # [m] centre of pressure in B
 
     def __post_init__(self) -> None:
-        if not (self.max_force > 0.0 and math.isfinite(self.max_force)):
-            raise ValueError(f"max_force {self.max_force} N; must be finite and > 0")
-        if not (self.rho > 0.0 and math.isfinite(self.rho)):
-            raise ValueError(f"rho {self.rho} m; must be finite and > 0")
+        check_force(self.max_force, "max_force")
+        check_rho(self.rho)
 
     def level(self, wrench: Wrench) -> float:
         """Return H(W), any reference point: 1 on the surface, below 1 at rest."""
