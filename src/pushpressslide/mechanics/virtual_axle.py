@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
@@ -19,8 +21,11 @@ from pushpressslide.mechanics.rho import rho_straight
 # Below this force angle [rad] the limit of straight motion is used, which differs from
 # the exact one in second order.
 STRAIGHT_ANGLE = 1e-4
-STEPS = 6  # of the iteration for the force that slides
-CONVERGED = 1e-4  # of the force over the load
+# of the force over the load: by how much the force that slides may differ from the one
+# that has moved the centre of pressure
+SETTLED = 1e-8
+NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
+EDGE = 1e-4  # of mu: how near to tipping the force is followed
 
 
 def axle_distance(rho: float, lever: float) -> float:
@@ -61,6 +66,16 @@ def exact_axle_distance(
     return (twist.vy * e[0] - twist.vx * e[1]) / twist.w
 
 
+class Slide(NamedTuple):
+    """How an object slides under one force."""
+
+    samples: PressureSamples  # the pressure that the force has moved
+    wrench: Wrench  # of a force of 1 N, about that pressure's centre
+    twist: Twist  # only the direction counts
+    # force that slides it less the force that has moved the pressure, over the load
+    surplus: float
+
+
 def sliding(
     pressure_at: Callable[[Point], PressureSamples],
     mu: float,
@@ -68,32 +83,95 @@ def sliding(
     contact: Point,
     height: float,
     direction: Point,
-) -> tuple[PressureSamples, Wrench, Twist]:
-    """Return the pressure under which a force along the unit vector ``direction``
-    slides the object, its wrench about that pressure's centre, of a force of 1 N, and
-    the twist, of which only the direction counts.
+) -> Slide:
+    """Return how a force along the unit vector ``direction`` slides the object.
 
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
-    the CoP from ``cop`` by h F / N; |F| is what slides, found by iteration.
-    ``pressure_at(p)`` gives the distribution (any total load) whose CoP is p; ``mu`` is
-    the friction of the pair object/support. Raises ValueError where the CoP leaves the
-    base: the object tips.
+    the CoP from ``cop`` by h F / N. ``pressure_at(p)`` gives the distribution (any total
+    load) whose CoP is p; ``mu`` is the friction of the pair object/support. The force
+    that slides is found by false position: it grows from zero until what slides the
+    object is no more than itself. Raises ValueError where the CoP leaves the base
+    before: the object tips.
     """
-    ratio = mu  # |F| / N
-    for _ in range(STEPS):
-        moved = (
-            cop[0] + height * ratio * direction[0],
-            cop[1] + height * ratio * direction[1],
-        )
+
+    def slide(ratio: float) -> Slide:
+        """Return the slide under the pressure that a force over the load moves."""
+        shift = height * ratio
+        moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
         samples = pressure_at(moved)
         arm = (contact[0] - moved[0], contact[1] - moved[1])
         wrench = Wrench(*direction, cross(arm, direction), moved)
         twist, level = exact_slide(samples, mu, wrench)
-        last = ratio
-        ratio = 1.0 / (level * samples.total_load)
-        if abs(ratio - last) < CONVERGED or height == 0.0:
-            break
-    return samples, wrench, twist
+        surplus = 1.0 / (level * samples.total_load) - ratio
+        return Slide(samples, wrench, twist, surplus)
+
+    if height == 0.0:
+        return slide(0.0)
+    return _balanced(slide, mu)
+
+
+def _balanced(slide: Callable[[float], Slide], most: float) -> Slide:
+    """Return the slide without surplus, of a force over the load in [0, ``most``].
+
+    Raises the ValueError of ``slide`` where the surplus is positive as far as there is a
+    pressure.
+    """
+    bracket = _Bracket(0.0, most, most, -math.inf)
+    ratio = most
+    while True:
+        try:
+            found = slide(ratio)
+        except ValueError:
+            if bracket.width < EDGE * most:
+                raise
+            bracket.take(ratio, -math.inf)
+        else:
+            if abs(found.surplus) < SETTLED or bracket.width < NARROW:
+                return found
+            bracket.take(ratio, found.surplus)
+        ratio = bracket.middle
+
+
+@dataclass(slots=True)
+class _Bracket:
+    """An interval with a positive value at ``low`` and a negative one at ``high``: the
+    Illinois kind of false position.
+    """
+
+    low: float
+    high: float
+    at_low: float
+    at_high: float  # -inf: there is no value
+    last: float = 0.0  # sign of the last value that was taken
+
+    @property
+    def width(self) -> float:
+        """Length of the interval."""
+        return self.high - self.low
+
+    @property
+    def middle(self) -> float:
+        """Where a line through both ends is zero; the middle if an end has no value."""
+        half = 0.5 * (self.low + self.high)
+        if self.at_high == -math.inf:
+            return half
+        rise = self.at_low - self.at_high
+        root = (self.high * self.at_low - self.low * self.at_high) / rise
+        return root if self.low < root < self.high else half
+
+    def take(self, place: float, value: float) -> None:
+        """Move the end whose sign ``value`` has; halve the other's if it stays twice."""
+        if value > 0.0:
+            self.low = place
+            self.at_low = value
+            if self.last > 0.0:
+                self.at_high *= 0.5
+        else:
+            self.high = place
+            self.at_high = value
+            if self.last < 0.0:
+                self.at_low *= 0.5
+        self.last = math.copysign(1.0, value)
 
 
 def dragged_twist(
@@ -107,8 +185,8 @@ def dragged_twist(
     """Return the twist of B's origin under the force of ``sliding``, on the exact
     surface; only its direction counts.
     """
-    _, _, twist = sliding(pressure_at, mu, cop, contact, height, direction)
-    return twist.moved_to((0.0, 0.0))
+    slide = sliding(pressure_at, mu, cop, contact, height, direction)
+    return slide.twist.moved_to((0.0, 0.0))
 
 
 def axle_with_height(
@@ -131,14 +209,12 @@ def axle_with_height(
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    samples, wrench, twist = sliding(
-        pressure_at, mu, cop, contact, height, turned(e, force_angle)
-    )
+    slide = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
     if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
-        distance = rho_straight(samples, e) ** 2 / d
-        x, y = wrench.about
+        distance = rho_straight(slide.samples, e) ** 2 / d
+        x, y = slide.wrench.about
         return (x - distance * e[0], y - distance * e[1])
-    twist = twist.moved_to(cop)
+    twist = slide.twist.moved_to(cop)
     distance = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
     return (cop[0] - distance * e[0], cop[1] - distance * e[1])
 
