@@ -53,6 +53,7 @@ def distance_from_com() -> Correction:
                 BAR.paper_printed(),
                 -BAR.paper_axle(),
                 "m",
+                rho="c r0",
             ),
         ),
     )
@@ -70,7 +71,12 @@ def pressure_constant() -> Correction:
         "the bar partly lifts.",
         (
             Compared(
-                "uniform, turning on the spot", PAPER_C, rho_pole(UNIFORM) / r0, "", 3
+                "uniform, turning on the spot",
+                PAPER_C,
+                rho_pole(UNIFORM) / r0,
+                "",
+                3,
+                rho="pole",
             ),
             Compared(
                 "uniform, straight along the length",
@@ -78,9 +84,15 @@ def pressure_constant() -> Correction:
                 rho_straight(UNIFORM) / r0,
                 "",
                 3,
+                rho="straight",
             ),
             Compared(
-                "pressed, turning on the spot", seen, rho_pole(PRESSED) / r0, "", 3
+                "pressed, turning on the spot",
+                seen,
+                rho_pole(PRESSED) / r0,
+                "",
+                3,
+                rho="pole",
             ),
             Compared(
                 "pressed, straight along the length",
@@ -88,6 +100,7 @@ def pressure_constant() -> Correction:
                 rho_straight(PRESSED) / r0,
                 "",
                 3,
+                rho="straight",
             ),
         ),
     )
@@ -120,14 +133,15 @@ def force_invariance() -> Correction:
         "So it is on the ellipsoid only; and drag at the tip's height moves the load "
         "towards the force.",
         (
-            Compared(what + "pressed end", paper, pressed, "", 3),
-            Compared(what + "even load", paper, even, "", 3),
+            Compared(what + "pressed end", paper, pressed, "", 3, rho="exact surface"),
+            Compared(what + "even load", paper, even, "", 3, rho="exact surface"),
             Compared(
                 "axle from the CoM, pulled, tip 0.1 m high",
                 BAR.paper_axle(),
                 BAR.axle(0.0),
                 "m",
                 3,
+                rho="straight",
             ),
             Compared(
                 "axle from the CoM, pushed, tip 0.1 m high",
@@ -135,6 +149,7 @@ def force_invariance() -> Correction:
                 BAR.axle(math.pi),
                 "m",
                 3,
+                rho="straight",
             ),
         ),
     )
@@ -160,9 +175,15 @@ def mobility_of_shift() -> Correction:
                 shifted(0.1),
                 "m²",
                 4,
+                rho="straight",
             ),
             Compared(
-                "alpha/beta, the paper's press", centred, shifted(BAR.cop[0]), "m²", 4
+                "alpha/beta, the paper's press",
+                centred,
+                shifted(BAR.cop[0]),
+                "m²",
+                4,
+                rho="straight",
             ),
         ),
     )
@@ -263,6 +284,7 @@ def steering_of_pusher() -> Correction:
                 math.degrees(math.atan2(vy, vx)),
                 "°",
                 1,
+                rho="pole",
             ),
             Compared(
                 "the same, exact",
@@ -270,6 +292,7 @@ def steering_of_pusher() -> Correction:
                 math.degrees(math.atan2(exact.vy, exact.vx)),
                 "°",
                 1,
+                rho="exact surface",
             ),
         ),
     )

@@ -39,6 +39,7 @@ def moments_about_com() -> Correction:
                 abs(twist.w / twist.vx),
                 "rad/m",
                 2,
+                rho="given",
             ),
             Compared(
                 "pivot to the side of that line, tip 0.1 m high",
@@ -46,6 +47,7 @@ def moments_about_com() -> Correction:
                 1e3 * abs(pivot[1]),
                 "mm",
                 0,
+                rho="exact surface",
             ),
         ),
     )
@@ -67,6 +69,7 @@ def differential_drive() -> Correction:
                 car.minimum_turning_radius,
                 "m",
                 3,
+                rho="pole",
             ),
         ),
     )
@@ -201,6 +204,7 @@ def pivot_about_contact() -> Correction:
                 presses.least_fraction,
                 "",
                 3,
+                rho="fit",
             ),
             Compared(
                 "centre of pressure to p_L, N_L = weight",
