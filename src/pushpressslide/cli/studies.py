@@ -164,7 +164,8 @@ def identify(options: IdentifyOptions) -> None:
     elif not options.quiet:
         from pushpressslide.cli.identification_table import lines
 
-        text = [*lines(identifications, result), str(folder / "report.html")]
+        text = [*lines(identifications, result), *result["notes"]]
+        text.append(str(folder / "report.html"))
         typer.echo("\n".join(text))
 
 
