@@ -183,7 +183,8 @@ def bench(
 ) -> None:
     """Run the benchmarks beside the alternatives, as ratios.
 
-    Names: pushes, presses, tick, agreement, coverage, turning, select.
+    Names: pushes, presses, tick, agreement, coverage, turning, sticking,
+    select.
     """
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 
