@@ -25,7 +25,7 @@ PIN_RADIUS = 2e-3
 # scatter of a direction over that of a coefficient of the log pressure; tried in turn,
 # each from the fit before
 RIDGES = (4.0, 2.0, 1.0, 0.5)
-SURE = 2.0  # standard errors by which a fit must beat what statics expects
+SURE = 1.5  # standard errors by which a fit must beat what statics expects
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,9 @@ from pushpressslide.mechanics.rho import rho_straight
 STRAIGHT_ANGLE = 1e-4
 # of the force over the load: by how much the force that slides may differ from the one
 # that has moved the centre of pressure
-SETTLED = 1e-8
+SETTLED = 1e-7
 NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
+SECANTS = 8  # steps, after which the interval is halved
 EDGE = 1e-4  # of mu: how near to tipping the force is followed
 
 
@@ -89,19 +90,19 @@ def sliding(
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
     the CoP from ``cop`` by h F / N. ``pressure_at(p)`` gives the distribution (any total
     load) whose CoP is p; ``mu`` is the friction of the pair object/support. The force
-    that slides is found by false position: it grows from zero until what slides the
-    object is no more than itself. Raises ValueError where the CoP leaves the base
+    that slides is found by the secant method in an interval: it grows from zero until
+    what slides the object is no more than itself. Raises ValueError where the CoP leaves the base
     before: the object tips.
     """
 
-    def slide(ratio: float) -> Slide:
+    def slide(ratio: float, guess: Twist | None = None) -> Slide:
         """Return the slide under the pressure that a force over the load moves."""
         shift = height * ratio
         moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
         samples = pressure_at(moved)
         arm = (contact[0] - moved[0], contact[1] - moved[1])
         wrench = Wrench(*direction, cross(arm, direction), moved)
-        twist, level = exact_slide(samples, mu, wrench)
+        twist, level = exact_slide(samples, mu, wrench, guess)
         surplus = 1.0 / (level * samples.total_load) - ratio
         return Slide(samples, wrench, twist, surplus)
 
@@ -110,68 +111,68 @@ def sliding(
     return _balanced(slide, mu)
 
 
-def _balanced(slide: Callable[[float], Slide], most: float) -> Slide:
+def _balanced(slide: Callable[[float, Twist | None], Slide], most: float) -> Slide:
     """Return the slide without surplus, of a force over the load in [0, ``most``].
 
     Raises the ValueError of ``slide`` where the surplus is positive as far as there is a
     pressure.
     """
-    bracket = _Bracket(0.0, most, most, -math.inf)
+    interval = _Interval(0.0, most)
     ratio = most
+    guess = None
     while True:
         try:
-            found = slide(ratio)
+            found = slide(ratio, guess)
         except ValueError:
-            if bracket.width < EDGE * most:
+            if interval.width < EDGE * most:
                 raise
-            bracket.take(ratio, -math.inf)
+            interval.high = ratio
+            ratio = interval.middle
         else:
-            if abs(found.surplus) < SETTLED or bracket.width < NARROW:
+            if abs(found.surplus) < SETTLED or interval.width < NARROW:
                 return found
-            bracket.take(ratio, found.surplus)
-        ratio = bracket.middle
+            guess = found.twist
+            ratio = interval.next(ratio, found.surplus)
 
 
 @dataclass(slots=True)
-class _Bracket:
-    """An interval with a positive value at ``low`` and a negative one at ``high``: the
-    Illinois kind of false position.
-    """
+class _Interval:
+    """An interval at whose low end a function is positive, at its high end negative."""
 
     low: float
     high: float
-    at_low: float
-    at_high: float  # -inf: there is no value
-    last: float = 0.0  # sign of the last value that was taken
+    steps: int = 0
+    place: float = 0.0  # of the value before
+    value: float = 0.0
 
     @property
     def width(self) -> float:
-        """Length of the interval."""
+        """Its length."""
         return self.high - self.low
 
     @property
     def middle(self) -> float:
-        """Where a line through both ends is zero; the middle if an end has no value."""
-        half = 0.5 * (self.low + self.high)
-        if self.at_high == -math.inf:
-            return half
-        rise = self.at_low - self.at_high
-        root = (self.high * self.at_low - self.low * self.at_high) / rise
-        return root if self.low < root < self.high else half
+        """The middle of it."""
+        return 0.5 * (self.low + self.high)
 
-    def take(self, place: float, value: float) -> None:
-        """Move the end whose sign ``value`` has; halve the other's if it stays twice."""
+    def next(self, place: float, value: float) -> float:
+        """Return where to look next: where the line through the last two values is
+        zero; at first where a slope of -1 leads.
+        """
         if value > 0.0:
             self.low = place
-            self.at_low = value
-            if self.last > 0.0:
-                self.at_high *= 0.5
         else:
             self.high = place
-            self.at_high = value
-            if self.last < 0.0:
-                self.at_low *= 0.5
-        self.last = math.copysign(1.0, value)
+        slope = -1.0
+        if self.steps:
+            slope = (value - self.value) / (place - self.place)
+        self.steps += 1
+        self.place = place
+        self.value = value
+        root = place - value / slope if slope < 0.0 else self.low
+        if self.steps <= SECANTS and self.low < root < self.high:
+            return root
+        return self.middle
 
 
 def dragged_twist(
