@@ -9,12 +9,7 @@ from math import inf, sqrt
 
 from pushpressslide.core.allocation import Allocation, nothing
 from pushpressslide.core.pose import Point
-from pushpressslide.mechanics.checks import (
-    check_force,
-    check_friction,
-    check_point,
-    check_rho,
-)
+from pushpressslide.mechanics.checks import check_press, check_rho
 
 
 def one_press_allocator(
@@ -29,11 +24,8 @@ def one_press_allocator(
     twist is least, then onto the disc. A wrench that is not finite is "infeasible".
     Raises ValueError unless ``rho`` [m] and ``load`` are > 0 and ``friction`` >= 0.
     """
-    check_point(point, "point")
-    check_point(cop, "cop")
-    check_friction(friction)
+    check_press(load, friction)
     check_rho(rho)
-    check_force(load, "load")
     rx = point[0] - cop[0]
     ry = point[1] - cop[1]
     most = friction * load

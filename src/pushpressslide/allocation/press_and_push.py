@@ -14,12 +14,7 @@ from math import hypot, inf, sqrt
 from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.mechanics.checks import (
-    check_force,
-    check_friction,
-    check_normal,
-    check_point,
-)
+from pushpressslide.mechanics.checks import check_normal, check_press
 
 LEAST_LEVER = 1e-6  # [m]
 
@@ -45,10 +40,8 @@ def press_and_push_allocator(
     """
     line = ContactLine(press, push)
     lever = line.length * cross(line.e, normal)
-    check_friction(friction)
-    check_force(load, "load")
+    check_press(load, friction)
     check_normal(normal)
-    check_point(cop, "cop")
     if not abs(lever) > LEAST_LEVER:
         raise ValueError(f"lever {lever} m of the push; must not be 0")
     about_press = (press[0] - cop[0], press[1] - cop[1])

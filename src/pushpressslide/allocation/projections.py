@@ -19,6 +19,8 @@ from pushpressslide.mechanics.checks import check_friction, check_normal, check_
 from pushpressslide.mechanics.friction import cone_edges
 
 Vector = tuple[float, float, float]
+# two edges, their product, and one over the square of their cross product
+Span = tuple[int, int, float, float]
 Projection = Literal["nearest", "force_priority", "torque_priority"]
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
@@ -67,18 +69,7 @@ class WrenchCone:
         )
         """Edge wrenches with the moment over rho, for a normal force of 1 N."""
         self._squares = tuple(_dot(edge, edge) for edge in self._edges)
-        pairs = []
-        planes: list[Vector] = []
-        for i, j in combinations(range(4), 2):
-            plane = _cross(self._edges[i], self._edges[j])
-            size = math.sqrt(_dot(plane, plane))
-            if size < FLAT * math.sqrt(self._squares[i] * self._squares[j]):
-                continue
-            pairs.append(
-                (i, j, _dot(self._edges[i], self._edges[j]), 1.0 / (size * size))
-            )
-            planes.append(plane)
-        self._pairs = tuple(pairs)
+        self._pairs, planes = self._spans()
         if friction == 0.0:
             planes += self._planes_across(planes)
         self.facets: tuple[Vector, ...] = tuple(
@@ -88,6 +79,21 @@ class WrenchCone:
         it is all wrenches.
         """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
+
+    def _spans(self) -> tuple[tuple[Span, ...], list[Vector]]:
+        """Return the pairs of edges that span a plane, and the planes' normals."""
+        pairs = []
+        planes: list[Vector] = []
+        for i, j in combinations(range(4), 2):
+            plane = _cross(self._edges[i], self._edges[j])
+            square = _dot(plane, plane)
+            if square < FLAT * FLAT * self._squares[i] * self._squares[j]:
+                continue
+            product = _dot(self._edges[i], self._edges[j])
+            size = math.sqrt(square)
+            pairs.append((i, j, product, 1.0 / (size * size)))
+            planes.append(plane)
+        return tuple(pairs), planes
 
     def _planes_across(self, planes: Sequence[Vector]) -> list[Vector]:
         """Return normals of planes that bound a flat cone, which that of contacts

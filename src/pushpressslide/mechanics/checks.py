@@ -30,6 +30,12 @@ def check_force(force: float, name: str) -> None:
         raise ValueError(f"{name} {force} N; must be finite and > 0")
 
 
+def check_press(load: float, friction: float) -> None:
+    """Raise ValueError unless a press has a ``load`` [N] > 0 and friction >= 0."""
+    check_force(load, "load")
+    check_friction(friction)
+
+
 def check_caps(caps: Sequence[float]) -> None:
     """Raise ValueError unless there are two ``caps`` [N], each > 0; inf is none."""
     if len(caps) != 2:

@@ -14,7 +14,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
-from pushpressslide.mechanics.checks import check_force, check_friction, check_point
+from pushpressslide.mechanics.checks import check_point, check_press
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.rho import rho_straight
@@ -45,8 +45,7 @@ class Press:
     load: float  # [N] > 0
 
     def __post_init__(self) -> None:
-        check_force(self.load, "load")
-        check_friction(self.friction)
+        check_press(self.load, self.friction)
         check_point(self.contact, "contact")
         if self.contact == (0.0, 0.0):
             raise ValueError("the contact is at the CoM; the object only translates")

@@ -19,7 +19,7 @@ from pushpressslide.mechanics.limit_surface import (
 )
 from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
-from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.mechanics.pressure import PressureSamples, rectangle_pressure
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
 from pushpressslide.mechanics.virtual_axle import exact_axle_distance
 from pushpressslide.studies.paper.correction import Compared, Correction
@@ -70,39 +70,22 @@ def pressure_constant() -> Correction:
         "c follows from the pressure, r0 being half the diagonal; pressed at its end "
         "the bar partly lifts.",
         (
-            Compared(
-                "uniform, turning on the spot",
-                PAPER_C,
-                rho_pole(UNIFORM) / r0,
-                "",
-                3,
-                rho="pole",
-            ),
-            Compared(
-                "uniform, straight along the length",
-                PAPER_C,
-                rho_straight(UNIFORM) / r0,
-                "",
-                3,
-                rho="straight",
-            ),
-            Compared(
-                "pressed, turning on the spot",
-                seen,
-                rho_pole(PRESSED) / r0,
-                "",
-                3,
-                rho="pole",
-            ),
-            Compared(
-                "pressed, straight along the length",
-                seen,
-                rho_straight(PRESSED) / r0,
-                "",
-                3,
-                rho="straight",
-            ),
+            *_constants("uniform", PAPER_C, UNIFORM),
+            *_constants("pressed", seen, PRESSED),
         ),
+    )
+
+
+def _constants(
+    what: str, paper: float, pressure: PressureSamples
+) -> tuple[Compared, Compared]:
+    """Return c of a pressure on the bar, on the spot and straight along it."""
+    pole = rho_pole(pressure) / BAR.half_diagonal
+    straight = rho_straight(pressure) / BAR.half_diagonal
+    along = f"{what}, straight along the length"
+    return (
+        Compared(f"{what}, turning on the spot", paper, pole, "", 3, "pole"),
+        Compared(along, paper, straight, "", 3, "straight"),
     )
 
 
