@@ -4,7 +4,15 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-all lint lock clean
+# The newest supported Python on this machine that is newer than the oldest; may be empty.
+NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
+  for p in python$$v $$HOME/.pyenv/versions/$$v.*/bin/python$$v; do \
+  $$p -c "" 2>/dev/null && echo $$p; done; done))
+# Rooms without an engine, and the planar one: minutes, not half an hour.
+QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
+  tests/planning tests/taskfile tests/planar
+
+.PHONY: demo test test-all test-newest quick lint lock clean
 
 demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
@@ -14,6 +22,16 @@ test: $(READY) lint
 
 test-all: $(READY) lint
 	$(BIN)/pytest -n auto
+
+quick: $(READY)
+	$(BIN)/pytest -n auto -m "not long" $(QUICK)
+
+test-newest:
+ifeq ($(NEWEST),)
+	@echo "No Python newer than 3.11 is on this machine: tested on one version only."
+else
+	$(MAKE) quick PYTHON=$(NEWEST) VENV=.venv-newest
+endif
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -33,4 +51,4 @@ lock:
 	  --no-emit-index-url --no-annotate --no-header -o requirements.lock
 
 clean:
-	rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf .venv .venv-newest runs .mypy_cache .ruff_cache .pytest_cache .hypothesis

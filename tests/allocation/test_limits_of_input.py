@@ -137,9 +137,9 @@ def test_without_friction_two_pushes_give_the_nearest_wrench_that_normals_span(
 def test_the_cone_without_friction_knows_what_is_inside(fx, fy, tau):
     cone = WrenchCone(ASIDE, ASIDE_NORMALS, 0.0, RHO)
     inside = wrench_of_forces(ASIDE, ((abs(fx), 0.0), (0.0, -abs(fy))))
-    assert cone.spare(*inside[:3]) == pytest.approx(0.0, abs=1e-9)
+    assert cone.margin(*inside[:3]) == pytest.approx(0.0, abs=1e-9)
     pull = wrench_of_forces(ASIDE, ((-1.0 - abs(fx), 0.0), (0.0, -abs(fy))))
-    assert cone.spare(*pull[:3]) < -0.1
+    assert cone.margin(*pull[:3]) < -0.1
 
 
 def test_contacts_that_face_each_other_without_friction_drive_no_twist():
@@ -148,8 +148,8 @@ def test_contacts_that_face_each_other_without_friction_drive_no_twist():
         Contact(1, "side", (0.1, 0.0), (-1.0, 0.0), 0.05),
     )
     cone = TwistCone(contacts, 0.0, DraggedSurface(3.0, RHO))
-    assert cone.spare(0.0, 1.0, 0.0) < 0.0
-    assert cone.spare(1.0, 0.0, 0.0) == pytest.approx(0.0, abs=1e-12)
+    assert cone.margin(0.0, 1.0, 0.0) < 0.0
+    assert cone.margin(1.0, 0.0, 0.0) == pytest.approx(0.0, abs=1e-12)
     assert cone.rays(0.01) == []
 
 

@@ -61,7 +61,7 @@ def test_the_nearest_wrench_is_that_of_least_squares(p1, p2, a, b, mu, wrench):
 @given(parts, parts, parts, frictions)
 def test_the_facets_are_the_inequalities_of_section_6(p, q, t, mu):
     wrench = (p, -q, t * D)
-    spare = WrenchCone(POINTS, NORMALS, mu, RHO).spare(*wrench)
+    spare = WrenchCone(POINTS, NORMALS, mu, RHO).margin(*wrench)
     conditions = orthogonal.feasibility(*wrench, D, mu)
     if abs(spare) > 1e-9:
         assert (spare > 0.0) == conditions.feasible
@@ -121,4 +121,4 @@ def test_the_nearest_is_no_farther_than_the_others(p, q, t, mu):
 
 def test_scaling_never_makes_a_wrench_possible():
     cone = WrenchCone(POINTS, NORMALS, 0.5, RHO)
-    assert all(cone.spare(-k, 0.0, 0.0) < 0.0 for k in (1e-6, 1.0, 1e6))
+    assert all(cone.margin(-k, 0.0, 0.0) < 0.0 for k in (1e-6, 1.0, 1e6))

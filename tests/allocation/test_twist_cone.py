@@ -36,15 +36,15 @@ def test_it_says_inside_exactly_where_the_inequalities_of_section_6_do() -> None
     for twist in random_twists(2000):
         wrench = CONE.wrench(*twist)
         possible = feasibility(wrench.fx, wrench.fy, wrench.tau, D, MU).feasible
-        assert (CONE.spare(*twist) >= 0.0) == possible
+        assert (CONE.cone_margin(*twist) >= 0.0) == possible
         inside += possible
     assert 60 < inside < 400  # 6 to 16 percent of all directions, more for this rho
 
 
 def test_many_twists_at_once_have_the_spare_of_each() -> None:
     twists = random_twists(200)
-    assert CONE.spares(np.array(twists)) == pytest.approx(
-        [CONE.spare(*twist) for twist in twists], abs=1e-12
+    assert CONE.cone_margins(np.array(twists)) == pytest.approx(
+        [CONE.cone_margin(*twist) for twist in twists], abs=1e-12
     )
 
 
@@ -63,7 +63,7 @@ def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_s
 ):
     rng = random.Random(4)
     for ray in CONE.rays(0.1):
-        spare = CONE.spare(*ray)
+        spare = CONE.cone_margin(*ray)
         fx, fy, tau, _ = CONE.wrench(*ray)
         size = math.hypot(fx, fy, tau / RHO)
         for _ in range(50):
@@ -76,7 +76,7 @@ def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_s
 def test_rays_have_what_is_asked_for_and_point_all_round_the_cone() -> None:
     rays = CONE.rays(0.08)
     assert len(rays) >= 6
-    assert all(CONE.spare(*ray) >= 0.08 for ray in rays)
+    assert all(CONE.cone_margin(*ray) >= 0.08 for ray in rays)
     assert any(w > 0.0 for _, _, w in rays)
     assert any(w < 0.0 for _, _, w in rays)
 
@@ -88,7 +88,7 @@ def test_the_nearest_wrench_is_possible_and_none_is_given_for_a_possible_one() -
     for twist in random_twists(200):
         wrench = CONE.wrench(*twist)
         nearest = CONE.nearest(wrench)
-        if CONE.spare(*twist) >= 0.0:
+        if CONE.cone_margin(*twist) >= 0.0:
             assert nearest is None
         else:
             assert nearest is not None
@@ -111,5 +111,5 @@ def test_what_only_a_squeeze_could_give_is_outside() -> None:
         Contact(1, "side", (-0.1, -0.17), (0.5, 0.866), 0.05),
     )
     cone = TwistCone(facing, 1.2, SURFACE)
-    assert cone.spare(1.0, 0.0, 0.0) > 0.5
-    assert cone.spare(-1.0, 0.0, 0.0) < 0.0
+    assert cone.cone_margin(1.0, 0.0, 0.0) > 0.5
+    assert cone.cone_margin(-1.0, 0.0, 0.0) < 0.0

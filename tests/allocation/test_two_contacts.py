@@ -271,7 +271,7 @@ def test_contacts_that_face_each_other_can_squeeze_but_not_choose_by_friction():
     )
     assert out.status == "ok"
     assert out.normals == pytest.approx((3.0, 3.0))
-    assert WrenchCone(points, normals, 0.5, RHO).spare(0.3, -7.0, 0.2) == math.inf
+    assert WrenchCone(points, normals, 0.5, RHO).margin(0.3, -7.0, 0.2) == math.inf
 
 
 @pytest.mark.parametrize("friction", [-0.1, math.nan, math.inf])

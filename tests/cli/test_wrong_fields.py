@@ -57,6 +57,7 @@ def post(x: float, y: float, name: str = "post") -> dict[str, Any]:
 
 
 PANDA = {"model": "panda"}
+HALF = {"mode": "press_slide", "pose": {"x": 0.5, "y": 0.1}}
 
 # What is wrong: the change, the field that the message names, and a part of what it
 # says is allowed.
@@ -109,6 +110,20 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         "balanced, left, right",
     ),
     "a cop beyond the contacts": (put("motion.cop", 1.2), "motion.cop:", "[0, 1]"),
+    "unknown vehicle": (put("motion.vehicle", "tank"), "motion.vehicle:", "unicycle"),
+    "vehicle that the mode has not": (
+        put("motion.vehicle", "mixed"),
+        "motion.vehicle:",
+        "allowed with rear_push: null",
+    ),
+    "vehicle that a leg's mode has not": (
+        put_legs(
+            HALF,
+            {"mode": "rear_push", "motion": {"vehicle": "car"}},
+        ),
+        "motion.vehicle:",
+        "allowed with rear_push: null",
+    ),
     "half a face": (put("motion.face", 1.5), "motion.face:", "whole number"),
     "face that the box lacks": (put("motion.face", 4), "motion.face:", "0 to 3"),
     "negative size": (

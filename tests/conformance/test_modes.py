@@ -312,7 +312,7 @@ def test_the_twist_is_the_one_that_the_wrench_causes(mode: Mode) -> None:
             elif isinstance(drive, UnicycleDrive):
                 shift = drive.car.shift
             elif isinstance(drive, CarDrive):
-                shift = drive.car.axle - drive.car.lead
+                shift = drive.car.axle - drive.car.effective_wheelbase
             else:
                 shift = getattr(drive, "shift", 0.0)
             direction = surface.twist_direction(guidance.wrench)
@@ -347,7 +347,7 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             wanted = guidance.wrench
             if not isinstance(drive, TurnDrive):
                 continue
-            press = press_of(made.task, segment.contacts[0])
+            press = press_of(made.task.scene, segment.contacts[0])
             size = math.hypot(wanted.fx, wanted.fy)
             direction = (wanted.fx / size, wanted.fy / size)
             height = press.body.shape.height
@@ -365,7 +365,7 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             twist = twist.moved_to(segment.X_BV.position)
             along, across = segment.X_BV.unrotate((twist.vx, twist.vy))
             assert abs(math.atan2(across, along)) < math.radians(10.0)
-            turned_more = drive.gain * (
+            turned_more = drive.effective_wheelbase * (
                 twist.w / math.hypot(along, across) - drive.turn
             )
             if abs(guidance.steering) < 0.01:  # in terms of the force's angle

@@ -12,6 +12,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Obstacle, Robot, Task
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.modes import MODES
 
 HANDS = (Robot("hand", (0.0, 0.0, 0.0)),)
 TASK = replace(pps.load_task("rear-push-rear"), robots=HANDS, obstacles=())
@@ -115,3 +116,38 @@ def test_the_rest_of_a_segment_ends_where_the_segment_does() -> None:
     assert rest.path.length == pytest.approx(0.6 * LENGTH)
     assert rest.path.end.position == pytest.approx(SEGMENT.path.end.position)
     assert rest_of(SEGMENT, 2.0 * LENGTH).path.length == pytest.approx(0.0)
+
+
+def test_a_replan_that_would_tip_into_an_opening_is_refused() -> None:
+    task = pps.load_task("press-fit")
+    made = pps.plan(task)
+    to_opening = made.segments[1:]
+    X_WB = to_opening[0].body_pose(0.0)
+    touched = tuple(contact.point for contact in to_opening[0].contacts)
+    assert task.support.opening is not None
+    below = replace(task.support.opening, size=(0.3, 0.7), center=(-0.02, 0.25))
+    for opening, free in ((task.support.opening, True), (below, False)):
+        support = replace(task.support, opening=opening)
+        replanner = Replanner(replace(task, support=support))
+        fresh = replanner.replan(to_opening, X_WB, touched, 1.0)
+        assert bool(fresh) == free
+
+
+@pytest.mark.parametrize(
+    ("aside", "begun", "free"),
+    [(0.0, 0.0, True), (0.005, 0.0, False), (0.0, 0.95, True), (0.005, 0.95, True)],
+)
+def test_a_replan_keeps_a_tool_straight_that_is_not_askew_already(
+    aside: float, begun: float, free: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = pps.load_task("tool-use", ["limits.workspace=null"])
+    made = pps.plan(task)
+    segment = made.segments[-1]
+    rest = rest_of(segment, begun * segment.path.length)
+    goal = task.goal
+    shift = Pose2(goal.x, goal.y, goal.yaw).compose(Pose2(0.0, aside, 0.0))
+    moved = shift.compose(goal.inverse()).compose(rest.path.start)
+    fresh = rest.follows(replace(rest.path, start=moved))
+    monkeypatch.setattr(MODES[segment.mode], "replan", lambda *_: (fresh,))
+    replanned = Replanner(task).replan((rest,), Pose2(), (), 1.0)
+    assert bool(replanned) == free

@@ -250,6 +250,12 @@ def test_placements_are_handed_over_in_order(two, scripts) -> None:
     assert (legs[TICKS:] == 1.0).all()
 
 
+def test_every_tick_is_measured_once_over_a_hand_over_too(two, scripts) -> None:
+    plant = Diary(arms=2)
+    run_loop(plant, two)
+    assert plant.asked == ["measure", "apply", "advance", "row"] * (2 * TICKS)
+
+
 def test_only_arms_that_keep_their_contact_are_held(two, scripts) -> None:
     run_loop(Diary(arms=2), two)
     assert [script.held for script in scripts] == [(None, None), (PUSH, None)]

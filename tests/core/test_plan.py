@@ -154,3 +154,17 @@ def test_a_choice_is_as_long_as_its_segments() -> None:
     choice = Choice("held", segments=(first, made(LEFT, length=0.3)))
     assert choice.path_length == pytest.approx(0.5)
     assert choice.friction_margin == 0.1
+
+
+def test_the_choices_of_a_plan_are_those_whose_segments_are_all_in_it() -> None:
+    first, second, third, *_ = PLAN.segments
+    choices = {
+        "whole": Choice("held", segments=(first, second)),
+        "alone": Choice("held", segments=(third,)),
+        "other end": Choice("held", segments=(first, replace(second, leg=3))),
+        "apart": Choice("held", segments=(first, third)),
+        "too long": Choice("held", segments=(*PLAN.segments, first)),
+        "none": Choice("held"),
+    }
+    chosen = PLAN.chosen(list(choices.values()))
+    assert chosen == [choices["whole"], choices["alone"]]

@@ -48,7 +48,8 @@ def test_a_refusal_without_figures_says_its_text() -> None:
 
 
 def test_a_figure_that_is_not_there_is_never_invented() -> None:
-    assert str(Refusal("x", "at {figure:mm.0f}")) == "at nan mm"
+    refusal = Refusal("x", "at {figure:mm.0f}, allowed {allowed:.1f}", math.nan)
+    assert str(refusal) == "at unknown, allowed unknown"
 
 
 @pytest.mark.parametrize("text", ["obstacle 'a{b}'", "{", "}}{{", "{figure:mm.0f}"])

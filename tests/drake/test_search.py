@@ -12,18 +12,26 @@ import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.robots.continuation import Continuation
 from pushpressslide.robots.tool import UPRIGHT
 from pushpressslide.selection.planner import plan as make_plan
 from pushpressslide.sim.joints import arms
+from pushpressslide.sim.joints.approach import Descent
 from pushpressslide.sim.joints.arm_problem import STEP, ArmProblem, object_path
 from pushpressslide.sim.joints.arms import Conflict
 from pushpressslide.sim.joints.clearance import ClearanceModel
-from pushpressslide.sim.joints.joint_path import SearchResult, joint_path, search
+from pushpressslide.sim.joints.joint_path import (
+    SearchResult,
+    _approach_miss,
+    joint_path,
+    search,
+)
 from pushpressslide.sim.joints.postures import (
     YAW_OFFSETS,
     Miss,
     Posture,
     continued_moves,
+    problem_text,
     tool_options,
 )
 
@@ -173,3 +181,39 @@ def test_two_arms_are_refused_with_their_greatest_conflict(
         arms.joint_paths(plan)
     with pytest.raises(InfeasibleTaskError, match=r"as near as 1\.2 mm to each other"):
         arms.joint_paths(plan)
+
+
+def test_a_search_without_a_single_posture_is_refused_in_one_line(push: Plan) -> None:
+    with pytest.raises(InfeasibleTaskError, match="no attitude of the tool"):
+        SearchResult(()).best(ArmProblem(push, 0))
+
+
+def test_a_path_that_misses_its_attitude_is_not_called_short_of_reach() -> None:
+    path = Continuation(
+        q=np.zeros((2, 7)),
+        position_residual=np.zeros(2),
+        angle_residual=np.array([0.0, 0.1]),
+        joint_margins=np.ones(2),
+        conditions=np.full(2, 15.0),
+        status="unreachable",
+        failed_at=1,
+    )
+    why = problem_text(path, np.zeros((2, 3)))
+    assert why.startswith("5.7 deg short of the tool's attitude")
+
+
+def test_an_approach_that_was_not_judged_names_no_figure_that_is_allowed() -> None:
+    followed = Continuation(
+        np.zeros((2, 7)),
+        np.zeros(2),
+        np.zeros(2),
+        np.ones(2),
+        np.full(2, 15.0),
+        "ok",
+        None,
+    )
+    descent = Descent(
+        np.zeros((2, 3)), followed, 1, 0.05, np.zeros((0, 7)), np.zeros(0)
+    )
+    miss = _approach_miss(POSTURE, descent, -np.inf, "")
+    assert "allowed" not in miss.why

@@ -1,12 +1,16 @@
 """The table and figures of a sweep, and which finished samples stand for new ones."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from pushpressslide.jobs.sweep import SweepOptions, summarise, table
+from pushpressslide.core.task import Task
+from pushpressslide.jobs import sweep as module
+from pushpressslide.jobs.sweep import SweepOptions, summarise, sweep, table
 from pushpressslide.taskfile.load import load_task
 
 OPTIONS = SweepOptions(3, engine="planar")
@@ -68,3 +72,30 @@ def test_forced_runs_are_a_table_of_their_own() -> None:
     sampled, forced = text.split("\nRefused, but run anyway:\n\n")
     assert sampled == table([REACHED, REFUSED], [])
     assert len(forced.splitlines()) == 3
+
+
+def test_the_rows_of_forced_runs_are_in_the_order_of_the_samples(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run_samples(
+        pool: Any,
+        task: Task,
+        options: SweepOptions,
+        indices: list[int],
+        *,
+        anyway: bool,
+    ) -> Iterator[dict[str, Any]]:
+        for index in reversed(indices):
+            status = "missed" if anyway else "refused"
+            yield {"index": index, "status": status, "reason": ""}
+
+    monkeypatch.setattr(module, "_run_samples", run_samples)
+    options = replace(OPTIONS, jobs=1, check_refusals=3)
+    sweep(load_task("rear-push-rear"), options, tmp_path)
+    lines = (tmp_path / "table.md").read_text().splitlines()
+    cells = [line.split(" | ")[:2] for line in lines if line.endswith("|  |")]
+    outcomes = [f"| {i}" for i in range(3)]
+    assert cells == [
+        *([index, "refused"] for index in outcomes),
+        *([index, "missed"] for index in outcomes),
+    ]

@@ -11,6 +11,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.slide_loads import UTILISATION
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
@@ -18,8 +19,9 @@ from pushpressslide.core.wrench import Twist
 from pushpressslide.jobs.sampling import random_task, varied_task
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import center_of_pressure
-from pushpressslide.modes.bimanual_press_slide import APART, MODE, UTILISATION
+from pushpressslide.modes.bimanual_press_slide import MODE
 from pushpressslide.planar.engine import run as run_planar
+from pushpressslide.planning.press_pairs import APART
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import HeldDrive
 

@@ -23,10 +23,11 @@ from pushpressslide.core.task import (
 )
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.jobs.sampling import varied_task
-from pushpressslide.modes.press_and_push import MODE, UTILISATION
+from pushpressslide.modes.press_and_push import MODE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.planning import levers
-from pushpressslide.planning.held_twist import EDGE, twist_at
+from pushpressslide.planning.held_twist import EDGE
+from pushpressslide.planning.pressed.pin import UTILISATION
 from pushpressslide.report import series
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import PinnedDrive
@@ -106,7 +107,7 @@ def side_force(made: Plan) -> float:
     (segment,) = made.segments
     drive = driven(made)
     assert isinstance(segment.path, TwistPath)
-    wrench = drive.surface.wrench(twist_at(segment.path, drive.pin))
+    wrench = drive.surface.wrench(segment.path.initial_twist(drive.pin))
     mu = made.task.believed.contact_friction
     allocate = MODE.allocator(segment.contacts, mu, drive.rho, drive.center)
     return allocate(wrench.fx, wrench.fy, wrench.tau).normals[1]

@@ -49,5 +49,5 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     assert "manoeuvre" not in best.reason
     drive = best.segments[-1].drive
     assert isinstance(drive, UnicycleDrive)
-    press = press_of(task, best.contacts[0])
+    press = press_of(task.scene, best.contacts[0])
     assert steering_of(press, drive.car.backward) == 0.0

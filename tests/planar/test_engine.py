@@ -75,7 +75,7 @@ def test_a_run_can_be_stopped_and_says_so(idle):
 
 
 def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
-    task, plan, record = idle
+    _, plan, record = idle
     press = Contact(1, "top", (0.0, 0.0), (0.0, 0.0), 0.15, 5.0)
     (segment,) = plan.segments
     segment = replace(segment, contacts=(*segment.contacts, press))
@@ -83,9 +83,9 @@ def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
     force = record.arrays["measured_force"].copy()
     force[:, 1, 2] = -5.0
     record = replace(record, arrays={**record.arrays, "measured_force": force})
-    data = replay_data(task, plan, record)
+    data = replay_data(plan, record)
     assert data["pressing"] == [False, True]
     assert set(data["loads"][1]) == {5.0}
     assert set(data["loads"][0]) == {0.0}
     assert len(data["tips"]) == len(data["forces"]) == 2
-    assert "NaN" not in write_replay(task, plan, record, tmp_path).read_text()
+    assert "NaN" not in write_replay(plan, record, tmp_path).read_text()

@@ -16,7 +16,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
-from pushpressslide.report.series import by_grasp
+from pushpressslide.report.series import by_placement
 from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
 from pushpressslide.taskfile.load import task_from_data
@@ -120,7 +120,7 @@ def test_every_placement_has_its_own_figures() -> None:
         (0, "top"),
         (1, "side"),
     ]
-    parts = by_grasp(made, record)
+    parts = by_placement(made, record)
     assert sum(len(part.arrays["time"]) for _, part in parts) == len(
         record.arrays["time"]
     )

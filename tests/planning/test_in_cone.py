@@ -25,11 +25,11 @@ class RoundCone:
     def __init__(self, half: float) -> None:
         self.half = half
 
-    def spare(self, vx: float, vy: float, w: float) -> float:
+    def cone_margin(self, vx: float, vy: float, w: float) -> float:
         return self.half - math.atan2(math.hypot(vy, RADIUS * w), vx)
 
-    def spares(self, twists: np.ndarray) -> np.ndarray:
-        return np.array([self.spare(*twist) for twist in twists.tolist()])
+    def cone_margins(self, twists: np.ndarray) -> np.ndarray:
+        return np.array([self.cone_margin(*twist) for twist in twists.tolist()])
 
     def rays(self, least: float) -> list[tuple[float, float, float]]:
         out = [(1.0, 0.0, 0.0)]
@@ -37,7 +37,7 @@ class RoundCone:
         for i in range(8):
             angle = 0.25 * math.pi * i
             out.append((1.0, size * math.cos(angle), size * math.sin(angle) / RADIUS))
-        return [ray for ray in out if self.spare(*ray) >= least - 1e-12]
+        return [ray for ray in out if self.cone_margin(*ray) >= least - 1e-12]
 
 
 CONE = RoundCone(math.radians(30.0))
@@ -51,7 +51,7 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
     goal = start.compose(Pose2(x, y, yaw))
     path = path_in_cone(start, goal, CONE, LEAST, RADIUS, 0.8)
     if path is None:
-        assert CONE.spare(*screw(start, goal)) < LEAST or math.hypot(x, y) > 0.5
+        assert CONE.cone_margin(*screw(start, goal)) < LEAST or math.hypot(x, y) > 0.5
         return
     assert (path.end.x, path.end.y) == pytest.approx((goal.x, goal.y), abs=1e-9)
     assert math.remainder(path.end.yaw - goal.yaw, 2.0 * math.pi) == pytest.approx(
@@ -70,7 +70,7 @@ def test_what_one_twist_can_do_is_done_by_one() -> None:
 
 def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
     goal = Pose2(0.45, 0.30, 0.0)  # 34 degrees off, the cone has 30
-    assert CONE.spare(*screw(Pose2(), goal)) < 0.0
+    assert CONE.cone_margin(*screw(Pose2(), goal)) < 0.0
     path = path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 1.0)
     assert path is not None
     assert len(path.pieces) > 1

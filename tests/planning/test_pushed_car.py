@@ -19,11 +19,12 @@ TASK = load_task(
         "start.y=0.08",
         "goal.x=0.86",
         "goal.y=0.10",
+        "motion.contact_height=0.05",
     ],
 )
 REAR = next(face for face in faces(TASK.object, 0.01) if face.index == 3)
 TOLD = replace(TASK, belief=replace(TASK.believed, rho=0.13))
-HEIGHT = 0.05
+HEIGHT = TASK.motion.contact_height
 HALF = 0.09
 D = 0.2
 MU = TASK.believed.contact_friction
@@ -32,25 +33,25 @@ MU = TASK.believed.contact_friction
 def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> (
     None
 ):
-    (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=False)
+    (car,) = pushed_cars(TOLD.scene, TOLD.motion, [(REAR, HALF)], synchronised=False)
     assert (car.left, car.right) == pytest.approx((HALF / 0.13**2, HALF / 0.13**2))
-    assert car.lead == 0.0
+    assert car.effective_wheelbase == 0.0
     assert car.axle == pytest.approx(HEIGHT * 0.3)  # the CoP under way
 
 
 def test_on_the_ellipsoid_equal_forces_make_it_a_rear_steer_car_with_mu_d_over_rho_squared() -> (
     None
 ):
-    (car,) = pushed_cars(TOLD, [(REAR, HALF)], HEIGHT, synchronised=True)
+    (car,) = pushed_cars(TOLD.scene, TOLD.motion, [(REAR, HALF)], synchronised=True)
     assert car.tightest == pytest.approx(MU * D / 0.13**2)
-    assert car.lead == pytest.approx(0.13**2 / D)
+    assert car.effective_wheelbase == pytest.approx(0.13**2 / D)
 
 
 @pytest.mark.parametrize("synchronised", [False, True])
 def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(
     synchronised: bool,
 ) -> None:
-    (car,) = pushed_cars(TASK, [(REAR, HALF)], HEIGHT, synchronised)
+    (car,) = pushed_cars(TASK.scene, TASK.motion, [(REAR, HALF)], synchronised)
     use = TASK.motion.curvature_margin
     limit = (0.0, MU) if synchronised else (HALF, 0.0)
     pushes = [Push(REAR, share * limit[0], share * limit[1]) for share in (use, 1.0)]

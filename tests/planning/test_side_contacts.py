@@ -61,18 +61,21 @@ def test_given_contacts_are_in_the_order_of_their_arms() -> None:
     assert given[0].point == contacts[1].point
 
 
+def test_of_given_contacts_the_press_is_first_whichever_arm_has_it() -> None:
+    press = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.2)
+    push = Contact(1, "side", (-0.2, 0.0), (1.0, 0.0), 0.05)
+    assert [c.kind for c in given_to((press, push), (1, 0))] == ["top", "side"]
+
+
 def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
     def at(height: float) -> float:
         body = replace(TASK.object, shape=Box((0.4, 0.4, height)))
-        return contact_height(replace(TASK, object=body))
+        return contact_height(replace(TASK, object=body).scene, TASK.motion)
 
     reach = TASK.robots[0].tip_length
     assert at(0.10) == pytest.approx(0.04)
     assert at(0.20) == pytest.approx(0.20 + 0.04 - reach)
-    assert (
-        contact_height(replace(TASK, motion=replace(TASK.motion, contact_height=0.11)))
-        == 0.11
-    )
+    assert contact_height(TASK.scene, replace(TASK.motion, contact_height=0.11)) == 0.11
 
 
 def test_the_span_of_a_face_is_told_from_the_com() -> None:
@@ -82,14 +85,16 @@ def test_the_span_of_a_face_is_told_from_the_com() -> None:
 
 
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:
-    assert drag_refusal(TASK, (REAR,), 0.09) is None
-    assert "200 mm high" in str(drag_refusal(TASK, (REAR,), 0.21))
+    assert drag_refusal(TASK.scene, TASK.limits, (REAR,), 0.09) is None
+    assert "200 mm high" in str(drag_refusal(TASK.scene, TASK.limits, (REAR,), 0.21))
     heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
-    assert "needs 58.9 N" in str(drag_refusal(heavy, (REAR,), 0.09))
+    assert "needs 58.9 N" in str(drag_refusal(heavy.scene, heavy.limits, (REAR,), 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
-    assert "allowed up to 133.3 mm" in str(drag_refusal(tall, (rear,), 0.4))
+    assert "allowed up to 133.3 mm" in str(
+        drag_refusal(tall.scene, tall.limits, (rear,), 0.4)
+    )
 
 
 def test_tools_need_room() -> None:
-    assert least_distance(TASK) == pytest.approx(0.10)
+    assert least_distance(TASK.scene) == pytest.approx(0.10)

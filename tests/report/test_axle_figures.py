@@ -56,7 +56,7 @@ def pressed_run(run, request):
 def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(
     pressed_run,
 ) -> None:
-    axles = axle_series(pressed_run.task, pressed_run.plan, pressed_run.record)
+    axles = axle_series(pressed_run.plan, pressed_run.record)
     assert np.isnan(axles.measured[~pressed_run.move]).all()
     np.testing.assert_allclose(axles.measured[pressed_run.move], AXLE, atol=1e-6)
     thing = Press(pressed_run.task.object, 0.3, (0.12, 0.05), LOAD)
@@ -72,7 +72,7 @@ def test_the_axle_is_read_off_the_twist_and_predicted_for_the_measured_force(
 def test_where_the_object_hardly_turns_nothing_is_measured(pressed_run) -> None:
     slow = pressed_run.record.arrays["object_twist"] * [1.0, 1.0, 0.1]
     made = pressed_run.with_arrays(object_twist=slow)
-    assert np.isnan(axle_series(made.task, made.plan, made.record).measured).all()
+    assert np.isnan(axle_series(made.plan, made.record).measured).all()
 
 
 def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
@@ -81,7 +81,7 @@ def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
     made = pressed_run.with_arrays(
         object_twist=pressed_run.record.arrays["object_twist"] * ramp[:, None]
     )
-    measured = axle_series(made.task, made.plan, made.record).measured
+    measured = axle_series(made.plan, made.record).measured
     assert np.isnan(measured[time < 2.9]).all()
     np.testing.assert_allclose(measured[made.move & (time > 3.4)], AXLE, atol=1e-6)
 
@@ -89,13 +89,13 @@ def test_nothing_is_measured_while_a_turn_begins(pressed_run) -> None:
 def test_the_figure_has_four_panels_and_is_for_one_top_press_only(
     pressed_run, run
 ) -> None:
-    figure = axle_over_time(pressed_run.task, pressed_run.plan, pressed_run.record)
+    figure = axle_over_time(pressed_run.plan, pressed_run.record)
     assert figure is not None
     assert len(figure.axes) == 4
-    assert axle_over_time(run.task, run.plan, run.record) is None
+    assert axle_over_time(run.plan, run.record) is None
 
 
 def test_a_run_that_never_moved_has_no_axle(pressed_run) -> None:
     phase = np.zeros_like(pressed_run.record.arrays["phase"])
     made = pressed_run.with_arrays(phase=phase)
-    assert axle_over_time(made.task, made.plan, made.record) is None
+    assert axle_over_time(made.plan, made.record) is None

@@ -36,7 +36,6 @@ def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
-        run.task,
         run.plan,
         run.record,
         result(run.task, run.plan, run.record),
@@ -98,7 +97,7 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 4"),
+        (lambda data: data.update(schema=1), "schema 1, this version reads 5"),
         (
             lambda data: data["segments"][0]["drive"].update(point=[0.0]),
             "shorter|longer",
@@ -196,3 +195,12 @@ def test_write_plan_leaves_data_and_picture(run, tmp_path):
     data, picture = write_plan(run.plan, tmp_path, (run.choice, REFUSED))
     assert json.loads(data.read_text())["choices"][1]["reason"] == REFUSED.reason
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_of_another_schema_is_refused_with_its_file_named_once(run, tmp_path):
+    folder = save(run, tmp_path / "run")
+    path = folder / "plan.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "schema": 1}))
+    with pytest.raises(PushPressSlideError, match="schema 1") as refused:
+        load_run(folder)
+    assert str(refused.value).count("plan.json") == 1

@@ -27,7 +27,6 @@ def save(run, folder):
     choices = (run.choice, REFUSED, PASSED)
     save_run(
         folder,
-        run.task,
         run.plan,
         run.record,
         result(run.task, run.plan, run.record),
@@ -44,7 +43,7 @@ def off(run, dy):
 
 def test_the_page_of_a_run_holds_its_numbers_and_reasons(run, tmp_path):
     folder = save(off(run, 0.0123), tmp_path / "run")
-    write_replay(run.task, run.plan, run.record, folder / "replay.html")
+    write_replay(run.plan, run.record, folder / "replay.html")
     page = write_report([folder])
     text = page.read_text()
     assert page == folder / "report.html"
@@ -94,8 +93,8 @@ def test_a_report_of_nothing_is_refused(tmp_path):
 
 def test_every_figure_is_made_where_the_record_has_the_data(run, arm_run):
     common = ["path", "errors", "tracking", "forces"]
-    assert list(figures(run.task, run.plan, run.record)) == [*common, "speeds"]
-    assert list(figures(arm_run.task, arm_run.plan, arm_run.record)) == [
+    assert list(figures(run.plan, run.record)) == [*common, "speeds"]
+    assert list(figures(arm_run.plan, arm_run.record)) == [
         *common,
         "torques",
         "speeds",
@@ -115,7 +114,7 @@ def test_two_arms_and_presses_have_their_own_panels(run):
     made = run.with_arrays(**doubled)
     task = replace(run.task, robots=run.task.robots * 2)
     plan = replace(run.with_contacts(first, press).plan, task=task)
-    drawn = figures(task, plan, made.record)
+    drawn = figures(plan, made.record)
     assert len(drawn["forces"].axes) == 4
     assert result(task, plan, made.record)["success"]
 
@@ -126,15 +125,15 @@ def test_a_press_alone_shows_its_axle_and_segments_are_listed(pressed, tmp_path)
     assert text.count("press on top") == 2
     assert "Arm 1: hand" in text
     # two presses have no one axle
-    assert "axle" not in figures(pressed.task, pressed.plan, pressed.record)
+    assert "axle" not in figures(pressed.plan, pressed.record)
     alone = pressed.with_segments(pressed.plan.segments[0])
     plan = alone.with_contacts(pressed.plan.contacts[0]).plan
     one = pressed.with_arrays(stretch=np.zeros_like(pressed.record.arrays["stretch"]))
-    assert "axle" in figures(pressed.task, plan, one.record)
+    assert "axle" in figures(plan, one.record)
 
 
 def test_shear_of_a_press_is_drawn_with_its_load(pressed, presses):
-    panels = figures(pressed.task, pressed.plan, pressed.record)["forces"].axes
+    panels = figures(pressed.plan, pressed.record)["forces"].axes
     for (press, shear), (_, _, load, (x, y)) in zip(
         (panels[:2], panels[2:]), presses, strict=True
     ):
@@ -150,7 +149,7 @@ def test_shear_of_a_press_is_drawn_with_its_load(pressed, presses):
 def test_a_second_attempt_goes_beyond_the_plan(pressed):
     plan = pressed.with_segments(pressed.plan.segments[0]).plan
     assert result(pressed.task, plan, pressed.record)["path_rms_error"] < 1e-6
-    panel = figures(pressed.task, plan, pressed.record)["forces"].axes[0]
+    panel = figures(plan, pressed.record)["forces"].axes[0]
     (load,) = (
         line.get_ydata()
         for line in panel.get_lines()
@@ -160,9 +159,7 @@ def test_a_second_attempt_goes_beyond_the_plan(pressed):
 
 
 def test_the_same_figure_gives_the_same_bytes(run):
-    made = [
-        png(comparison_plot([("a", run.record, run.task, run.plan)])) for _ in range(2)
-    ]
+    made = [png(comparison_plot([("a", run.record)])) for _ in range(2)]
     assert made[0] == made[1]
 
 
@@ -181,7 +178,7 @@ def test_a_run_cut_short_still_has_a_page(run, tmp_path):
 
 
 def test_the_planar_replay_is_one_page_with_all_frames(run, tmp_path):
-    page = write_replay(run.task, run.plan, run.record, tmp_path / "replay.html")
+    page = write_replay(run.plan, run.record, tmp_path / "replay.html")
     text = page.read_text()
     assert "@DATA@" not in text
     assert "NaN" not in text
@@ -190,7 +187,12 @@ def test_the_planar_replay_is_one_page_with_all_frames(run, tmp_path):
 
 
 def test_a_folder_gets_its_replay_under_the_usual_name(run, tmp_path):
-    assert (
-        write_replay(run.task, run.plan, run.record, tmp_path)
-        == tmp_path / "replay.html"
-    )
+    assert write_replay(run.plan, run.record, tmp_path) == tmp_path / "replay.html"
+
+
+def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
+    figures = result(run.task, run.plan, run.record)
+    save_run(tmp_path, run.plan, run.record, figures)
+    assert "Choice of mode" not in write_report([tmp_path]).read_text()
+    again = save(run, tmp_path / "with")
+    assert "Choice of mode" in write_report([again]).read_text()

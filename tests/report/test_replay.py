@@ -49,9 +49,7 @@ def with_shape(run, shape):
 
 
 def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp_path):
-    page = write_replay(
-        arm_run.task, arm_run.plan, arm_run.record, tmp_path / "replay.html"
-    )
+    page = write_replay(arm_run.plan, arm_run.record, tmp_path / "replay.html")
     text = page.read_text()
     assert 1e6 < len(text) < 6e6
     assert "by-hand: rear_push, goal reached" in text
@@ -65,14 +63,12 @@ def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp
 )
 def test_every_shape_can_be_replayed(arm_run, tmp_path, shape):
     made = with_shape(arm_run, shape)
-    assert write_replay(
-        made.task, made.plan, made.record, tmp_path / "replay.html"
-    ).is_file()
+    assert write_replay(made.plan, made.record, tmp_path / "replay.html").is_file()
 
 
 def test_playback_puts_everything_where_it_was(arm_run):
     made = with_shape(arm_run, PRISM)
-    playback = Playback(made.task, made.plan, made.record)
+    playback = Playback(made.plan, made.record)
     diagram = playback.scene.builder.Build()
     context = diagram.CreateDefaultContext()
     tick = 300
@@ -95,7 +91,7 @@ def test_a_planar_record_with_an_arm_is_refused_in_one_line(arm_run, tmp_path):
     }
     record = replace(arm_run.record, arrays=arrays, engine="planar")
     with pytest.raises(SimulationError, match="no joint_position_0") as caught:
-        write_replay(arm_run.task, arm_run.plan, record, tmp_path / "replay.html")
+        write_replay(arm_run.plan, record, tmp_path / "replay.html")
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
 
@@ -128,7 +124,6 @@ def test_a_ribbon_has_the_width_that_was_asked_for():
 def test_frames_show_the_object_move(arm_run, tmp_path):
     try:
         paths = render_frames(
-            arm_run.task,
             arm_run.plan,
             arm_run.record,
             (0.0, 4.0),
@@ -151,20 +146,19 @@ def test_a_machine_that_cannot_render_says_so_in_one_line(
     with pytest.raises(
         SimulationError, match=r"cannot render pictures \(libEGL\.so\.1 is missing\)"
     ) as caught:
-        render_frames(arm_run.task, arm_run.plan, arm_run.record, (0.0,), tmp_path)
+        render_frames(arm_run.plan, arm_run.record, (0.0,), tmp_path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_video_of_an_unknown_kind_is_refused(arm_run, tmp_path):
     with pytest.raises(SimulationError, match=r"\.webp or \.gif"):
-        write_video(arm_run.task, arm_run.plan, arm_run.record, tmp_path / "run.mp4")
+        write_video(arm_run.plan, arm_run.record, tmp_path / "run.mp4")
 
 
 def test_a_video_is_written_whole(arm_run, tmp_path):
     out = tmp_path / "run.webp"
     try:
         write_video(
-            arm_run.task,
             arm_run.plan,
             arm_run.record,
             out,
@@ -181,7 +175,7 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
 
 def test_the_axle_is_that_of_the_segment_that_is_followed(pressed, arm_run):
     made = two_arms(pressed, arm_run)
-    playback = Playback(made.task, made.plan, made.record)
+    playback = Playback(made.plan, made.record)
     first = playback.vehicle_pose(100)
     last = playback.vehicle_pose(400)
     assert first.position == pytest.approx(
@@ -200,7 +194,7 @@ def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
         drawn.setdefault(name, []).append((tail, force, scale))
 
     monkeypatch.setattr(replay._Marks, "_show_arrow", show)
-    text = write_replay(made.task, made.plan, made.record, tmp_path).read_text()
+    text = write_replay(made.plan, made.record, tmp_path).read_text()
     assert "press, beside its tip, 10 mm a newton" in text
     assert sorted(drawn) == [
         "marks/force_0",
@@ -217,7 +211,8 @@ def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
 @pytest.mark.parametrize("field", [0.6, 1.3])
 def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
     bar = replace(run.task, object=ObjectModel(Box((0.6, 0.1, 0.05)), 1.0, (0.0, 0.0)))
-    view = camera_view(bar, run.plan, run.record.arrays["object_pose"], field)
+    plan = replace(run.plan, task=bar)
+    view = camera_view(plan, run.record.arrays["object_pose"], field)
     corners = [
         (*X_WG.apply(c), z)
         for X_WG in (bar.start, bar.goal)

@@ -29,7 +29,7 @@ PRESSED = Unicycle((0.08, 0.03), (0.03, 0.01), 0.07)
 PUSHED = PushedCar(0.4, 0.05, 0.04, 0.08, 3.0, 4.0)
 SURFACE = DraggedSurface(6.0, 0.11, 0.0, (0.02, -0.01))
 AXLE = Pose2(-0.04, 0.05, 0.9)
-REAR = RearSteerDrive(CAR, 0.012, 4.0)
+REAR = RearSteerDrive(CAR, 4.0, 0.012)
 UNICYCLE = UnicycleDrive(PRESSED, 5.0, 0.4, 0.06, 3.0, 0.05)
 TURN = TurnDrive(PRESSED, 5.0, AXLE, 0.06, 0.7, 1.2, 4.0, 0.1, -0.3, 0.2, 1.5)
 SPIN = SpinDrive(PRESSED, 5.0, AXLE)
@@ -87,8 +87,8 @@ def test_under_no_force_of_its_press_does_a_unicycles_axle_slip_aside(
     assert UNICYCLE.center == PRESSED.cop
 
 
-def test_the_force_that_steers_a_unicycle_turns_by_its_gain() -> None:
-    assert UNICYCLE.gain == pytest.approx(PRESSED.rho**2 / PRESSED.lever)
+def test_the_force_that_steers_a_unicycle_turns_by_its_effective_wheelbase() -> None:
+    assert UNICYCLE.effective_wheelbase == pytest.approx(PRESSED.rho**2 / PRESSED.lever)
     assert UNICYCLE.stiffness == pytest.approx((PRESSED.lever / PRESSED.rho) ** 2)
     assert (UNICYCLE.right, UNICYCLE.left) == (-0.4, 0.4)
     assert (UNICYCLE.angle, UNICYCLE.turn) == (UNICYCLE.X_BV.yaw, 0.0)

@@ -8,14 +8,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pushpressslide.core.path import advance
 from pushpressslide.core.pose import Pose2, cross, turned_left
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.mechanics.contacts import velocity_of_force, wrench_of_forces
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.differential_car import DifferentialCar
-from pushpressslide.rom.holonomic import Holonomic
 from pushpressslide.rom.rear_steer_car import STEERING_LIMIT, RearSteerCar
 from pushpressslide.rom.unicycle import Unicycle
 
@@ -132,7 +130,6 @@ def test_the_centred_push_of_the_cube_is_the_car_of_the_notes():
     assert car.curvature_limits[0] == -car.curvature_limits[1]
     assert car.minimum_turning_radius == pytest.approx(0.0574**2 / (0.5 * 0.075))
     assert car.curvature(0.1) < 0.0  # pushing to the left turns to the right
-    assert car.input_bounds == ((0.0, math.inf), car.steering_limits)
     psi = math.atan2(*reversed(car.contact_velocity(1.0, math.atan(0.4))))
     assert math.degrees(psi) == pytest.approx(47.3, abs=0.1)
 
@@ -179,24 +176,6 @@ def test_a_frictionless_centred_push_only_goes_straight():
     assert car.minimum_turning_radius == math.inf
 
 
-@given(bearings, st.floats(-0.5, 0.5), st.floats(0.1, 1.0))
-def test_the_car_drives_arcs(yaw, steering, length):
-    car = RearSteerCar((-0.075, 0.0), (1.0, 0.0), (0.0, 0.0), 0.0574, 0.8)
-    x = (0.3, -0.2, yaw)
-    n = 200
-    h = length / n
-    for _ in range(n):
-        a = car.xdot(x, (1.0, steering))
-        b = car.xdot(
-            tuple(p + 0.5 * h * q for p, q in zip(x, a, strict=True)), (1.0, steering)
-        )
-        x = tuple(p + h * q for p, q in zip(x, b, strict=True))
-    end = advance(Pose2(0.3, -0.2, yaw), car.curvature(steering), length)
-    assert x == pytest.approx(
-        (end.x, end.y, end.yaw), abs=2e-3 * (h * car.curvature(steering)) + 1e-3
-    )
-
-
 @st.composite
 def unicycles(draw):
     cop = (draw(small), draw(small))
@@ -226,7 +205,20 @@ def test_the_force_of_the_unicycle_moves_its_axle_as_wanted(car, speed, rate):
         (k * velocity[0], k * velocity[1]), abs=1e-7 * (1 + k * math.hypot(*velocity))
     )
     angle = math.atan2(cross(car.axis, force), dot(car.axis, force))
-    assert math.hypot(*force) == pytest.approx(car.least_friction_force(angle, 2.0))
+    across = car.lever * math.sin(angle) / car.rho
+    assert math.hypot(*force) == pytest.approx(2.0 / math.hypot(1.0, across))
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize(("axle", "wheelbase"), [(-0.05, 0.08), (0.02, 0.3)])
+def test_a_unicycle_with_another_axle_has_it_there_and_that_wheelbase(
+    backward: bool, axle: float, wheelbase: float
+) -> None:
+    car = Unicycle((0.1, 0.05), (0.02, 0.01), 0.08, backward).with_axle(axle, wheelbase)
+    assert car.axle == pytest.approx(axle)
+    assert abs(car.effective_wheelbase) == pytest.approx(wheelbase)
+    x, y = car.X_BV.position
+    assert (x, y) == pytest.approx((axle * car.axis[0], axle * car.axis[1]))
 
 
 def test_the_unicycle_turned_backward_keeps_its_axle_and_turns_its_heading():
@@ -235,11 +227,6 @@ def test_the_unicycle_turned_backward_keeps_its_axle_and_turns_its_heading():
     assert backward.X_BV.position == pytest.approx(forward.X_BV.position)
     assert math.cos(backward.X_BV.yaw - forward.X_BV.yaw) == pytest.approx(-1.0)
     assert backward.lever == -forward.lever
-    assert forward.minimum_turning_radius == 0.0
-    assert forward.input_bounds[0] == (-math.inf, math.inf)
-    assert forward.xdot((0.0, 0.0, math.pi / 2), (1.0, 2.0)) == pytest.approx(
-        (0.0, 1.0, 2.0)
-    )
     assert forward.force(0.0, 0.0, 1.0) == (0.0, 0.0)
     with pytest.raises(ValueError, match="only translates"):
         Unicycle((0.1, 0.0), (0.1, 0.0), 0.1)
@@ -273,31 +260,6 @@ def test_the_normals_of_the_differential_car_give_the_curvature_and_push_within_
 def test_the_differential_car_only_goes_forward_and_needs_a_width():
     car = DifferentialCar((0.0, 0.0), 0.5, 0.1, 0.05, 0.06)
     assert car.minimum_turning_radius == pytest.approx(0.036)
-    assert car.input_bounds == ((0.0, math.inf), car.curvature_limits)
     assert Pose2(0.0, 0.0, 0.5) == car.X_BV
-    assert car.xdot((0.0, 0.0, 0.0), (2.0, 3.0)) == (2.0, 0.0, 6.0)
     with pytest.raises(ValueError, match="must be > 0"):
         DifferentialCar((0.0, 0.0), 0.5, 0.0, 0.05, 0.06)
-
-
-@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0), bearings)
-def test_the_holonomic_base_keeps_the_direction_of_a_twist_within_its_bounds(
-    vx, vy, w, yaw
-):
-    base = Holonomic((0.01, 0.02), 0.2, 0.5)
-    u = base.saturated((vx, vy, w))
-    assert math.hypot(u[0], u[1]) <= 0.2 * (1 + 1e-12)
-    assert abs(u[2]) <= 0.5 * (1 + 1e-12)
-    for a, b in ((u[0] * vy, u[1] * vx), (u[0] * w, u[2] * vx), (u[1] * w, u[2] * vy)):
-        assert a == pytest.approx(b, abs=1e-12)
-    rate = base.xdot((5.0, 6.0, yaw), u)
-    assert math.hypot(rate[0], rate[1]) == pytest.approx(math.hypot(u[0], u[1]))
-    assert rate[2] == u[2]
-    assert base.minimum_turning_radius == 0.0
-    assert Pose2(0.01, 0.02, 0.0) == base.X_BV
-    assert base.input_bounds == ((-0.2, 0.2), (-0.2, 0.2), (-0.5, 0.5))
-
-
-def test_the_holonomic_base_needs_positive_bounds():
-    with pytest.raises(ValueError, match="must be > 0"):
-        Holonomic(max_speed=0.0)

@@ -2,13 +2,14 @@
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -19,7 +20,9 @@ from pushpressslide.core.task import (
     Sensing,
     Support,
     Tolerance,
+    Vehicle,
 )
+from pushpressslide.modes import MODES
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.taskfile.load import (
@@ -229,3 +232,24 @@ def test_overrides_make_the_sections_that_the_file_lacks() -> None:
     assert task.believed.mass == 2.0
     assert task.limits.time == 30.0
     assert task.object.shape == Box((0.1, 0.2, 0.3))
+
+
+@pytest.mark.parametrize("name", sorted(shipped_tasks()))
+def test_every_vehicle_of_a_tasks_modes_is_accepted_and_no_other(name: str) -> None:
+    task = load_task(name)
+    modes = task.modes or MODES
+    if task.legs:
+        return
+    known = {vehicle for mode in modes for vehicle in MODES[mode].vehicles}
+    for vehicle in get_args(Vehicle):
+        override = [f"motion.vehicle={vehicle}"]
+        if vehicle in known:
+            assert load_task(name, override).motion.vehicle == vehicle
+        else:
+            with pytest.raises(TaskError, match=r"motion\.vehicle"):
+                load_task(name, override)
+
+
+def test_every_vehicle_is_one_of_some_mode() -> None:
+    known = {vehicle for mode in MODES.values() for vehicle in mode.vehicles}
+    assert known == set(get_args(Vehicle))

@@ -42,9 +42,7 @@ def feasibility(
     q = -fy
     t = tau / d
     mu = friction
-    less = mu * (1.0 - mu)
-    more = mu * (1.0 + mu)
-    whole = 1.0 + mu * mu
+    less, more, whole = _friction_factors(mu)
     return min(
         Feasibility(p + t, "contact B would have to pull"),
         Feasibility(q - t, "contact L would have to pull"),
@@ -56,6 +54,11 @@ def feasibility(
             "the moment to the right exceeds friction",
         ),
     )
+
+
+def _friction_factors(mu: float) -> tuple[float, float, float]:
+    """Return mu (1 - mu), mu (1 + mu) and 1 + mu^2."""
+    return mu * (1.0 - mu), mu * (1.0 + mu), 1.0 + mu * mu
 
 
 def friction_interval(
@@ -108,9 +111,7 @@ def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> 
     drift = max(0.0, -t - p, t - q)
     if mu == 0.0:
         return drift
-    less = mu * (1.0 - mu)
-    more = mu * (1.0 + mu)
-    whole = 1.0 + mu * mu
+    less, more, whole = _friction_factors(mu)
     return max(
         drift,
         (whole * t - less * p - more * q) / (2.0 * mu),
@@ -127,9 +128,7 @@ def moment_limits(
     p = fx
     q = -fy
     mu = friction
-    less = mu * (1.0 - mu)
-    more = mu * (1.0 + mu)
-    whole = 1.0 + mu * mu
+    less, more, whole = _friction_factors(mu)
     right = min(p, (more * p + less * q) / whole)
     left = min(q, (less * p + more * q) / whole)
     return -d * right, d * left

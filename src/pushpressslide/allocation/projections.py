@@ -120,7 +120,7 @@ class WrenchCone:
                 a, b, c = (sign * part / size for part in normal)
                 yield a, b, c / self._rho
 
-    def spare(self, fx: float, fy: float, tau: float) -> float:
+    def margin(self, fx: float, fy: float, tau: float) -> float:
         """Return the number [N] that decides: distance of a wrench to the nearest
         facet, negative outside.
 

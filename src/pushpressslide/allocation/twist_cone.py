@@ -53,7 +53,7 @@ class TwistCone:
         """Return the wrench about the CoM that drives a twist of it."""
         return self.surface.wrench(Twist(vx, vy, w)).moved_to(ORIGIN)
 
-    def spare(self, vx: float, vy: float, w: float) -> float:
+    def cone_margin(self, vx: float, vy: float, w: float) -> float:
         """Return how far inside the cone the wrench of a twist is [rad].
 
         Negative outside, see ``angle``. In the norm diag(1, 1, 1/rho^2), so that it is
@@ -63,11 +63,11 @@ class TwistCone:
         size = math.hypot(fx, fy, tau / self.surface.rho)
         if size <= 0.0:
             return 0.0
-        spare = self._wrenches.spare(fx, fy, tau)
-        return math.asin(max(-1.0, min(1.0, spare / size)))
+        margin = self._wrenches.margin(fx, fy, tau)
+        return math.asin(max(-1.0, min(1.0, margin / size)))
 
-    def spares(self, twists: Array) -> Array:
-        """Return ``spare`` (m,) of twists (m, 3)."""
+    def cone_margins(self, twists: Array) -> Array:
+        """Return ``cone_margin`` (m,) of twists (m, 3)."""
         cx, cy = self.surface.center
         rho = self.surface.rho
         vx, vy, w = twists.T
@@ -81,14 +81,14 @@ class TwistCone:
         return out
 
     def angle(self, vx: float, vy: float, w: float) -> float:
-        """Return ``spare`` [rad]; but outside, where that is of the nearest facet's
+        """Return ``cone_margin`` [rad]; but outside, where that is of the nearest facet's
         plane, the angle to the nearest wrench of the cone, negative.
         """
         wanted = self.wrench(vx, vy, w)
         nearest = self.nearest(wanted)
         rho = self.surface.rho
         if nearest is None:
-            return self.spare(vx, vy, w)
+            return self.cone_margin(vx, vy, w)
         size = math.hypot(nearest.fx, nearest.fy, nearest.tau / rho)
         return -math.acos(
             min(1.0, size / math.hypot(wanted.fx, wanted.fy, wanted.tau / rho))
@@ -100,7 +100,7 @@ class TwistCone:
         None for one of the cone.
         """
         fx, fy, tau, _ = wrench.moved_to(ORIGIN)
-        if self._wrenches.spare(fx, fy, tau) >= 0.0:
+        if self._wrenches.margin(fx, fy, tau) >= 0.0:
             return None
         first, second = self._wrenches.nearest(fx, fy, tau).forces
         p, q = (contact.point for contact in self.contacts)
@@ -111,9 +111,7 @@ class TwistCone:
         )
 
     def rays(self, least: float) -> list[TwistRate]:
-        """Return twists near the cone's edges and between them, with ``least`` [rad] to
-        spare.
-        """
+        """Return twists near the cone's edges and between them, ``least`` [rad] inside."""
         middle = tuple(0.25 * sum(parts) for parts in zip(*self._edges, strict=True))
         out = []
         for a, b in ((0, 0), (1, 1), (2, 2), (3, 3), *combinations(range(4), 2)):
@@ -125,6 +123,6 @@ class TwistCone:
             out.append((twist.vx, twist.vy, twist.w))
         return [
             ray
-            for ray, spare in zip(out, self.spares(np.array(out)), strict=True)
-            if spare >= least
+            for ray, margin in zip(out, self.cone_margins(np.array(out)), strict=True)
+            if margin >= least
         ]

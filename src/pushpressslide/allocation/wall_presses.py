@@ -33,9 +33,9 @@ def wall_loads(
     """
     for use in uses:
         pair = presses(use)
-        found = [pair.for_share(0.5, twist, weight) for twist, weight in steps]
-        each = max(least, *(max(loads.normals) for loads in found))
-        if each <= pair.cap and all(loads.status == "ok" for loads in found):
+        solved = [pair.for_share(0.5, twist, weight) for twist, weight in steps]
+        each = max(least, *(max(loads.normals) for loads in solved))
+        if each <= pair.cap and all(loads.status == "ok" for loads in solved):
             return (each, each)
     raise ValueError(_problem(presses(uses[-1]), steps, least))
 

@@ -127,8 +127,9 @@ class Controller:
             self.lasting = lasting_arms(self.segments, placements[number + 1])
 
     def init(self, measurement: Measurement, held: Commands = ()) -> ControllerState:
-        """Return the state at the start of the touch; ``held``: the commands of arms
-        that have not let go.
+        """Return the state at the start of the touch.
+
+        ``held`` are the commands of arms that have not let go.
         """
         first, *ahead = self.segments
         tips = tuple(

@@ -16,8 +16,10 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import poses_along, workspace_refusal
+from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.selection.clearance import obstacle_refusal, swept
+from pushpressslide.selection.opening_path import opening_refusal
+from pushpressslide.selection.tool_use import tool_refusal
 
 SLID = 2.5e-3  # [m] of a contact along its face
 OFF_PATH = 1e-3  # [m] of the tracking point from the path
@@ -40,9 +42,7 @@ class Replan:
 
 
 class Replanner:
-    """Replans segments of one task; its plans are free of obstacles and stay in the
-    workspace.
-    """
+    """Replans segments of one task; its plans are free as those of a selection are."""
 
     def __init__(self, task: Task) -> None:
         """Hold the legs of ``task``."""
@@ -56,27 +56,28 @@ class Replanner:
         longest: float,
         identified: Identified | None = None,
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` replanned from where object and contacts really are; none
-        if that takes more than ``longest`` [m], or its path is not free.
+        """Return ``segments`` replanned from where object and contacts really are.
+
+        None are returned if the new path takes more than ``longest`` [m], or is not
+        free.
         """
         first = segments[0]
         part = self._parts[first.leg]
         fresh = MODES[first.mode].replan(
             part, segments, X_WB, touched, longest, identified
         )
-        return fresh if self._free(part, fresh) else ()
+        return fresh if _free(part, fresh) else ()
 
     def again(
         self, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
     ) -> tuple[Segment, ...]:
-        """Return the segments of another attempt at a segment's goal; none where there
-        is none.
+        """Return the segments of another attempt at a segment's goal; empty if there is
+        none.
         """
         part = self._parts[segment.leg]
-        fresh = MODES[segment.mode].again(part, segment, X_WB, touched)
-        if not self._free(part, fresh):
-            return ()
-        return tuple(replace(piece, leg=segment.leg) for piece in fresh)
+        made = MODES[segment.mode].again(part, segment, X_WB, touched)
+        fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
+        return fresh if _free(part, fresh) else ()
 
     def onward(
         self,
@@ -112,14 +113,31 @@ class Replanner:
             return None
         return _at_speed(fresh, followed.profile)
 
-    def _free(self, part: Task, segments: Sequence[Segment]) -> bool:
-        """Whether segments keep clear of obstacles and stay in the workspace."""
-        for piece in segments:
-            if workspace_refusal(part, poses_along(piece)) is not None:
-                return False
-        if not (segments and part.obstacles):
-            return True
-        return obstacle_refusal(part, swept(part, segments)) is None
+
+def _free(part: Task, segments: Sequence[Segment]) -> bool:
+    """Whether segments, the first of the leg ``part``, stay in the workspace, keep
+    clear of obstacles, do not tip into an opening, and push straight with a tool.
+    """
+    if not segments:
+        return True
+    for piece in segments:
+        poses = poses_along(piece)
+        if workspace_refusal(part.object, part.limits, poses) is not None:
+            return False
+    path = swept(part.object, segments)
+    if part.obstacles and obstacle_refusal(part, path) is not None:
+        return False
+    if part.support.opening is None and part.tool is None:
+        return True
+    first = segments[0]
+    poses = swept(part.object, [p for p in segments if p.leg == first.leg])
+    # what is so where the object stands already is no reason to go on as before
+    here = poses[:1]
+    tips = opening_refusal(part, first, poses)
+    if tips is not None and opening_refusal(part, first, here) is None:
+        return False
+    skew = tool_refusal(part, poses)
+    return skew is None or tool_refusal(part, here) is not None
 
 
 def _axle_error(segment: Segment, identified: Identified | None) -> float:
@@ -180,8 +198,9 @@ def side_slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:
-    """Return a segment along arcs without the first ``progress`` [m] of its path; any
-    other as it is.
+    """Return a segment along arcs without the first ``progress`` [m] of its path.
+
+    A segment along another kind of path is returned as it is.
     """
     path = segment.path
     if not isinstance(path, ArcPath):

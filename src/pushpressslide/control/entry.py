@@ -72,9 +72,7 @@ def braking(speed: float, allowed: float) -> float:
 
 
 def entry(task: Task, contacts: Sequence[Contact]) -> Entry | None:
-    """Return the way into the opening that the goal of ``task`` lies in; None where it
-    lies in none.
-    """
+    """Return how to enter the opening that the goal of ``task`` lies in, or None."""
     opening = task.support.opening
     if opening is None or not task.enters:
         return None

@@ -13,8 +13,9 @@ Array = NDArray[np.float64]
 
 
 def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
-    """Return joint positions (n,) [rad] and velocities (n,) [rad/s] of the approach,
-    ``elapsed`` [s] after it began; at rest after its end.
+    """Return joint positions (n,) [rad] and velocities (n,) [rad/s] of the approach.
+
+    ``elapsed`` [s] is the time since it began. After its end the joints are at rest.
     """
     times = path.approach_time
     q = path.approach

@@ -43,8 +43,10 @@ class Plant(Protocol):
 
     @property
     def joint_paths(self) -> tuple[JointPath, ...]:
-        """The joint path of each arm in this placement, from where the arm was when
-        the placement began; empty where tips are put before their contacts at once.
+        """The joint path of each arm in this placement, from where the arm was at its
+        start.
+
+        Empty for a plant that puts its tips before their contacts at once.
         """
 
     @property

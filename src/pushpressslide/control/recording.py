@@ -39,9 +39,7 @@ class Tick:
 
 
 class Recorder:
-    """Appends rows; ``record`` makes arrays of them. The names and shapes are those of
-    core.record.Record.
-    """
+    """Collects the rows of a run and makes the arrays of its record."""
 
     def __init__(self, plan: Plan) -> None:
         """Start empty, with the plan's own arrays."""

@@ -1,9 +1,9 @@
-"""The run loop: one plan on any plant. Every tick measures, decides, applies, advances
-and records.
+"""The run loop: it runs one plan on any plant.
 
-Commands come from the approach while the arms move freely, then from the controller.
-When a placement is done the next one is handed over. The controller, the watches, the
-plant, the user or the time limit end the run.
+Every tick measures, decides, applies, advances and records. Commands come from the
+approach while the arms move freely, then from the controller. When a placement is done
+the next one is handed over. The controller, the watches, the plant, the user or the
+time limit end the run.
 """
 
 from __future__ import annotations
@@ -146,9 +146,6 @@ class _RunLoop:
             command if i in lasting and isinstance(command, TipCommand) else None
             for i, command in enumerate(tick.commands)
         )
-        if not self.plant.joint_paths:
-            # where tips are put elsewhere at once, the sensor sees them before as well
-            self.sensor.measure(self.plant.measure())
         self.number += 1
         self.plant.hand_over(self.placements[self.number], lasting)
         self._begin(held, tick.truth.time)

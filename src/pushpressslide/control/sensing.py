@@ -14,14 +14,13 @@ from pushpressslide.core.task import Sensing
 
 
 class Sensor:
-    """Adds seeded white noise and a constant delay to measurements; exact where the
-    task asks for none.
+    """Adds seeded white noise and a constant delay to measurements.
+
+    Measurements are exact where the task asks for neither.
     """
 
     def __init__(self, sensing: Sensing, seed: int, dt: float) -> None:
-        """Prepare the noise stream and the delay line; ``dt`` [s] is the control
-        period.
-        """
+        """Prepare the noise and the delay line for a control period ``dt`` [s]."""
         self._sensing = sensing
         self._random = np.random.default_rng(seed)
         self._line: deque[Measurement] = deque(maxlen=1 + round(sensing.delay / dt))

@@ -37,8 +37,9 @@ JOINT_LEAD = 0.03
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """A segment with its closed-form laws; made anew when object or contacts turn out
-    to be elsewhere.
+    """A segment with its closed-form laws.
+
+    Every replan makes a new one.
     """
 
     segment: Segment
@@ -55,9 +56,7 @@ def bind(task: Task, segment: Segment) -> Binding:
         contact.tip_place(task.robots[contact.arm].tip_radius)[0]
         for contact in contacts
     )
-    friction = task.believed.contact_friction
-    drive = segment.drive
-    allocate = mode.allocator(contacts, friction, drive.rho, drive.center)
+    allocate = mode.allocator_of(segment, task.believed.contact_friction)
     return Binding(segment, mode.tracker(task, segment), allocate, tip_points)
 
 
@@ -131,8 +130,9 @@ def tip_position(
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:
-    """Return the yaw [rad] of the contact frame: of the face's normal; of the object
-    under a press.
+    """Return the yaw [rad] of the contact frame.
+
+    It is that of the face's normal, and under a press that of the object.
     """
     if contact.kind == "top":
         return X_WB.yaw
@@ -182,8 +182,9 @@ def approached(value: Point, target: Point, step: float) -> Point:
 def begin(
     state: ControllerState, phase: Phase, measurement: Measurement
 ) -> ControllerState:
-    """Return the state at the start of a phase; only a press that goes on keeps its
-    regulator.
+    """Return the state at the start of a phase.
+
+    The regulator of the normal force is kept only by a press that goes on.
     """
     contacts = state.binding.segment.contacts
     tips = tuple(

@@ -66,8 +66,9 @@ class _Normal(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TipMover:
-    """A contact force as feed-forward, and a velocity servo along the contact's motion;
-    a press is regulated.
+    """A contact force as feed-forward, and a velocity servo along the contact's motion.
+
+    The normal force of a press is regulated.
     """
 
     damping: float  # [N s/m] of the servo

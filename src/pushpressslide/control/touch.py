@@ -1,5 +1,7 @@
-"""Phase touch: line the tips up with their contacts, advance until they feel the
-object, settle the normal forces. From the side or from above alike.
+"""Phase touch: the tips line up with their contacts and advance until they feel the
+object.
+
+Then the normal forces settle. Contacts from the side and from above do the same.
 """
 
 from __future__ import annotations
@@ -132,7 +134,9 @@ def held_at(
     push: float | None = None,
 ) -> TipCommand:
     """Return the command of a tip that is held at ``position`` [m], moving at
-    ``velocity`` [m/s]; or, along its normal, that pushes with ``push`` [N].
+    ``velocity`` [m/s].
+
+    With ``push`` [N] it pushes along its normal instead.
     """
     contact = context.contact
     n = contact.direction(context.X_WB)

@@ -1,5 +1,6 @@
-"""Watches: what ends a run besides its controller. A watch sees every tick and returns
-an Ending, or None while all is well.
+"""Watches: what ends a run besides its controller.
+
+A watch sees every tick and returns an Ending, or None to go on.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The answer of an allocator: contact forces, how far inside their cones, and a status;
-never an exception.
+"""The answer of an allocator: contact forces, their margin and a status, never an
+exception.
 """
 
 from __future__ import annotations

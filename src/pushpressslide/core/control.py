@@ -18,8 +18,8 @@ PHASES: tuple[Phase, ...] = ("approach", "touch", "move", "release", "done")
 
 @dataclass(frozen=True, slots=True)
 class TipState:
-    """One arm's tip: position [m] and velocity [m/s] of its centre; force [N] of the
-    tip ON the object.
+    """Position [m] and velocity [m/s] of a tip's centre, and its force [N] ON the
+    object.
 
     All along x, y and height of the support's frame, on a table the world.
     """

@@ -38,8 +38,9 @@ class Entry:
 def entry(
     meaning: str, unit: str = "", within: str = "", **details: Any
 ) -> Mapping[str, Entry]:
-    """Return the metadata of a field that the task file has; ``details`` as in
-    :class:`Entry`.
+    """Return the metadata of a field that the task file has.
+
+    ``details`` are those of :class:`Entry`.
     """
     return {"entry": Entry(meaning, unit, within, **details)}
 

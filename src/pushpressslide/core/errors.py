@@ -1,5 +1,6 @@
-"""Errors. One root; every message is one line that says what is wrong, the value, and
-what is allowed.
+"""Errors, all with one root.
+
+Every message is one line that says what is wrong, the value, and what is allowed.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ def _bounded(value: object) -> str:
 
 
 class InfeasibleTaskError(PushPressSlideError):
-    """No mode, path or joint path can do the task; the message holds the number that
-    decides.
+    """No mode, path or joint path can do the task; the message holds the deciding
+    number.
     """
 
 

@@ -19,9 +19,10 @@ def gap(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:
-    """Return how far [m] a point lies inside the convex hull of what an opening leaves
-    of a footprint that is partly over it; negative outside, infinite where nothing is
-    over it.
+    """Return the depth [m] of a point in what an opening leaves of a footprint.
+
+    What is left counts with its convex hull. The depth is negative outside, and
+    infinite where no part of the footprint is over the opening.
     """
     from shapely import Point as Place
     from shapely import box

@@ -1,6 +1,4 @@
-"""A path of circular arcs and straight lines, and a trapezoidal speed along it; both
-closed form, in plain floats.
-"""
+"""A path of circular arcs and lines, and a trapezoidal speed along it, in closed form."""
 
 from __future__ import annotations
 
@@ -71,8 +69,9 @@ class ArcPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s``; outside [0, length] the first or last
-        piece's tangent goes on straight.
+        """Return the pose at arc length ``s`` [m].
+
+        Outside [0, length] the path goes on straight.
         """
         if s < 0.0 or not self.pieces:
             return advance(self.start, 0.0, s)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 MotionPath = ArcPath | TwistPath
 
+ENOUGH = 8
+"""Feasible choices of one mode, after which no other is evaluated."""
+
 
 @dataclass(frozen=True, slots=True)
 class Contact:
@@ -191,11 +194,14 @@ class Plan:
 
     def chosen(self, choices: Sequence[Choice]) -> list[Choice]:
         """Return those of ``choices`` that the plan consists of."""
-        return [
-            choice
-            for choice in choices
-            if choice.segments and choice.segments[0] in self.segments
-        ]
+        return [choice for choice in choices if self._holds(choice.segments)]
+
+    def _holds(self, segments: Sequence[Segment]) -> bool:
+        """Return whether ``segments`` stand one after the other in the plan."""
+        count = len(segments)
+        starts = range(len(self.segments) - count + 1)
+        runs = (self.segments[i : i + count] for i in starts)
+        return count > 0 and tuple(segments) in runs
 
     @property
     def duration(self) -> float:

@@ -46,10 +46,29 @@ class Refusal:
     unit: Unit = ""  # of both
 
     def __str__(self) -> str:
-        """Return one line of English."""
-        figure = Quantity(math.nan if self.figure is None else self.figure)
-        allowed = Quantity(math.nan if self.allowed is None else self.allowed)
-        return self.text.format(figure=figure, allowed=allowed)
+        """Return one line of English; a number that is absent is "unknown"."""
+        return self.text.format(
+            figure=_shown(self.figure), allowed=_shown(self.allowed)
+        )
+
+
+class _Unknown:
+    """A number that a refusal's text names and its data lack."""
+
+    def __format__(self, form: str) -> str:
+        """Return the same word, whatever the unit."""
+        return "unknown"
+
+
+def _shown(number: float | None) -> Quantity | _Unknown:
+    if number is None or math.isnan(number):
+        return _Unknown()
+    return Quantity(number)
+
+
+NOT_EVALUATED = Refusal(
+    SKIPPED, "not judged in full, as there is one that is no slower"
+)
 
 
 class RefusedError(ValueError):

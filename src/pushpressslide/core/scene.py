@@ -1,7 +1,8 @@
-"""The physical question of a task: a body on a support, arms and obstacles around it,
-as planner and controller believe them to be. How it is to be moved is not part of it.
+"""The physical question of a task, as planner and controller believe it to be.
 
-SI units and radians; docs/task-file.md documents the fields as a file has them.
+It is a body on a support with arms and obstacles around it. How the body is to be moved
+is not part of it. SI units and radians; docs/task-file.md documents the fields as a
+file has them.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying o
 class Opening:
     """A rectangular opening in a wall, closed at its back."""
 
-    size: tuple[float, float] = field(metadata=entry("along x and y", "m", "(0, 10]"))
+    size: tuple[float, float] = field(
+        metadata=entry("size along x and y", "m", "(0, 10]")
+    )
     center: Point = field(
-        metadata=entry("its centre", key="pose")
+        metadata=entry("position of its centre", key="pose")
     )  # in the wall's plane
     depth: float = field(
-        metadata=entry("of its back behind the wall's face", "m", "(0, 10]")
+        metadata=entry("distance of its back from the wall's face", "m", "(0, 10]")
     )
 
     @property
@@ -54,12 +57,14 @@ class Support:
     """What the object slides on."""
 
     kind: Literal["table", "wall", "incline"] = setting("table", "kind of support")
-    friction: float = setting(0.3, "pair object/support", within=FRICTIONS)
+    friction: float = setting(
+        0.3, "friction coefficient between object and support", within=FRICTIONS
+    )
     # of all poses, in the world
     frame: SupportFrame = setting(
         TABLE,
-        "of a wall, needed for one: its origin in the world, and where its normal, "
-        "which points at the robots, heads",
+        "frame of a wall, required for one: its origin in the world, and the heading "
+        "of its normal, which points at the robots",
         key="pose",
         default_in_file=None,
     )
@@ -67,7 +72,10 @@ class Support:
         None, "a rectangular opening in a wall, closed at its back"
     )
     angle: float | None = setting(
-        None, "of an incline, needed for one: it rises along x", "deg", "(0, 45]"
+        None,
+        "slope of an incline, required for one; it rises along x",
+        "deg",
+        "(0, 45]",
     )
 
     @property
@@ -80,11 +88,12 @@ class Support:
 class ObjectModel:
     """The object to be moved."""
 
-    shape: Shape = field(metadata=entry("exactly one of these; it defines the frame G"))
+    shape: Shape = field(metadata=entry("exactly one shape; it defines the frame G"))
     mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
     center_of_mass: Point = field(
         metadata=entry(
-            "in G, projected on the support, inside the footprint; null: the centroid",
+            "centre of mass in G, projected on the support, inside the footprint; null: "
+            "the centroid",
             "m",
             "[-5, 5]",
             default_in_file=None,
@@ -110,17 +119,17 @@ class Robot:
         )
     )
     # [m] position in the world
-    base: tuple[float, float, float] = field(metadata=entry("where the base stands"))
+    base: tuple[float, float, float] = field(metadata=entry("pose of the base"))
     base_yaw: float = 0.0  # [rad] in the file part of the base
     tip_frame: str | None = setting(
-        None, "frame at the tip's centre; needed for a model given by path"
+        None, "frame at the tip's centre; required for a model given by its path"
     )
     tip_radius: float = setting(
         0.02, "radius of the spherical tip", "m", "[0.002, 0.1]"
     )
     tip_length: float = setting(
         0.15,
-        "from the flange to the tip's centre, for the generated models",
+        "distance from the flange to the tip's centre, in the generated models",
         "m",
         "[0, 0.5]",
     )
@@ -141,30 +150,40 @@ class Obstacle:
     )
     # in the world (on a wall: in the wall's plane)
     pose: Pose2 = field(metadata=entry("pose of its centre"))
-    movable: bool = setting(False, "free to be pushed away, or fixed")
+    movable: bool = setting(False, "whether it can be pushed away; else it is fixed")
     mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
     friction: float = setting(
-        0.3, "pair obstacle/support, if movable", within=FRICTIONS
+        0.3,
+        "friction coefficient between obstacle and support, if movable",
+        within=FRICTIONS,
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What planner and controller are told; resolved: equals the truth where the file
-    does not differ.
-    """
+    """What planner and controller assume; once loaded, all of it is given."""
 
     support_friction: float = field(
-        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+        metadata=entry(
+            "support.friction; null: the true one",
+            within=FRICTIONS,
+            default_in_file=None,
+        )
     )
     contact_friction: float = field(
-        metadata=entry("null: the truth", within=FRICTIONS, default_in_file=None)
+        metadata=entry(
+            "contact.friction; null: the true one",
+            within=FRICTIONS,
+            default_in_file=None,
+        )
     )
     mass: float = field(
-        metadata=entry("null: the truth", "kg", "(0, 1000]", default_in_file=None)
+        metadata=entry(
+            "object.mass; null: the true one", "kg", "(0, 1000]", default_in_file=None
+        )
     )
     rho: float | None = setting(
-        None, "length of the limit surface; null: from the shape", "m", "(0, 10]"
+        None, "rho of the limit surface; null: that of the shape", "m", "(0, 10]"
     )
 
 
@@ -195,6 +214,12 @@ class Scene:
         wall.
         """
         return -self._weight()[2]
+
+    def max_friction(self, press: float = 0.0) -> float:
+        """Return the friction of the support [N] against straight sliding under a
+        ``press`` [N] on top.
+        """
+        return self.belief.support_friction * (self.weight_on + press)
 
     @property
     def rests(self) -> bool:

@@ -27,7 +27,11 @@ from pushpressslide.core.shapes import Cylinder as Cylinder
 from pushpressslide.core.shapes import Prism as Prism
 from pushpressslide.core.shapes import Shape as Shape
 
-Vehicle = Literal["unicycle", "car", "forklift", "pivot"]
+Vehicle = Literal[
+    "unicycle", "car", "forklift", "pivot", "mixed", "differential", "synchronised"
+]
+"""Reduced model that a mode drives the object as, one of its ``Mode.vehicles``."""
+
 Cop = Literal["balanced", "left", "right"] | float
 """Where two presses put the centre of pressure: "balanced" (equal presses); as far
 "left" or "right" as a turn on the spot allows at the press that the motion takes; or a
@@ -39,8 +43,8 @@ fraction in [0, 1] of the way from left to right contact.
 class Tolerance:
     """When the goal counts as reached."""
 
-    position: float = setting(0.01, "distance", "m", "(0, 1]")
-    yaw: float = setting(math.radians(2.0), "angle", "deg", "(0, 180]")
+    position: float = setting(0.01, "largest position error", "m", "(0, 1]")
+    yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,7 @@ class ToolUse:
     goal: Pose2  # of that body's centre, in the world
     face: int = field(
         metadata=entry(
-            "index of the edge of the tool's footprint that pushes",
+            "index of the edge of the tool's footprint that pushes, as in motion.face",
             within="[0, 63]",
             default_in_file=1,
         )
@@ -65,11 +69,13 @@ class ToolUse:
 class Limits:
     """Bounds of the run."""
 
-    time: float = setting(60.0, "simulated time", "s", "(0, 3600]")
-    normal_force: float = setting(40.0, "at each contact", "N", "(0, 1000]")
+    time: float = setting(60.0, "largest simulated time", "s", "(0, 3600]")
+    normal_force: float = setting(
+        40.0, "largest normal force of a contact", "N", "(0, 1000]"
+    )
     # [m] x_min, x_max, y_min, y_max
     workspace: tuple[float, float, float, float] | None = setting(
-        None, "region that the origin of G stays in; null: no bound"
+        None, "region in which the origin of G stays; null: unbounded"
     )
 
 
@@ -79,10 +85,16 @@ class Sensing:
     for all.
     """
 
-    position_noise: float = setting(0.0, "standard deviation", "m", "[0, 0.1]")
-    yaw_noise: float = setting(0.0, "standard deviation", "deg", "[0, 45]")
-    force_noise: float = setting(0.0, "standard deviation", "N", "[0, 100]")
-    delay: float = setting(0.0, "of every measurement", "s", "[0, 1]")
+    position_noise: float = setting(
+        0.0, "standard deviation of x and of y of the object", "m", "[0, 0.1]"
+    )
+    yaw_noise: float = setting(
+        0.0, "standard deviation of the object's yaw", "deg", "[0, 45]"
+    )
+    force_noise: float = setting(
+        0.0, "standard deviation of each force component", "N", "[0, 100]"
+    )
+    delay: float = setting(0.0, "delay of every measurement", "s", "[0, 1]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,60 +102,69 @@ class Motion:
     """How the motion is to be done; defaults suit the shipped robots."""
 
     speed: float = setting(
-        0.05, "along the path of the tracking point", "m/s", "(0, 0.2]"
+        0.05, "speed of the tracking point along its path", "m/s", "(0, 0.2]"
     )
     # far below mu_s g, which keeps the motion quasi-static
-    acceleration: float = setting(0.1, "of the ramps of the speed", "m/s^2", "(0, 2]")
+    acceleration: float = setting(
+        0.1, "acceleration and deceleration along the path", "m/s^2", "(0, 2]"
+    )
     tracking_gain: float = setting(
         2.0,
-        "of the steering law, in units of the largest without overshoot",
+        "gain of the steering law, as a multiple of the largest without overshoot",
         within="(0, 10]",
     )
     servo_damping: float = setting(
-        500.0, "of the contact velocity servo", "N s/m", "[0, 10000]"
+        500.0, "damping of the contact velocity servo", "N s/m", "[0, 10000]"
     )
     joint_stiffness: float = setting(
-        10.0, "of the joint-tracking term", "N m/rad", "[0, 1000]"
+        10.0, "stiffness of the joint-tracking term", "N m/rad", "[0, 1000]"
     )
     force_gain: float | None = setting(
         None,
-        "on the feed-forward force; null: 1 with the servo, 1.05 without",
+        "factor on the feed-forward force; null: 1 with the servo, 1.05 without",
         within="(0, 2]",
     )
     contact_height: float | None = setting(
         None,
-        "of a side contact above the support, below the object's top; null: chosen by "
-        "the mode",
+        "height of a side contact above the support, below the object's top; null: "
+        "chosen by the mode",
         "m",
         "(0, 10]",
     )
     approach_distance: float = setting(
-        0.05, "free way before the touch", "m", "[0.005, 0.5]"
+        0.05, "distance from the contact at which the touch begins", "m", "[0.005, 0.5]"
     )
     # felt at the tip (paper, sec. IV-A)
     joint_tracking: bool = setting(
-        False, "joint impedance about the planned joint path"
+        False, "whether a joint impedance about the planned joint path is added"
     )
     velocity_servo: bool = setting(
-        True, "velocity servo on top of the feed-forward force"
+        True, "whether a velocity servo is added to the feed-forward force"
     )
     curvature_margin: float = setting(
-        0.55, "share of the friction-limited curvature that is used", within="(0, 1]"
+        0.55,
+        "largest planned curvature, as a share of the one that friction allows",
+        within="(0, 1]",
     )
-    run_in: float = setting(0.16, "straight end of the path", "m", "[0, 1]")
-    control_period: float = setting(0.004, "of the controller", "s", "[0.0005, 0.01]")
+    run_in: float = setting(
+        0.16, "length of the straight end of the path", "m", "[0, 1]"
+    )
+    control_period: float = setting(0.004, "control period", "s", "[0.0005, 0.01]")
     # at most the control period
-    time_step: float = setting(0.004, "of the physics engine", "s", "[0.0002, 0.01]")
+    time_step: float = setting(
+        0.004, "time step of the physics engine", "s", "[0.0002, 0.01]"
+    )
     face: int | None = setting(
         None,
         "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
-        "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen",
+        "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen by "
+        "the mode",
         within="[0, 63]",
     )
     contacts: tuple[Point, ...] | None = setting(
         None,
-        "places of top contacts in G, on the object's top, of two the left arm's first "
-        "unless the arms would cross; null: chosen",
+        "points of the top contacts in G. Of two, the first is the left arm's unless "
+        "the arms would cross; null: chosen by the mode",
         "m",
         "[-5, 5]",
         count=(1, 2),
@@ -156,26 +177,30 @@ class Motion:
     )
     cop: Cop | None = setting(
         None,
-        "where two top contacts put the centre of pressure on a table: balanced "
-        "(alike), as far left or right as a turn on the spot allows, or a part of the "
-        "way from the left contact to the right one; null: balanced",
+        "where two presses put the centre of pressure on a table: balanced (equal "
+        "presses), as far left or right as a turn on the spot allows, or a fraction of "
+        "the distance from the left contact to the right one; null: balanced",
         within="[0, 1]",
     )
     vehicle: Vehicle | None = setting(
         None,
-        "how a pressed object is driven: unicycle (pulled or pushed), car (pulled), "
-        "forklift (pushed), pivot (turned about its virtual axle); null: unicycle",
+        "reduced model that the object is driven as. press_slide: unicycle (pulled or "
+        "pushed), car (pulled), forklift (pushed), pivot (turned about its virtual "
+        "axle); null: unicycle. parallel_push: mixed (any twist inside the motion "
+        "cone), differential (turned by the difference of the normal forces), "
+        "synchronised (by equal friction forces); null: mixed, else differential",
     )
     look_ahead: float | None = setting(
         None,
-        "of a pressed object's alignment with its path; null: chosen",
+        "look-ahead with which a pressed object is aligned with its path; null: chosen "
+        "by the mode",
         "m",
         "(0, 1]",
     )
     fixed_target: bool = setting(
         False,
-        "align with a target fixed beyond the goal, as the paper has it, in place of "
-        "one that slides along the path",
+        "whether a pressed object is aligned with a target fixed beyond the goal, as "
+        "in the paper, instead of one that moves along the path",
     )
 
 
@@ -188,14 +213,12 @@ class Leg:
     mode: str = field(metadata=entry("contact mode", is_name=True))
     goal: Pose2 = field(
         metadata=entry(
-            "pose of G at its end; null for the last leg: the goal",
+            "pose of G at the end of the leg; null, for the last leg: the goal",
             key="pose",
             default_in_file=None,
         )
     )
-    motion: Motion = field(
-        metadata=entry("fields of `motion` that are otherwise in this leg")
-    )
+    motion: Motion = field(metadata=entry("fields of `motion` that differ in this leg"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,67 +226,71 @@ class Task:
     """One manipulation task, complete and checked."""
 
     name: str = field(
-        metadata=entry("name of the task; names the folder of a run", is_name=True)
+        metadata=entry("name of the task, and of its folders of results", is_name=True)
     )
-    object: ObjectModel = field(metadata=entry("what is to be moved"))
+    object: ObjectModel = field(metadata=entry("the object to be moved"))
     # X_WG (on a wall: in the wall's plane)
     start: Pose2 = field(
-        metadata=entry("pose of the shape's frame G that the plan is made for")
+        metadata=entry("pose of the shape's frame G at which the plan begins")
     )
     # X_WG; of a tool, where it has the other body at that body's goal
     goal: Pose2 = field(metadata=entry("wanted pose of the shape's frame G"))
     robots: tuple[Robot, ...] = field(
         metadata=entry("the arms; of two, the first is the left one", count=(1, 2))
     )
-    support: Support = setting(Support(), "what the object slides on")
+    support: Support = setting(Support(), "surface on which the object slides")
     contact_friction: float = setting(
         0.6,
-        "pair end effector/object",
+        "friction coefficient between tip and object",
         within=FRICTIONS,
         key="contact.friction",
-        section="at the tips",
+        section="contact between tips and object",
     )
-    tolerance: Tolerance = setting(Tolerance(), "when the goal counts as reached")
+    tolerance: Tolerance = setting(
+        Tolerance(), "largest errors with which the goal counts as reached"
+    )
     obstacles: tuple[Obstacle, ...] = setting((), "boxes in the scene", count=(0, 32))
     tool: ToolUse | None = setting(
-        None, "the object is a tool that pushes the goal's body", default_in_file={}
+        None,
+        "how the object pushes `goal.body`, where that is another body",
+        default_in_file={},
     )
     modes: tuple[str, ...] | None = setting(
         None,
-        "contact modes that may be used; null: every mode that the robots allow",
+        "contact modes to choose from; null: all modes for this number of robots",
         count=(1, math.inf),
     )
     # the last one to ``goal``
     legs: tuple[Leg, ...] = setting(
         (),
-        "parts of the task in order, in place of `modes`: arms that have other "
-        "contacts in the next one let go and take them, all others hold on; null: one "
-        "mode does it all",
+        "legs of the task in order, in place of `modes`. An arm whose contact changes "
+        "from one leg to the next lets go; the others keep theirs. null: one mode for "
+        "the whole task",
         count=(1, 20),
         default_in_file=None,
     )
-    limits: Limits = setting(Limits(), "bounds of the run")
+    limits: Limits = setting(Limits(), "limits of the run")
     # never None once loaded
     belief: Belief | None = setting(
         None,
-        "what planner and controller are told, where it differs from the truth",
+        "what planner and controller assume where it differs from the truth",
         default_in_file={},
     )
     # the true start is start + this
     start_error: Pose2 = setting(
-        Pose2(), "how far off `start` the object truly starts, in world axes"
+        Pose2(), "true start pose minus `start`, in world axes"
     )
     sensing: Sensing = setting(
-        Sensing(), "imperfections of what the controller is given"
+        Sensing(), "noise and delay of what the controller measures"
     )
-    motion: Motion = setting(Motion(), "how the motion is to be done")
-    description: str = setting("", "one line for `pps tasks`")
+    motion: Motion = setting(Motion(), "how the object is moved")
+    description: str = setting("", "one line, shown by `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
 
     @property
     def believed(self) -> Belief:
-        """What planner and controller are told."""
+        """What planner and controller assume."""
         if self.belief is not None:
             return self.belief
         return Belief(self.support.friction, self.contact_friction, self.object.mass)
@@ -276,6 +303,12 @@ class Task:
         )
 
     @property
+    def body_ends(self) -> tuple[Pose2, Pose2]:
+        """X_WB at start and goal."""
+        X_GB = self.object.X_GB
+        return self.start.compose(X_GB), self.goal.compose(X_GB)
+
+    @property
     def enters(self) -> bool:
         """Whether the goal lies in an opening of the support."""
         opening = self.support.opening
@@ -283,8 +316,9 @@ class Task:
 
     @property
     def parts(self) -> tuple[Task, ...]:
-        """The task of each leg, from where the one before it ends; of a task without
-        legs itself.
+        """One task for each leg, from where the leg before it ends.
+
+        A task without legs is its own only part.
         """
         out = []
         begin = replace(self, legs=())

@@ -10,7 +10,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.core.wrench import Twist
 
 if TYPE_CHECKING:
     import numpy as np
@@ -144,8 +145,9 @@ class TwistPath:
         return len(self.pieces) - 1
 
     def pose(self, s: float) -> Pose2:
-        """Return the pose at arc length ``s`` [m]; beyond its ends the path goes on
-        with the twist there.
+        """Return the pose at arc length ``s`` [m].
+
+        Beyond the ends of the path the motion goes on with the twist there.
         """
         if not self.pieces:
             return self.start
@@ -153,10 +155,15 @@ class TwistPath:
         return moved(self.starts[i][1], self.pieces[i][0], s - self.starts[i][0])
 
     def rate(self, s: float) -> TwistRate:
-        """Return the twist per metre at arc length ``s`` [m], in V; zero for a path
-        without pieces.
+        """Return the twist per metre at arc length ``s`` [m], in V.
+
+        It is zero for a path without pieces.
         """
         return self.pieces[self._piece(s)][0] if self.pieces else (0.0, 0.0, 0.0)
+
+    def initial_twist(self, point: Point) -> Twist:
+        """Return the twist per metre with which a path of ``point`` [m] in B begins."""
+        return Twist(*self.rate(0.0), point)
 
     def nearest(self, X_WV: Pose2, s: float) -> float:
         """Return the arc length [m], near ``s`` and not before it, whose pose is

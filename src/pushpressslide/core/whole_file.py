@@ -7,8 +7,7 @@ from pathlib import Path
 
 
 def write_whole(path: Path, data: bytes | str) -> Path:
-    """Write ``path`` under a temporary name beside it and rename it when whole; return
-    ``path``.
+    """Write ``path`` under a temporary name, rename it when whole, and return ``path``.
 
     Makes the folders that are missing; text is UTF-8. An older file stays until the new
     one is whole.

@@ -1,3 +1,3 @@
-"""Execution: normal-force regulation, impedance, joint torque. Arrays in, arrays out;
-knows nothing of modes or engines.
+"""Execution: normal-force regulation, impedance and joint torque, for any mode and
+engine.
 """

@@ -1,5 +1,5 @@
-"""From a tip command to joint torques of one arm: the lower half of the paper's eq. 27,
-for any arm given as arrays.
+"""From a tip command to joint torques of one arm (the lower half of the paper's eq.
+27).
 """
 
 from __future__ import annotations

@@ -44,8 +44,10 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Array:
-    """Return the rotation vector (3,) [rad], world axes, that turns ``R`` into
-    ``R_wanted`` (3, 3); exact to 90 degrees.
+    """Return the rotation vector (3,) [rad], world axes, from ``R`` to ``R_wanted`` (3,
+    3).
+
+    It is exact up to 90 degrees.
     """
     E = R_wanted @ R.T
     return np.array(

@@ -1,5 +1,6 @@
-"""Proportional-integral regulation of a normal force (paper eq. 25; docs/mechanics.md,
-section 10).
+"""Proportional-integral regulation of a normal force.
+
+Paper, eq. 25; docs/mechanics.md, section 10.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""Joint torque from what the tip is to do (paper eq. 26), and the limits of a real arm
-(MECHANICS, section 11).
+"""Joint torque from a tip command, and the torque limits of a real arm.
+
+Paper, eq. 26; docs/mechanics.md, section 11.
 """
 
 from __future__ import annotations
@@ -12,8 +13,7 @@ from pushpressslide.core.arrays import Array
 def task_torque(
     J: Array, moment: Array, force: Array, posture: Array, bias: Array
 ) -> Array:
-    """Return tau (n,) = J^T [moment; force] + null-space part of ``posture`` +
-    ``bias``.
+    """Return tau (n,) = J^T [moment; force] + null-space ``posture`` torque + ``bias``.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m]
     of a joint-space spring and damper, projected so that it makes no force at the tip;
@@ -30,12 +30,12 @@ def task_torque(
 
 
 def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
-    """Return tau (n,) that gives the tip its reference's ``acceleration`` (6,)
-    [rad/s^2; m/s^2], world axes.
+    """Return the torque tau (n,) for the acceleration of the tip's reference.
 
-    J^T Lambda a with the task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm
-    that is accelerated along the support also presses on it or lifts off, by the
-    inertia's coupling. ``M`` (n, n) mass matrix.
+    ``acceleration`` (6,) [rad/s^2; m/s^2] is in world axes. J^T Lambda a with the
+    task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
+    along the support also presses on it or lifts off, by the inertia's coupling. ``M``
+    (n, n) mass matrix.
     """
     mobility = J @ np.linalg.solve(M, J.T)
     mobility.flat[::7] += 1e-4  # [1/kg] bounds the torque near a singularity

@@ -1,3 +1,1 @@
-"""What a support does to an object, found from its motions: rho, friction, pressure;
-recorded data sets.
-"""
+"""Rho, friction and pressure of a support, found from motions; recorded data sets."""

@@ -83,8 +83,9 @@ class AxleIdentifier:
     def step(
         self, state: AxleState, time: float, X_WB: Pose2, force: Point
     ) -> AxleState:
-        """Return the next state; ``force`` [N] is the tip's on the object, along the
-        support, in B.
+        """Return the next state after a tick.
+
+        ``force`` [N] is that of the tip on the object, along the support, in B.
         """
         if state.pose is None:
             return state._replace(pose=X_WB, time=time, force=(0.0, 0.0), ticks=0)

@@ -1,5 +1,4 @@
-"""Pairs of wrench and motion, from recorded pushes; the conventions are those of the
-logs.
+"""Pairs of wrench and motion from recorded pushes, with the conventions of the logs.
 
 Source: docs/identification.md. All in the body frame B: origin at the projected centre
 of mass, axes of the object as tracked.

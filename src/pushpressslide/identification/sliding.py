@@ -1,5 +1,4 @@
-"""The exact limit surface for many wrenches at once, each with its own loads. Arrays
-in, arrays out.
+"""The exact limit surface for many wrenches at once, each with its own loads.
 
 Source: docs/mechanics.md, section 1; ``mechanics.limit_surface.exact_twist_direction``
 is the single call.

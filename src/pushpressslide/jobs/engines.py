@@ -1,5 +1,6 @@
-"""The engines that a task can be run on, by name. An engine's modules are imported when
-they are first used.
+"""The engines that a task can be run on, by name.
+
+An engine's modules are imported when they are first used.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from pushpressslide.control.run_loop import RunOptions
     from pushpressslide.core.plan import Plan
     from pushpressslide.core.record import Record
-    from pushpressslide.core.task import Task
     from pushpressslide.sim.joints.joint_path import ArmPath
 
     JointPaths = Sequence[tuple[ArmPath, ...]]  # of the arms, for each placement
@@ -30,6 +30,17 @@ class EngineName(StrEnum):
 
 
 DEFAULT = EngineName.drake
+
+
+@dataclass(frozen=True, slots=True)
+class ArmOptions:
+    """What only an engine with arms is asked; one without ignores it."""
+
+    models: str = "generated"  # of the robots
+    paths: JointPaths | None = None  # of the preparation; None: they are made
+    # called with the address of a page that shows the run
+    live: Callable[[str], None] | None = None
+    video: bool = False  # also write an animation
 
 
 class Preparation(Protocol):
@@ -59,76 +70,41 @@ class Engine(Protocol):
     def preparation(self, force: bool) -> Preparation:
         """Return an empty preparation; with ``force`` it takes the best there is."""
 
-    def run(
-        self,
-        plan: Plan,
-        options: RunOptions,
-        *,
-        paths: JointPaths | None = None,
-        models: str = "generated",
-        live: Callable[[str], None] | None = None,
-    ) -> Record:
-        """Run ``plan`` and return its record.
-
-        An engine without arms ignores the rest: ``paths`` of the preparation (None:
-        they are made), ``models`` of the robots, and ``live``, which is called with the
-        address of a page that shows the run.
-        """
+    def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
+        """Run ``plan`` and return its record."""
 
     def write_replay(
-        self,
-        task: Task,
-        plan: Plan,
-        record: Record,
-        out: Path,
-        *,
-        models: str,
-        video: bool,
+        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
-        """Write the replay, with ``video`` also an animation, into the folder ``out``."""
+        """Write the replay, and an animation if asked, into the folder ``out``."""
 
 
 class _Drake:
     has_arms = True
 
     def preparation(self, force: bool) -> Preparation:
-        """Return what planning must add before a run: nothing."""
-        from pushpressslide.sim.joints.placements import GraspPaths
+        """Return the search for joint paths."""
+        from pushpressslide.sim.joints.placements import PlacementPaths
 
-        return GraspPaths(force)
+        return PlacementPaths(force)
 
-    def run(
-        self,
-        plan: Plan,
-        options: RunOptions,
-        *,
-        paths: JointPaths | None = None,
-        models: str = "generated",
-        live: Callable[[str], None] | None = None,
-    ) -> Record:
+    def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""
         from pushpressslide.sim.engine import run
 
-        return run(plan, options, paths=paths, models=models, live=live)
+        return run(plan, options, paths=arms.paths, models=arms.models, live=arms.live)
 
     def write_replay(
-        self,
-        task: Task,
-        plan: Plan,
-        record: Record,
-        out: Path,
-        *,
-        models: str,
-        video: bool,
+        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
         from pushpressslide.sim.view.replay import write_replay
 
-        write_replay(task, plan, record, out, models=models)
-        if video:
+        write_replay(plan, record, out, models=arms.models)
+        if arms.video:
             from pushpressslide.sim.view.frames import write_video
 
-            write_video(task, plan, record, out, models=models)
+            write_video(plan, record, out, models=arms.models)
 
 
 @dataclass
@@ -137,7 +113,7 @@ class _PlansAlone:
     paths: JointPaths = ()
 
     def add(self, placement: Plan) -> None:
-        """Add the joint paths of one placement."""
+        """Add the plan of one more placement."""
         self.plans.append(placement)
 
 
@@ -145,37 +121,22 @@ class _Planar:
     has_arms = False
 
     def preparation(self, force: bool) -> Preparation:
-        """Return the search for joint paths."""
+        """Return the plans alone."""
         return _PlansAlone()
 
-    def run(
-        self,
-        plan: Plan,
-        options: RunOptions,
-        *,
-        paths: JointPaths | None = None,
-        models: str = "generated",
-        live: Callable[[str], None] | None = None,
-    ) -> Record:
+    def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""
         from pushpressslide.planar.engine import run
 
         return run(plan, options)
 
     def write_replay(
-        self,
-        task: Task,
-        plan: Plan,
-        record: Record,
-        out: Path,
-        *,
-        models: str,
-        video: bool,
+        self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
         from pushpressslide.planar.replay import write_replay
 
-        write_replay(task, plan, record, out)
+        write_replay(plan, record, out)
 
 
 ENGINES: Mapping[str, Engine] = {

@@ -19,7 +19,7 @@ from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.jobs.engines import DEFAULT, Preparation, engine_named
+from pushpressslide.jobs.engines import DEFAULT, ArmOptions, Preparation, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of, refusal, usable
@@ -75,12 +75,12 @@ def simulate(
     models: str = "generated",
     monitor: Monitor | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
-    """Select, plan and run; the choices come back with the reasons why better-ranked
-    ones were passed over.
+    """Select, plan and run, and return the plan, the record and all choices.
 
-    Where the engine has arms a choice must also have a joint path: the first that has
-    one is run. ``force`` runs the best choice that has a path even where it was judged
-    infeasible. Raises InfeasibleTaskError where nothing can do the task.
+    Choices that were passed over say why. Where the engine has arms a choice must also
+    have a joint path: the first that has one is run. ``force`` runs the best choice
+    that has a path even where it was judged infeasible. Raises InfeasibleTaskError
+    where nothing can do the task.
     """
     monitor = monitor or Monitor()
     chosen = engine_named(engine)
@@ -94,9 +94,7 @@ def simulate(
         record = chosen.run(
             plan,
             RunOptions(seed, monitor.progress, monitor.interrupt or bool),
-            paths=preparation.paths,
-            models=models,
-            live=monitor.live,
+            ArmOptions(models, preparation.paths, monitor.live),
         )
     return plan, record, judged
 
@@ -114,8 +112,11 @@ def _prepared(
         problems: Problems = {}
         added = _add_first(preparation, task, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            groups[number] = group = placements(task, MORE)[number]
-            added = _add_first(preparation, task, group, force, problems)
+            more = placements(task, MORE)
+            # with more choices a leg may go on with the contacts of the one before it
+            if [other[0].leg for other in more] == [other[0].leg for other in groups]:
+                groups[number] = group = more[number]
+                added = _add_first(preparation, task, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
@@ -171,7 +172,9 @@ def run(
             what, engine=engine, seed=seed, models=models, monitor=monitor
         )
         return record
-    return engine_named(engine).run(what, RunOptions(seed, progress), models=models)
+    return engine_named(engine).run(
+        what, RunOptions(seed, progress), ArmOptions(models)
+    )
 
 
 def run_task(
@@ -184,12 +187,11 @@ def run_task(
     out: Output | None = None,
     monitor: Monitor | None = None,
 ) -> dict[str, Any]:
-    """Run ``task`` and return its result; with ``out`` also leave all files of a run
-    there.
+    """Run ``task`` and return its result.
 
-    Raises InfeasibleTaskError before anything moves where nothing can do the task, and
-    Interrupted on Ctrl-C once the engine runs, after record and result so far are
-    written.
+    With ``out`` all files of the run are written there. Raises InfeasibleTaskError
+    before anything moves where nothing can do the task, and Interrupted on Ctrl-C once
+    the engine runs, after record and result so far are written.
     """
     from pushpressslide.report.metrics import result as measure
 
@@ -205,14 +207,14 @@ def run_task(
     with interrupt.held():
         result = measure(task, plan, record, versions())
         if out is not None:
-            write_data(out.folder, task, plan, record, result, choices)
+            write_data(out.folder, plan, record, result, choices)
     if interrupt():
         message = "interrupted"
         if out is not None:
             message += f"; record and result so far are in {out.folder}"
         raise Interrupted(message)
     if out is not None:
-        write_pages(out, task, plan, record, choices, models=models)
+        write_pages(out, plan, record, choices, models=models)
     return result
 
 
@@ -221,7 +223,6 @@ PAGES = ("replay.html", "report.html", "run.webp", "plan.png")
 
 def write_data(
     out: Path,
-    task: Task,
     plan: Plan,
     record: Record,
     result: dict[str, Any],
@@ -237,12 +238,11 @@ def write_data(
         (out / name).unlink(missing_ok=True)
     for plot in (out / "plots").glob("*.png"):
         plot.unlink()
-    save_run(out, task, plan, record, result, choices)
+    save_run(out, plan, record, result, choices)
 
 
 def write_pages(
     out: Output,
-    task: Task,
     plan: Plan,
     record: Record,
     choices: list[Choice],
@@ -260,7 +260,7 @@ def write_pages(
         from pushpressslide.report.plan_files import write_plan
 
         write_plan(plan, folder, choices)
-        engine.write_replay(task, plan, record, folder, models=models, video=out.video)
+        engine.write_replay(plan, record, folder, ArmOptions(models, video=out.video))
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

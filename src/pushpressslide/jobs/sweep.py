@@ -136,6 +136,7 @@ def sweep(
         for sample in _run_samples(pool, task, options, checked, anyway=True):
             forced.append(sample)
             count()
+    forced.sort(key=lambda row: row["index"])  # they came as they finished
     return _write_results(out, settings, [rows[i] for i in sorted(rows)], forced)
 
 

@@ -1,3 +1,4 @@
-"""Physics true for any mode: pressure, limit surfaces, friction, contacts. See
-docs/mechanics.md, 0 to 4.
+"""Physics that is true for any mode: pressure, limit surfaces, friction, contacts.
+
+docs/mechanics.md, sections 0 to 4.
 """

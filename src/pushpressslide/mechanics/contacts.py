@@ -1,5 +1,4 @@
 """Contact forces and the wrench they add up to, and the mobility of a contact point.
-Plain floats.
 
 Source: docs/mechanics.md, sections 0 and 2. Points and forces in one planar frame, the
 body frame B unless said otherwise.

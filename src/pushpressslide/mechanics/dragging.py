@@ -52,8 +52,9 @@ class DraggedBase:
     def __init__(
         self, body: ObjectModel, shift: float, resolution: int = RESOLUTION
     ) -> None:
-        """Prepare the base; ``shift`` h mu_s [m]: how far a drag of mu_s N moves the
-        centre of pressure.
+        """Prepare the base.
+
+        ``shift`` h mu_s [m] is how far a drag of mu_s N moves the centre of pressure.
         """
         points, areas = body.shape.base_rule(resolution)
         x, y = (points - np.array(body.center_of_mass)).T

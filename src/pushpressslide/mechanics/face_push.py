@@ -45,11 +45,11 @@ class Push(NamedTuple):
 def turnings(
     body: ObjectModel, mu: float, height: float, pushes: Sequence[Push]
 ) -> list[Turning]:
-    """Return how each of ``pushes`` at ``height`` [m] turns the object, under the load
-    that the push itself shifts; ``mu`` of the pair object/support.
+    """Return how each of ``pushes`` at ``height`` [m] turns the object.
 
-    Raises ValueError where the object tips, and for a force through the CoM, which does
-    not turn it.
+    The load is the one that the push itself shifts; ``mu`` is that of the pair
+    object/support. Raises ValueError where the object tips, and for a force through the
+    CoM, which does not turn it.
     """
     if any(push.left == 0.0 and push.slope == 0.0 for push in pushes):
         raise ValueError("a force through the CoM does not turn the object")

@@ -1,5 +1,4 @@
-"""Friction at one contact: the cone, the motion cone, and what a contact with a
-prescribed velocity does. Plain floats.
+"""Friction at one contact: its cone, its motion cone, and its answer to a velocity.
 
 Source: docs/mechanics.md, section 3. The left tangent t = J n is the inward normal n
 turned by +90 degrees; mu is the friction of the pair end effector/object.
@@ -43,6 +42,13 @@ def press_margin(force: Point, normal_force: float, mu: float) -> float:
     if it sticks.
     """
     return mu * normal_force - math.hypot(force[0], force[1])
+
+
+def utilisation_margin(mu: float, utilisation: float) -> float:
+    """Return the angle [rad] to the edge of a friction cone of a force that takes
+    ``utilisation`` of the friction ``mu``; negative outside.
+    """
+    return math.atan(mu) - math.atan(utilisation * mu)
 
 
 def force_angle(force: Point, axis: Point) -> float:

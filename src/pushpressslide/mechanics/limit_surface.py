@@ -1,5 +1,4 @@
-"""Limit surfaces: which wrench goes with which sliding. The ellipsoid, and the exact
-one by quadrature.
+"""Limit surfaces, the relation of wrench and sliding: the ellipsoid and the exact one.
 
 Source: docs/mechanics.md, section 1. Quasi-static and rate independent: a wrench fixes
 the direction of motion, never the speed. ``EllipsoidLimitSurface`` is plain floats, for

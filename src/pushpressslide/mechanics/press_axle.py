@@ -94,8 +94,8 @@ class Press:
         )
 
     def room(self, angle: float) -> float:
-        """Return how far the CoP stays inside the base under drag at ``angle`` [rad],
-        in half widths; < 0: it tips.
+        """Return the tipping margin [half widths] under drag at ``angle`` [rad]; < 0:
+        it tips.
         """
         u = self.along(angle)
         return room_inside(
@@ -105,7 +105,9 @@ class Press:
 
     def twist(self, angle: float) -> Twist:
         """Return the twist of B's origin under a force at ``angle`` [rad], on the exact
-        surface; only its direction counts. Raises ValueError where the object tips.
+        surface.
+
+        Only its direction counts. Raises ValueError where the object tips.
         """
         height = self.body.shape.height
         return dragged_twist(
@@ -136,11 +138,11 @@ class Press:
         return at[0] * self.axis[0] + at[1] * self.axis[1]
 
     def steered(self, angle: float, backward: bool) -> tuple[float, float]:
-        """Return where the virtual axle is on the heading axis, ahead of the CoP [m],
-        and the tan(force angle) per curvature there [m], both of the mean of forces to
-        the left and to the right.
+        """Return the virtual axle's place on the heading axis and the effective
+        wheelbase [m].
 
-        ``angle`` in [0, pi/2) from the direction of motion: along the axis, or
+        The axle is ahead of the CoM. Both are means of forces to the left and to the
+        right. ``angle`` in [0, pi/2) from the direction of motion: along the axis, or
         ``backward`` against it. Near zero exact to first order: x_cop +- h mu - rho_x^2
         / d. Raises ValueError where the object tips.
         """
@@ -163,9 +165,11 @@ class Press:
         return ahead, effective_wheelbase
 
     def pivot(self, left: bool) -> Point:
-        """Return the point of B [m] that stays where it is under a force across the
-        axis, to the left or to the right of the contact; the drag's height moves it off
-        the axis. Raises ValueError where it tips.
+        """Return the point of B [m] that stands still under a force across the heading
+        axis.
+
+        The force is to the left or to the right of the contact. The drag's height moves
+        the point off the axis. Raises ValueError where the object tips.
         """
         twist = self.twist(0.5 * math.pi if left else -0.5 * math.pi)
         return (-twist.vy / twist.w, twist.vx / twist.w)

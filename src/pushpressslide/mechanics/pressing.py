@@ -6,9 +6,13 @@ Source: docs/mechanics.md, sections 1.2, 2 and 4.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.scene import Scene
+from pushpressslide.mechanics.pressure import center_of_pressure
 
 # shares of the press's friction that a motion may take, the best first
 USES = (0.7, 0.8, 0.9, 0.96)
@@ -23,9 +27,11 @@ def friction_use(
     mu_contact: float,
     pushed: float = 0.0,
 ) -> float:
-    """Return what straight sliding takes of the press's friction: (mu_s (N_o + N_a) +
-    pushed) / (mu_a N_a); below 1 it sticks. ``pushed`` [N]: the drag of a body that the
-    object pushes.
+    """Return the friction utilisation of a press in straight sliding; below 1 it
+    sticks.
+
+    It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
+    body that the object pushes.
     """
     if load <= 0.0 or mu_contact <= 0.0:
         return math.inf
@@ -58,11 +64,10 @@ def press_loads(
     wanted: float | None = None,
     pushed: float = 0.0,
 ) -> list[float]:
-    """Return the loads [N] to try, up to ``most`` [N], the safest first; ``wanted`` [N]
-    is the only one where it is given. ``pushed`` [N]: the drag of a body that the
-    object pushes.
+    """Return the loads [N] to try, up to ``most`` [N], the safest first.
 
-    Raises RefusedError with what stands against any press.
+    ``wanted`` [N] is the only one where it is given. ``pushed`` [N] is the drag of a
+    body that the object pushes. Raises RefusedError with what stands against any press.
     """
     if wanted is not None:
         _check_press(weight, mu_support, mu_contact, most, wanted, pushed)
@@ -111,3 +116,19 @@ def pressed_cop(contact: Point, load: float, weight: float) -> Point:
     """Return the CoP [m] in B under a press at ``contact``, no force along the support."""
     n = load / (weight + load)
     return (n * contact[0], n * contact[1])
+
+
+def resting_cop(scene: Scene, presses: Sequence[Contact]) -> Point:
+    """Return the centre of pressure [m] in B under presses without drag."""
+    loads = [contact.load for contact in presses]
+    points = [contact.point for contact in presses]
+    return center_of_pressure(scene.weight_on, (0.0, 0.0), loads, points)
+
+
+def press_utilisation(scene: Scene, load: float, pushed: float = 0.0) -> float:
+    """Return the friction utilisation of a press of ``load`` [N] that slides the object
+    straight, as believed; ``pushed`` [N] as in ``friction_use``.
+    """
+    belief = scene.belief
+    mu_s = belief.support_friction
+    return friction_use(load, scene.weight_on, mu_s, belief.contact_friction, pushed)

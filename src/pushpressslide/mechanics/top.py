@@ -1,5 +1,6 @@
-"""The top of an object, seen as a place to press: an upright shape's top is its base's
-outline. All in B.
+"""The top of an object as a place to press, in B.
+
+The top of an upright shape has the outline of its base.
 """
 
 from __future__ import annotations

@@ -14,34 +14,21 @@ from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import ClassVar, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.refusal import SKIPPED, Refusal, literal
-from pushpressslide.core.task import Task
+from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.identification.online import AxleIdentifier, Identified
 from pushpressslide.planning.side_contacts import given_to
-from pushpressslide.robots.reach import held_somehow_problem
-from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
+from pushpressslide.planning.workspace import poses_along, workspace_refusal
+from pushpressslide.robots.contact_reach import contact_refusal
 
-TURN = 2.0 * math.pi
-# [rad] that a tool tilted away from its arm leans along the face: less is not tried,
-# nor is more
-ASIDE = (math.radians(20.0), math.radians(60.0))
-# from behind the contact, of a tool that turns with the object
-LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
-TURNING = 0.3  # [rad] of the object on its path, from which such tools are tried
-REACH_STEP = 0.03  # [m] of path between the places that are checked for reach
-ENOUGH = 8  # feasible choices of one mode, after which no other is evaluated
-NOT_EVALUATED = Refusal(
-    SKIPPED, "not judged in full, as there is one that is no slower"
-)
 CROSSING = Refusal("arms_cross", "the arms would cross")
+BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
 
 Allocator = Callable[[float, float, float], Allocation]
 
@@ -75,8 +62,18 @@ class Draft:
     ordered: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """From where a segment is led on."""
+
+    X_WB: Pose2
+    contacts: tuple[Contact, ...]  # where they really are
+    longest: float  # [m] that the way may be
+    identified: Identified | None = None  # of the virtual axle, on the way
+
+
 class Course(NamedTuple):
-    """Where a segment is led from here."""
+    """How a segment is led on."""
 
     contacts: tuple[Contact, ...]
     drive: Drive
@@ -96,12 +93,19 @@ class Mode(ABC):
     # neighbouring faces pushed at once in random tasks; 0: pressed; None: none are drawn
     pushed_faces: ClassVar[int | None]
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
+    vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
-    @abstractmethod
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each
         judged feasible or not; evaluated until ``enough`` are feasible.
         """
+        return search(task, self.drafts(task), enough)
+
+    def drafts(self, task: Task) -> Sequence[Draft | Choice]:
+        """Return a draft for each placement of the contacts, or a choice with what
+        stands against all of them; nothing where the mode makes ``choices`` itself.
+        """
+        return ()
 
     @abstractmethod
     def tracker(self, task: Task, segment: Segment) -> Tracker:
@@ -120,18 +124,15 @@ class Mode(ABC):
         About the CoM for pushes, about the centre of pressure ``cop`` [m] for presses.
         """
 
+    def allocator_of(self, segment: Segment, friction: float) -> Allocator:
+        """Return the allocator of a segment's contacts with its drive."""
+        drive = segment.drive
+        return self.allocator(segment.contacts, friction, drive.rho, drive.center)
+
     @abstractmethod
-    def course(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        contacts: tuple[Contact, ...],
-        longest: float,
-        identified: Identified | None,
-    ) -> Course | None:
-        """Return how a segment is led to its goal from ``X_WB`` with ``contacts`` where
-        they really are; None if that takes more than ``longest`` [m].
+    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+        """Return how a segment is led to its goal from where object and contacts were
+        ``measured``; None if that takes too long a way.
         """
 
     def replan(
@@ -143,17 +144,26 @@ class Mode(ABC):
         longest: float,
         identified: Identified | None = None,
     ) -> tuple[Segment, ...]:
-        """Return ``segments`` with the first one replanned from where object and
-        contacts (points in B [m]) really are; none if that takes more than ``longest``
-        [m]. ``identified``: what was seen of the virtual axle on the way.
+        """Return ``segments`` replanned from where object and contacts (points in B
+        [m]) really are; none if that takes more than ``longest`` [m]. ``identified``:
+        what was seen of the virtual axle on the way.
         """
-        first, *others = segments
         contacts = tuple(
             replace(contact, point=point)
-            for contact, point in zip(first.contacts, touched, strict=True)
+            for contact, point in zip(segments[0].contacts, touched, strict=True)
         )
-        course = self.course(task, first, X_WB, contacts, longest, identified)
-        if course is None:
+        measured = Measured(X_WB, contacts, longest, identified)
+        return self.onward(task, segments, measured)
+
+    def onward(
+        self, task: Task, segments: Sequence[Segment], measured: Measured
+    ) -> tuple[Segment, ...]:
+        """Return ``segments`` with the first one on its course from what was
+        ``measured``; none where there is no course, or only a longer one.
+        """
+        first, *others = segments
+        course = self.course(task, first, measured)
+        if course is None or course.path.length > measured.longest:
             return ()
         led = replace(first, contacts=course.contacts, drive=course.drive)
         return (led.follows(course.path), *others)
@@ -209,7 +219,14 @@ def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Ch
     return sorted(out, key=promptness)
 
 
-def with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
+def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
+    """Return a choice for each way in which its contacts are ``assigned`` to arms; the
+    choice refused where there is none.
+    """
+    return [_with_arms(choice, arms) for arms in assigned] or [choice.refused(CROSSING)]
+
+
+def _with_arms(choice: Choice, arms: Sequence[int]) -> Choice:
     """Return a choice with its contacts given to ``arms``."""
     contacts = given_to(choice.contacts, arms)
     segments = tuple(replace(piece, contacts=contacts) for piece in choice.segments)
@@ -234,81 +251,9 @@ def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
         return Refusal("time_limit", text, choice.time, limit, "s")
     for piece in choice.segments:
         poses = poses_along(piece)
-        refusal = workspace_refusal(task, poses)
+        refusal = workspace_refusal(task.object, task.limits, poses)
         for contact in piece.contacts:
-            refusal = refusal or _reach_refusal(task, contact, poses)
+            refusal = refusal or contact_refusal(task.scene, contact, poses)
         if refusal is not None:
             return refusal
     return None
-
-
-def poses_along(piece: Segment) -> list[Pose2]:
-    """Return X_WB along a segment, at most REACH_STEP apart."""
-    path = piece.path
-    X_VB = piece.X_BV.inverse()
-    steps = max(3, math.ceil(path.length / REACH_STEP))
-    return [path.pose(path.length * i / steps).compose(X_VB) for i in range(steps + 1)]
-
-
-def workspace_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
-    """Return where the object's frame G would leave the workspace along ``poses``
-    X_WB.
-    """
-    bounds = task.limits.workspace
-    if bounds is None:
-        return None
-    x_min, x_max, y_min, y_max = bounds
-    X_BG = task.object.X_GB.inverse()
-    for X_WB in poses:
-        X = X_WB.compose(X_BG)
-        if not (x_min <= X.x <= x_max and y_min <= X.y <= y_max):
-            place = f"({X.x:.3f}, {X.y:.3f})"
-            return Refusal("workspace", f"the path leaves limits.workspace at {place}")
-    return None
-
-
-def _reach_refusal(task: Task, contact: Contact, bodies: list[Pose2]) -> Refusal | None:
-    """Return why the arm of a contact cannot follow it along the body poses X_WB; None
-    if it can.
-    """
-    robot = task.robots[contact.arm]
-    frame = task.support.frame
-    point, height = contact.tip_place(robot.tip_radius)
-    points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
-    middle = bodies[len(bodies) // 2]
-    azimuths = tool_azimuths(contact, middle, task.scene.bases[contact.arm])
-    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
-    tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
-    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
-    if np.ptp(yaws) > TURNING:
-        behind = math.atan2(contact.normal[1], contact.normal[0])
-        holds += [
-            (
-                ToolAttitude(TOOL_TILTS[-1], side, frame.axes, turns=True),
-                yaws + behind + lean - side,
-            )
-            for lean in LEANS
-            for side in SIDES
-        ]
-    problem = held_somehow_problem(robot, points, holds)
-    return None if problem is None else Refusal("reach", literal(problem))
-
-
-def tool_azimuths(
-    contact: Contact, X_WB: Pose2, base: tuple[float, float, float]
-) -> tuple[float, ...]:
-    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing
-    contact, straight and, as far as the face allows it, away from the arm; under the
-    arm, or away from it, on top.
-    """
-    x, y = X_WB.apply(contact.point)
-    outward = math.atan2(y - base[1], x - base[0])
-    if contact.kind == "top":
-        return (outward, outward + math.pi)
-    nx, ny = X_WB.rotate(contact.normal)
-    behind = math.atan2(ny, nx)
-    aside = math.remainder(outward - behind, TURN)
-    if not ASIDE[0] < abs(aside) < 0.5 * math.pi:
-        return (behind,)
-    return (behind, behind + math.copysign(min(abs(aside), ASIDE[1]), aside))

@@ -17,70 +17,62 @@ from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
-from pushpressslide.core.path import SpeedProfile
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
-from pushpressslide.core.task import Task
-from pushpressslide.core.twist_path import TwistPath, screw
+from pushpressslide.core.task import Motion, Task, Vehicle
 from pushpressslide.core.wrench import Twist
-from pushpressslide.identification.online import Identified
-from pushpressslide.mechanics.face_push import on_face
-from pushpressslide.mechanics.faces import Face, faces
+from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import (
-    CROSSING,
-    ENOUGH,
-    Allocator,
-    Course,
-    Draft,
-    Mode,
-    search,
-    with_arms,
+from pushpressslide.modes.base import Allocator, Course, Draft, Measured, Tracker
+from pushpressslide.modes.shared.twist_pushes import (
+    TwistPushes,
+    driven_by_twists,
+    in_free_arms,
+)
+from pushpressslide.planning.face_placements import (
+    CORNER_CLEARANCE,
+    Contacts,
+    side_by_side,
+    side_by_side_refusal,
 )
 from pushpressslide.planning.in_cone import (
+    CONE_MARGIN,
+    ConeGoal,
     describe_cone_margin,
-    least_cone_margin,
-    path_in_cone,
 )
-from pushpressslide.planning.overhead import overhead
-from pushpressslide.planning.pushed_car import gentle_path, pushed_cars
-from pushpressslide.planning.segments import run_time, segment
-from pushpressslide.planning.side_contacts import (
-    assignments,
-    contact_height,
-    drag_refusal,
-    farthest_corner,
-    least_distance,
-    span,
+from pushpressslide.planning.overhead import path_time
+from pushpressslide.planning.pushed_car import (
+    LOOP_RATIO,
+    SLACK,
+    car_path,
+    gentle_path,
+    least_lengths,
+    pushed_cars,
 )
+from pushpressslide.planning.segments import (
+    describe_points,
+    ends_onward,
+    run_time,
+    segment,
+)
+from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, CarDrive, TwistDrive
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.axle import AxleTracker
-from pushpressslide.tracking.holonomic import HolonomicTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
-# [m] of the contacts from the CoM's line that are tried
-HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
-CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of the face
-VEHICLES = ("differential", "synchronised", "mixed")
-# in this order, where motion.vehicle is none of these: both mixed correct an error any
+VEHICLES: tuple[Vehicle, ...] = ("differential", "synchronised", "mixed")
+# in this order, where motion.vehicle is null: both mixed correct an error any
 # way at once, a car takes some look-aheads of straight path for it
-EITHER = ("mixed", "differential")
+EITHER: tuple[Vehicle, ...] = ("mixed", "differential")
 LOOK_AHEAD = 0.08  # [m]
 STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
-CONE_MARGIN = math.radians(6.0)  # that a plan keeps from its cone's edges
-REPLAN_MARGIN = math.radians(2.0)  # that a plan made under way keeps
-CORRECTION_SHARE = 0.9  # of the friction, that corrections may use
-# times the straight distance, and [m]: a longer path has turned a loop
-LOOP_RATIO = 1.25
-SLACK = 0.03
 
-Contacts = tuple[Contact, ...]
 Cars = Callable[[Face, bool], dict[Contacts, PushedCar]]
 
 
-class ParallelPush(Mode):
+class ParallelPush(TwistPushes):
     """Two arms push one face side by side."""
 
     name = "parallel_push"
@@ -91,21 +83,20 @@ class ParallelPush(Mode):
     carries_weight = False
     pushed_faces = 1
     drives = (CarDrive, TwistDrive)
+    vehicles = VEHICLES
 
-    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
-        """Return the choices of all placements."""
-        return search(task, self._drafts(task), enough)
-
-    def _drafts(self, task: Task) -> list[Draft | Choice]:
+    def drafts(self, task: Task) -> list[Draft | Choice]:
         """Return one draft for each pair of contacts on each face."""
         if not task.object.shape.corners:
             text = "a cylinder has no flat face for two tips side by side"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
+        scene = task.scene
+        motion = task.motion
+        height = contact_height(scene, motion)
         placed = [
             (face, contacts)
-            for face in faces(task.object, CORNER_CLEARANCE)
-            if task.motion.face in (None, face.index)
-            for contacts in _placements(task, face)
+            for face in pushable(task.object, CORNER_CLEARANCE, motion.face)
+            for contacts in side_by_side(scene, face, height)
         ]
 
         @cache
@@ -113,7 +104,7 @@ class ParallelPush(Mode):
             """Return the car of each pair of contacts on a face."""
             contacts = [pair for other, pair in placed if other == face]
             halves = [(face, 0.5 * math.dist(a.point, b.point)) for a, b in contacts]
-            made = pushed_cars(task, halves, contact_height(task), synchronised)
+            made = pushed_cars(scene, motion, halves, synchronised)
             return dict(zip(contacts, made, strict=True))
 
         return [
@@ -129,16 +120,15 @@ class ParallelPush(Mode):
         """Judge contacts on a face but for the arms' reach: one choice for each way to
         give them to arms.
         """
-        places = " and ".join("({:.3f}, {:.3f})".format(*c.point) for c in contacts)
+        places = describe_points(contact.point for contact in contacts)
         choice = Choice(self.name, f"face {face.index} at {places}", contacts)
         if not evaluated:
             return [replace(choice, time=_least_time(task, face))]
-        refusal = _placement_refusal(task, face, contacts)
+        refusal = side_by_side_refusal(task.scene, task.limits, face, contacts)
         if refusal is not None:
             return [choice.refused(refusal)]
         why = []
-        vehicle = task.motion.vehicle or ""
-        for kind in (vehicle,) if vehicle in VEHICLES else EITHER:
+        for kind in _vehicles(task.motion):
             try:
                 if kind == "mixed":
                     driven = self._by_twists(task, choice)
@@ -149,90 +139,52 @@ class ParallelPush(Mode):
                 driven = choice.refused(refusal_of(error, "tipping"))
             if driven.segments:
                 label = f"{choice.label}, {kind}"
-                return self._given_to_arms(task, replace(driven, label=label))
+                return in_free_arms(task, replace(driven, label=label))
             why.append(f"{kind}: {driven.refusal}")
         return [choice.refused(Refusal("no_path", literal("; ".join(why))))]
 
-    def _given_to_arms(self, task: Task, choice: Choice) -> list[Choice]:
-        """Return one choice for each way to give the contacts to the arms."""
-        (piece,) = choice.segments
-        choice = replace(choice, time=run_time(task, choice.segments))
-        poses = [
-            piece.body_pose(share * piece.path.length) for share in (0.0, 0.5, 1.0)
-        ]
-        points = [contact.point for contact in choice.contacts]
-        ways = assignments(task.scene.bases, points, poses)
-        if not ways:
-            return [choice.refused(CROSSING)]
-        return [with_arms(choice, arms) for arms in ways]
-
     def _as_car(self, task: Task, choice: Choice, car: PushedCar) -> Choice:
-        """Return the choice to push as a car."""
-        start, goal = (
-            X.compose(task.object.X_GB).compose(car.X_BV)
-            for X in (task.start, task.goal)
-        )
+        """Return the choice to push as a car. Raises ValueError where there is none."""
+        start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
         curvature = task.motion.curvature_margin * car.tightest
-        longest = LOOP_RATIO * math.hypot(goal.x - start.x, goal.y - start.y) + SLACK
-        path = gentle_path(start, goal, curvature, longest)
-        if path.length > longest:
-            text = (
-                "a loop of {figure:m.2f} with radii of "
-                f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
-            )
-            return choice.refused(Refusal("loop", text, path.length, longest, "m"))
-        belief = task.believed
-        used = max((abs(k) for k, _ in path.pieces), default=0.0)
-        margin = atan(belief.contact_friction) - atan(car.lead * used)
-        max_friction = belief.support_friction * task.scene.weight_on
-        drive = CarDrive(car, max_friction, curvature)
+        path = car_path((start, goal), curvature)
+        tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
+        mu = task.believed.contact_friction
+        margin = atan(mu) - atan(car.effective_wheelbase * tightest)
+        drive = CarDrive(car, task.scene.max_friction(), curvature)
         piece = segment(
             task, self.name, choice.contacts, drive, path, cone_margin=margin
         )
         merits = (
-            f"path {path.length:.3f} m, {used / car.tightest:.2f} of the tightest "
+            f"path {path.length:.3f} m, {tightest / car.tightest:.2f} of the tightest "
             "curve used"
         )
-        return replace(choice, segments=(piece,), merits=merits)
+        time = run_time(task.motion, (piece,))
+        return replace(choice, segments=(piece,), time=time, merits=merits)
 
     def _by_twists(self, task: Task, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
-        direct = screw(start, goal)
-        radius = farthest_corner(task.object)
-        surface = push_surface(task.scene, choice.contacts[0].height, Twist(*direct))
+        cone_goal = ConeGoal.from_task(task, LOOP_RATIO, SLACK)
+        height = choice.contacts[0].height
+        surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)
-        longest = LOOP_RATIO * TwistPath.between((start, goal), radius).length + SLACK
-        path = path_in_cone(start, goal, cone, CONE_MARGIN, radius, longest)
-        if path is None:
-            margin = cone.angle(*direct)
-            text = (
-                f"the direct way is {describe_cone_margin(margin, CONE_MARGIN)}; "
-                f"no three twists of {longest:.2f} m"
-            )
-            refusal = Refusal("outside_cone", text, margin, CONE_MARGIN, "rad")
-            return choice.refused(refusal)
-        margin = least_cone_margin(path, cone)
-        drive = TwistDrive(surface, radius)
-        piece = segment(
-            task, self.name, choice.contacts, drive, path, cone_margin=margin
+        path = cone_goal.path(cone)
+        if path is not None:
+            return driven_by_twists(task, choice, path, cone)
+        margin = cone.angle(*cone_goal.direct)
+        text = (
+            f"the direct way is {describe_cone_margin(margin)}; "
+            f"no three twists of {cone_goal.longest:.2f} m"
         )
-        merits = (
-            f"path {path.length:.3f} m of {len(path.pieces)} twist(s), "
-            f"{describe_cone_margin(margin, CONE_MARGIN)}"
-        )
-        return replace(choice, segments=(piece,), merits=merits)
+        return choice.refused(Refusal("outside_cone", text, margin, CONE_MARGIN, "rad"))
 
-    def tracker(self, task: Task, segment: Segment) -> AxleTracker | HolonomicTracker:
-        """Return the law for a segment: look-ahead alignment of a car; else the
-        holonomic one, corrected within the cone of CORRECTION_SHARE of the friction.
+    def tracker(self, task: Task, segment: Segment) -> Tracker:
+        """Return the law for a segment: look-ahead alignment of a car; else that of
+        twists.
         """
         drive = segment.drive
-        if isinstance(drive, TwistDrive):
-            friction = CORRECTION_SHARE * task.believed.contact_friction
-            cone = TwistCone(segment.contacts, friction, drive.surface)
-            return HolonomicTracker(drive.X_BV, cone.surface, cone.nearest)
-        assert isinstance(drive, CarDrive)
+        if not isinstance(drive, CarDrive):
+            return super().tracker(task, segment)
         look_ahead = task.motion.look_ahead or LOOK_AHEAD
         law = LookAheadAlignment(look_ahead, STEERING_SHARE * drive.car.tightest)
         return AxleTracker(law, drive.car, drive.max_friction)
@@ -262,85 +214,31 @@ class ParallelPush(Mode):
             return ()
         return super().again(task, segment, X_WB, touched)
 
-    def course(
-        self,
-        task: Task,
-        segment: Segment,
-        X_WB: Pose2,
-        contacts: tuple[Contact, ...],
-        longest: float,
-        identified: Identified | None,
-    ) -> Course | None:
+    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contacts; how the object moves is believed as
         before.
         """
         drive = segment.drive
-        start = X_WB.compose(drive.X_BV)
-        goal = segment.goal.compose(task.object.X_GB).compose(drive.X_BV)
-        path: MotionPath | None
-        if isinstance(drive, TwistDrive):
-            cone = TwistCone(contacts, task.believed.contact_friction, drive.surface)
-            path = path_in_cone(start, goal, cone, REPLAN_MARGIN, drive.radius, longest)
-        else:
-            assert isinstance(drive, CarDrive)
-            path = gentle_path(start, goal, drive.curvature, longest)
-        if path is None or path.length > longest:
-            return None
-        return Course(contacts, drive, path)
+        if not isinstance(drive, CarDrive):
+            return super().course(task, segment, measured)
+        ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
+        path = gentle_path(*ends, drive.curvature, measured.longest)
+        return Course(measured.contacts, drive, path)
 
 
-def _placement_refusal(task: Task, face: Face, contacts: Contacts) -> Refusal | None:
-    """Return what stands against contacts on a face."""
-    left, right = contacts
-    apart = math.dist(left.point, right.point)
-    needed = least_distance(task)
-    if apart < needed:
-        text = "contacts {figure:mm.0f} apart, two tools need {allowed:mm.0f}"
-        return Refusal("too_close", text, apart, needed, "m")
-    if abs(face.offset) > 1e-9:
-        text = "no contact on the other side of the line through the CoM"
-        return Refusal("offset_contact", text)
-    return drag_refusal(task, (face,), left.height)
+def _vehicles(motion: Motion) -> tuple[Vehicle, ...]:
+    """Return how the object may be driven, in the order to try it."""
+    return EITHER if motion.vehicle is None else (motion.vehicle,)
 
 
 def _least_time(task: Task, face: Face) -> float:
-    """The least time [s] that a push on a face can take: about straight to the goal."""
-    motion = task.motion
-    start, goal = (X.compose(task.object.X_GB) for X in (task.start, task.goal))
-    direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
-    # of a car's axle, somewhere ahead of the CoM
-    ax, ay = start.rotate(face.normal)
-    bx, by = goal.rotate(face.normal)
-    x = goal.x - start.x
-    y = goal.y - start.y
-    dx = bx - ax
-    dy = by - ay
-    square = dx * dx + dy * dy
-    ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
-    axle = math.hypot(x + ahead * dx, y + ahead * dy)
-    vehicle: str | None = motion.vehicle
-    least = min(direct, axle)
-    if vehicle == "mixed":
-        least = direct
-    elif vehicle in VEHICLES:
-        least = axle
-    return SpeedProfile(least, motion.speed, motion.acceleration).duration + overhead(
-        task
-    )
-
-
-def _placements(task: Task, face: Face) -> list[Contacts]:
-    """Return contacts left and right of the line through the CoM, the widest first."""
-    low, high = span(task.object, face)
-    inside = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
-    height = contact_height(task)
-    return [
-        tuple(
-            Contact(i, "side", on_face(face, y), face.normal, height)
-            for i, y in enumerate((half_width, -half_width))
-        )
-        for half_width in dict.fromkeys(min(w, inside) for w in HALF_WIDTHS)
-    ]
+    """Return the least time [s] that a push on a face can take: about straight to the
+    goal.
+    """
+    by_twists, as_car = least_lengths(task, face)
+    lengths = {"mixed": by_twists, "differential": as_car, "synchronised": as_car}
+    least = min(lengths[kind] for kind in _vehicles(task.motion))
+    return path_time(task.motion, least)
 
 
 MODE = ParallelPush()

@@ -1,3 +1,1 @@
-"""The fast engine: quasi-static sliding on a limit surface, without Drake; runs the
-same controller.
-"""
+"""The fast engine: quasi-static sliding on the exact limit surface, without Drake."""

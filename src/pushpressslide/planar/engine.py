@@ -11,9 +11,9 @@ from pushpressslide.planar.plant import PlanarPlant
 
 
 def run(plan: Plan, options: RunOptions | None = None) -> Record:
-    """Run ``plan`` from the task's true start and return its record; deterministic for
-    a seed.
+    """Run ``plan`` from the task's true start and return its record.
 
-    Movable obstacles are not modelled: the object passes through them.
+    The record is deterministic for a seed. Movable obstacles are not modelled: the
+    object passes through them.
     """
     return run_loop(PlanarPlant(plan), plan, options)

@@ -19,8 +19,9 @@ TOUCH_AND_RELEASE = 6.0  # [s] typical time of both, for the progress
 
 
 class PlanarPlant:
-    """An object and tips without arms; at a hand-over the tips are put before their new
-    contacts at once.
+    """An object and tips without arms.
+
+    At a hand-over the tips are put before their new contacts at once.
     """
 
     name = "planar"
@@ -83,4 +84,4 @@ class PlanarPlant:
         """Put the tips of all arms but ``lasting`` before their new contacts."""
         self._world = World(placement.task, placement.contacts, self._period)
         gap = placement.task.motion.approach_distance
-        self._now = self._world.regrasp(self._now, gap, lasting)
+        self._now = self._world.handed_over(self._now, gap, lasting)

@@ -27,28 +27,28 @@ FRAMES_PER_SECOND = 30
 FORCE_SCALE = 0.02  # [m/N] length of the force arrows
 
 
-def write_replay(task: Task, plan: Plan, record: Record, out: Path) -> Path:
-    """Write the page to the file ``out`` (a folder: to replay.html in it), whole or not
-    at all; return it.
+def write_replay(plan: Plan, record: Record, out: Path) -> Path:
+    """Write the page to the file ``out``, whole or not at all, and return its path.
+
+    In a folder ``out`` it is replay.html.
     """
-    data = json.dumps(
-        replay_data(task, plan, record), separators=(",", ":"), allow_nan=False
-    )
+    data = json.dumps(replay_data(plan, record), separators=(",", ":"), allow_nan=False)
     template = (
         resources.files("pushpressslide.planar")
         .joinpath("replay_page.html")
         .read_text("utf-8")
     )
-    page = template.replace("@TITLE@", escape(task.name)).replace(
+    page = template.replace("@TITLE@", escape(plan.task.name)).replace(
         '"@DATA@"', data.replace("</", "<\\/")
     )
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
-def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def replay_data(plan: Plan, record: Record) -> dict[str, Any]:
     """Return what the page plays: metres, degrees and newtons, rounded to 0.1 mm, 0.01
     degree and 0.01 N.
     """
+    task = plan.task
     arrays = record.arrays
     time = arrays["time"]
     frames = _frames(time)
@@ -59,7 +59,9 @@ def replay_data(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     ]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][frames], 1, 0))
-    contacts = [contact for grasp in plan.by_placement for contact in grasp.contacts]
+    contacts = [
+        contact for placement in plan.by_placement for contact in placement.contacts
+    ]
     return {
         **_scene_data(task),
         "time": np.round(time[frames] - time[0], 3).tolist() if len(time) else [],

@@ -106,9 +106,11 @@ class World:
         ]
 
     def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:
-        """Return the state with the object at ``X_WG`` and each tip ``gap`` [m] before
-        its contact on an object at ``planned``; a tip without a contact is at its
-        robot's base.
+        """Return the state with the object at ``X_WG`` and the tips before their
+        contacts.
+
+        Each tip is ``gap`` [m] before its contact on an object at ``planned``. A tip
+        without a contact is at its robot's base.
         """
         X_WB = planned.compose(self.task.object.X_GB)
         places = list(self.task.scene.bases)
@@ -123,7 +125,7 @@ class World:
             X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False
         )
 
-    def regrasp(
+    def handed_over(
         self, state: WorldState, gap: float, kept: Collection[int]
     ) -> WorldState:
         """Return ``state`` with each tip ``gap`` [m] before its new contact, but for

@@ -8,14 +8,19 @@ where the goal lies, last back to its yaw.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
+from pushpressslide.planning.side_contacts import farthest_corner
 
+CONE_MARGIN = math.radians(6.0)  # that a plan keeps from its cone's edges
+REPLAN_MARGIN = math.radians(2.0)  # that a plan made under way keeps
 # lengths of the first and the last piece, in units of the screw to the goal
 SHARES = (0.15, 0.3, 0.5, 0.75)
 
@@ -23,26 +28,57 @@ SHARES = (0.15, 0.3, 0.5, 0.75)
 class Cone(Protocol):
     """Twists of the body that can be driven."""
 
-    def spare(self, vx: float, vy: float, w: float) -> float:
+    def cone_margin(self, vx: float, vy: float, w: float) -> float:
         """Return how far inside the cone a twist lies [rad], whatever its size;
         negative outside.
         """
         ...
 
-    def spares(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return ``spare`` (m,) of twists (m, 3)."""
+    def cone_margins(self, twists: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return ``cone_margin`` (m,) of twists (m, 3)."""
         ...
 
     def rays(self, least: float) -> list[TwistRate]:
-        """Return some twists all round the cone, with ``least`` [rad] to spare."""
+        """Return some twists all round the cone, that are ``least`` [rad] inside."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class ConeGoal:
+    """What driving the body by twists of a cone from start to goal asks for."""
+
+    start: Pose2  # X_WB
+    goal: Pose2  # X_WB
+    radius: float  # [m] that weighs turns in the length
+    longest: float  # [m] that the way may be
+
+    @classmethod
+    def from_task(cls, task: Task, loop_ratio: float, slack: float = 0.0) -> ConeGoal:
+        """Return that of a task, the longest way ``loop_ratio`` times the direct one and
+        ``slack`` [m].
+        """
+        ends = task.body_ends
+        radius = farthest_corner(task.object)
+        longest = loop_ratio * TwistPath.between(ends, radius).length + slack
+        return cls(*ends, radius, longest)
+
+    @property
+    def direct(self) -> TwistRate:
+        """The one twist that leads there."""
+        return screw(self.start, self.goal)
+
+    def path(self, cone: Cone) -> TwistPath | None:
+        """Return the path by twists CONE_MARGIN inside ``cone``; None if there is none."""
+        return path_in_cone(
+            self.start, self.goal, cone, CONE_MARGIN, self.radius, self.longest
+        )
 
 
 def path_in_cone(
     start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the shortest path found from ``start`` to ``goal`` whose twists all have
-    ``least`` [rad] to spare.
+    """Return the shortest path found from ``start`` to ``goal`` whose twists are all
+    ``least`` [rad] inside ``cone``.
 
     A screw; or one with a piece along a ray of the cone before it, after it, or both.
     Lengths are measured with ``radius`` [m]. Deterministic; None where nothing of up to
@@ -52,25 +88,25 @@ def path_in_cone(
     whole = _size(direct, radius)
     if whole > longest:
         return None
-    if cone.spare(*direct) >= least:
+    if cone.cone_margin(*direct) >= least:
         return TwistPath.between((start, goal), radius)
     scale = np.array([1.0, 1.0, radius])
     rays = np.array(cone.rays(least)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
-    ways = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
-    twists = ways[:, None] * np.concatenate(
+    ends = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
+    twists = ends[:, None] * np.concatenate(
         [np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))]
     )
     firsts = reached(start, twists)
     lasts = reached(goal, -twists)
     middles = screws(firsts, lasts)
-    lengths = np.linalg.norm(middles * scale, axis=-1) + ways[:, None] + ways
+    lengths = np.linalg.norm(middles * scale, axis=-1) + ends[:, None] + ends
     lengths = np.where(
-        cone.spares(middles.reshape(-1, 3)).reshape(lengths.shape) >= least,
+        cone.cone_margins(middles.reshape(-1, 3)).reshape(lengths.shape) >= least,
         lengths,
         math.inf,
     )
-    i, j = divmod(int(np.argmin(lengths)), len(ways))
+    i, j = divmod(int(np.argmin(lengths)), len(ends))
     if lengths[i, j] >= longest:
         return None
     return TwistPath.between(
@@ -80,10 +116,10 @@ def path_in_cone(
 
 def least_cone_margin(path: TwistPath, cone: Cone) -> float:
     """Return how far inside the cone the worst piece of a path lies."""
-    return min((cone.spare(*rate) for rate, _ in path.pieces), default=math.inf)
+    return min((cone.cone_margin(*rate) for rate, _ in path.pieces), default=math.inf)
 
 
-def describe_cone_margin(margin: float, required: float) -> str:
+def describe_cone_margin(margin: float, required: float = CONE_MARGIN) -> str:
     """Return in words how far inside a cone something is, and what is needed [rad]."""
     degrees = math.degrees(margin)
     if margin >= required:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.task import ObjectModel
-from pushpressslide.mechanics.faces import Face, faces
-from pushpressslide.planning.side_contacts import on_face, span
+from pushpressslide.mechanics.face_push import on_face
+from pushpressslide.mechanics.faces import Face
+from pushpressslide.planning.side_contacts import pushable, span
 
 CORNER = 0.02  # [m] that a push stays away from its face's corners
 PLACES = [0.1 * i for i in range(11)]  # on a face, from corner to corner
@@ -32,9 +33,7 @@ def levers(
     ``face`` if that is given.
     """
     out = []
-    for candidate in faces(body, CORNER):
-        if face not in (None, candidate.index):
-            continue
+    for candidate in pushable(body, CORNER, face):
         points = [candidate.foot]
         if body.shape.corners:
             right, left = span(body, candidate)

@@ -10,38 +10,48 @@ from dataclasses import dataclass
 
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Motion, Task
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.face_push import Push, on_face, turnings
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.run_in import with_run_in
+from pushpressslide.planning.side_contacts import contact_height, farthest_corner
 from pushpressslide.rom.differential_car import DifferentialCar
+from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
-ORIGIN = (0.0, 0.0)
+# times the straight distance, and [m]: a longer path has turned a loop
+LOOP_RATIO = 1.25
+SLACK = 0.03
 RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
 # curvatures that are tried, in shares of the tightest that a plan may use
 TIGHTER = (0.3, 0.6, 1.0)
 
 
 def pushed_cars(
-    task: Task, places: Sequence[tuple[Face, float]], height: float, synchronised: bool
+    scene: Scene,
+    motion: Motion,
+    places: Sequence[tuple[Face, float]],
+    synchronised: bool,
 ) -> list[PushedCar]:
     """Return the reduced model, as believed, of contacts on each face, as far [m]
     either side of the CoM's line.
 
     Turned by normal forces alone it is a differential car, ``synchronised``, by equal
     forces, a rear-steer one (docs/mechanics.md, section 5). Axle and rho are those of
-    the exact surface, under the load that the push at ``height`` [m] itself shifts, at
-    ``curvature_margin`` of the force's way to its limits; the tightest curves are no
-    tighter than the object's. Raises ValueError where the object tips.
+    the exact surface, under the load that the push itself shifts, at
+    ``motion.curvature_margin`` of the force's way to its limits; the tightest curves
+    are no tighter than the object's. Raises ValueError where the object tips.
     """
-    belief = task.believed
+    belief = scene.belief
     if belief.rho is not None:
-        shift = height * belief.support_friction
+        shift = contact_height(scene, motion) * belief.support_friction
         fits = [_Fit(belief.rho, shift, math.inf, math.inf) for _ in places]
     else:
-        fits = _fits(task, places, height, synchronised)
+        fits = _fits(scene, motion, places, synchronised)
     return [
         _car(face, half_width, belief.contact_friction, fit, synchronised)
         for (face, half_width), fit in zip(places, fits, strict=True)
@@ -59,13 +69,16 @@ class _Fit:
 
 
 def _fits(
-    task: Task, places: Sequence[tuple[Face, float]], height: float, synchronised: bool
+    scene: Scene,
+    motion: Motion,
+    places: Sequence[tuple[Face, float]],
+    synchronised: bool,
 ) -> list[_Fit]:
     """Return rho and shift of the exact surface, at ``curvature_margin`` of the force's
     way to its limits.
     """
-    belief = task.believed
-    use = task.motion.curvature_margin
+    belief = scene.belief
+    use = motion.curvature_margin
     mu_a = belief.contact_friction
     pushes = []
     for face, half_width in places:
@@ -74,7 +87,8 @@ def _fits(
             if synchronised:
                 off = (0.0, share * mu_a)
             pushes.append(Push(face, *off))
-    turned = turnings(task.object, belief.support_friction, height, pushes)
+    height = contact_height(scene, motion)
+    turned = turnings(scene.body, belief.support_friction, height, pushes)
     out = []
     for i, (face, half_width) in enumerate(places):
         right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]
@@ -88,13 +102,13 @@ def _fits(
             arm = face.depth
         rho = math.sqrt(arm * use * limit * mean)
         axle = 0.5 * (right.axle + left.axle)
-        shift = axle - _lead(face, rho, synchronised)
+        shift = axle - _wheelbase(face, rho, synchronised)
         tightest = abs(rightmost.curvature), abs(leftmost.curvature)
         out.append(_Fit(rho, shift, *tightest))
     return out
 
 
-def _lead(face: Face, rho: float, synchronised: bool) -> float:
+def _wheelbase(face: Face, rho: float, synchronised: bool) -> float:
     """Return how far [m] the axle is ahead of the centre of pressure."""
     if not synchronised:
         return 0.0
@@ -107,7 +121,7 @@ def _car(
     """Return the reduced model of contacts on one face."""
     rho = fit.rho
     heading = math.atan2(face.normal[1], face.normal[0])
-    lead = _lead(face, rho, synchronised)
+    wheelbase = _wheelbase(face, rho, synchronised)
     car: DifferentialCar | RearSteerCar
     if synchronised:
         car = RearSteerCar(on_face(face, 0.0), face.normal, ORIGIN, rho, mu_a)
@@ -116,7 +130,39 @@ def _car(
     low, high = car.curvature_limits
     left = min(high, fit.left)
     right = min(-low, fit.right)
-    return PushedCar(heading, fit.shift + lead, lead, rho, left, right)
+    return PushedCar(heading, fit.shift + wheelbase, wheelbase, rho, left, right)
+
+
+def least_lengths(task: Task, face: Face) -> tuple[float, float]:
+    """Return the least ways [m] to the goal by pushes on a face: by twists of the
+    object, and of a car's axle, which is somewhere ahead of the CoM.
+    """
+    start, goal = task.body_ends
+    direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
+    ax, ay = start.rotate(face.normal)
+    bx, by = goal.rotate(face.normal)
+    x = goal.x - start.x
+    y = goal.y - start.y
+    dx = bx - ax
+    dy = by - ay
+    square = dx * dx + dy * dy
+    ahead = max(0.0, -(x * dx + y * dy) / square) if square > 0.0 else 0.0
+    return direct, math.hypot(x + ahead * dx, y + ahead * dy)
+
+
+def car_path(ends: tuple[Pose2, Pose2], curvature: float) -> ArcPath:
+    """Return the gentle path of a car's axle between its ``ends``, with curvatures up
+    to ``curvature`` [1/m]. Raises RefusedError where it has to turn a loop.
+    """
+    longest = LOOP_RATIO * math.dist(*(X_WV.position for X_WV in ends)) + SLACK
+    path = gentle_path(*ends, curvature, longest)
+    if path.length > longest:
+        text = (
+            "a loop of {figure:m.2f} with radii of "
+            f"{1.0 / curvature:.3f} m and no way back, allowed {{allowed:m.2f}}"
+        )
+        raise RefusedError(Refusal("loop", text, path.length, longest, "m"))
+    return path
 
 
 def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:

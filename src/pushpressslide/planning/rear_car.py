@@ -5,21 +5,28 @@ and its paths.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Limits, Motion, Task
+from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
+from pushpressslide.mechanics.virtual_axle import turned
 from pushpressslide.planning.run_in import with_run_in
+from pushpressslide.planning.side_contacts import contact_height, drag_refusal
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 # a path longer than this times the straight distance has turned a loop
 LOOP_RATIO = 1.5
+RESOLUTION = 6  # of the base
 # [rad/s] of the object at most: beyond it the tip slips where the steering jumps
 TURN_RATE = 0.8
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
@@ -46,26 +53,61 @@ class Route(NamedTuple):
     speed: float  # [m/s]
 
 
-def planned_angles(task: Task) -> tuple[float, float]:
+def planned_angles(scene: Scene, motion: Motion) -> tuple[float, float]:
     """Force angles [rad]: at which the path turns, and at the cone's edge."""
-    edge = math.atan(task.believed.contact_friction)
-    return task.motion.curvature_margin * edge, edge
+    edge = math.atan(scene.belief.contact_friction)
+    return motion.curvature_margin * edge, edge
+
+
+def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
+    """Return the twists (n, 2, 3) of the CoM that pushes on n faces drive at
+    ``planned_angles``; NaN where the object tips.
+    """
+    feet = np.repeat([face.foot for face in pushed], 2, axis=0)
+    axes = [
+        turned((-x / math.hypot(x, y), -y / math.hypot(x, y)), angle)
+        for x, y in (face.foot for face in pushed)
+        for angle in planned_angles(scene, motion)
+    ]
+    lift = contact_height(scene, motion) * scene.belief.support_friction
+    base = DraggedBase(scene.body, lift, RESOLUTION)
+    slid = base.slide(np.zeros_like(feet), feet, np.array(axes))
+    return slid.twists.reshape(-1, 2, 3)
+
+
+def contact_refusal(
+    scene: Scene, limits: Limits, face: Face, height: float
+) -> Refusal | None:
+    """Return what stands against one push on a face at ``height`` [m]: the contact's
+    place, tipping, the force; None if nothing.
+    """
+    allowed = scene.belief.contact_friction * face.depth
+    offset = abs(face.offset)
+    if offset >= allowed:
+        text = (
+            "a straight push needs the contact within {allowed:mm.0f} of the line "
+            "through the CoM, it is {figure:mm.0f} off"
+        )
+        return Refusal("offset_contact", text, offset, allowed, "m")
+    return drag_refusal(scene, limits, (face,), height)
 
 
 def fitted_car(
-    task: Task, face: Face, height: float, twists: Array
+    scene: Scene, motion: Motion, face: Face, twists: Array
 ) -> tuple[RearSteerCar, float]:
-    """Return the reduced model of a push on ``face`` at ``height`` [m], and how far
-    ahead of the CoM its CoP is [m].
+    """Return the reduced model of a push on ``face``, and how far ahead of the CoM its
+    CoP is [m].
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angle at which the path turns, the first of ``twists``; its friction is
-    lowered by the wheelbase's growth up to the cone's edge, so that its tightest curve
-    is the object's. Raises RefusedError where the object tips.
+    those of the angle at which the path turns, the first of ``twists`` (from
+    ``push_twists``); its friction is lowered by the wheelbase's growth up to the cone's
+    edge, so that its tightest curve is the object's. Raises RefusedError where the
+    object tips.
     """
-    belief = task.believed
+    belief = scene.belief
     mu = belief.contact_friction
+    height = contact_height(scene, motion)
     shift = height * belief.support_friction
     if belief.rho is not None:
         return RearSteerCar(face.foot, face.normal, ORIGIN, belief.rho, mu), shift
@@ -84,7 +126,7 @@ def fitted_car(
         # an ellipsoid about the shifted CoP has both equal; the longer one is stable
         return axle, max(wheelbase, axle - shift)
 
-    planned_angle, edge = planned_angles(task)
+    planned_angle, edge = planned_angles(scene, motion)
     axle, wheelbase = car_like(twists[0], planned_angle)
     _, tightest = car_like(twists[1], edge)
     friction = mu * min(1.0, wheelbase / tightest)
@@ -98,9 +140,7 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     True where each has a loop.
     """
     motion = task.motion
-    X_GB = task.object.X_GB
-    start = task.start.compose(X_GB).compose(drive.X_BV)
-    goal = task.goal.compose(X_GB).compose(drive.X_BV)
+    start, goal = (X_WB.compose(drive.X_BV) for X_WB in task.body_ends)
     low, high = drive.car.curvature_limits
     straight = math.hypot(goal.x - start.x, goal.y - start.y)
     longest = LOOP_RATIO * straight + 0.02
@@ -120,6 +160,22 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     if turns:
         best = best._replace(speed=min(best.speed, TURN_RATE / max(turns)))
     return best, best.path.length > longest
+
+
+def route_onward(
+    ends: tuple[Pose2, Pose2], drive: RearSteerDrive, longest: float
+) -> ArcPath | None:
+    """Return the first path of the virtual front axle between its ``ends`` that is no
+    longer than ``longest`` [m], from the planned one to the tightest; None if none is.
+    """
+    low, high = drive.car.curvature_limits
+    planned = drive.curvature_share
+    for share in (planned, 0.5 * (1.0 + planned)):
+        for run_in in (drive.run_in, 0.5 * drive.run_in):
+            path = with_run_in(*ends, share * high, -share * low, run_in)
+            if path.length <= longest:
+                return path
+    return None
 
 
 def cone_margin(car: RearSteerCar, path: ArcPath) -> float:

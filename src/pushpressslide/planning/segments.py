@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.path import SpeedProfile
 from pushpressslide.core.plan import Contact, MotionPath, Segment
-from pushpressslide.core.task import Task
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Motion, ObjectModel, Task
 from pushpressslide.planning.overhead import overhead
 
 
@@ -27,7 +28,22 @@ def segment(
     return Segment(mode, tuple(contacts), drive, path, profile, task.goal, cone_margin)
 
 
-def run_time(task: Task, segments: Sequence[Segment], pressed: bool = False) -> float:
+def describe_points(points: Iterable[Point]) -> str:
+    """Return points [m] in words: "(0.100, 0.000) and (0.200, 0.000)"."""
+    return " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
+
+
+def run_time(
+    motion: Motion, segments: Sequence[Segment], pressed: bool = False
+) -> float:
     """Return the estimated time [s] of a run, approach and release included."""
     moving = sum(piece.profile.duration for piece in segments)
-    return moving + overhead(task, pressed)
+    return moving + overhead(motion, pressed)
+
+
+def ends_onward(
+    body: ObjectModel, segment: Segment, X_WB: Pose2, X_BV: Pose2
+) -> tuple[Pose2, Pose2]:
+    """Return V at the object's pose and at a segment's goal."""
+    goal = segment.goal.compose(body.X_GB).compose(X_BV)
+    return X_WB.compose(X_BV), goal

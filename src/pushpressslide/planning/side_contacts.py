@@ -12,35 +12,52 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import ObjectModel, Task
-from pushpressslide.mechanics.face_push import on_face as on_face
-from pushpressslide.mechanics.faces import Face, room_ahead
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Limits, Motion, ObjectModel
+from pushpressslide.mechanics.face_push import on_face
+from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
 TABLE_GAP = 0.006  # [m] of a tip above the support
 WRIST_GAP = 0.04  # [m] of the flange above the object's top
 LOW = 0.04  # [m] contact height that is taken where the tool is long enough
 TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
+# times the drag that one of two contacts may push with: more is spent against the other
+SQUEEZE = 1.6
 TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
 
 
-def contact_height(task: Task) -> float:
+def contact_height(scene: Scene, motion: Motion) -> float:
     """Return the height of the contacts above the support [m], the same for all arms:
     low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
     object.
     """
-    if task.motion.contact_height is not None:
-        return task.motion.contact_height
-    height = task.object.shape.height
-    radius = max(robot.tip_radius for robot in task.robots)
-    reach = min(robot.tip_length for robot in task.robots)
+    if motion.contact_height is not None:
+        return motion.contact_height
+    height = scene.body.shape.height
+    radius = max(robot.tip_radius for robot in scene.robots)
+    reach = min(robot.tip_length for robot in scene.robots)
     low = max(radius + 0.01, height + WRIST_GAP - reach)
     inside = min(max(low, min(LOW, 0.5 * height)), height - 0.5 * radius)
     return max(inside, radius + TABLE_GAP)
 
 
-def least_distance(task: Task) -> float:
+def least_distance(scene: Scene) -> float:
     """Return how far two tips' contacts have to be apart at least [m]."""
-    return sum(robot.tip_radius for robot in task.robots) + TOOL_ROOM
+    return sum(robot.tip_radius for robot in scene.robots) + TOOL_ROOM
+
+
+def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
+    """Return a contact on a face, ``left`` [m] of the CoM's line along the normal and
+    at ``height`` [m].
+    """
+    return Contact(arm, "side", on_face(face, left), face.normal, height)
+
+
+def pushable(body: ObjectModel, clearance: float, index: int | None) -> list[Face]:
+    """Return the faces of ``body``, contacts ``clearance`` [m] from their corners; only
+    the one with ``index`` if that is given.
+    """
+    return [face for face in faces(body, clearance) if index in (None, face.index)]
 
 
 def span(body: ObjectModel, face: Face) -> tuple[float, float]:
@@ -60,28 +77,47 @@ def farthest_corner(body: ObjectModel) -> float:
     return body.shape.farthest(body.center_of_mass)
 
 
-def drag_refusal(task: Task, pushed: Sequence[Face], height: float) -> Refusal | None:
+def drag_refusal(
+    scene: Scene, limits: Limits, pushed: Sequence[Face], height: float
+) -> Refusal | None:
     """Return what stands against pushing faces at ``height`` [m]: the object's height,
     tipping, the force; None if nothing.
     """
-    belief = task.believed
-    top = task.object.shape.height
+    top = scene.body.shape.height
     if height >= top:
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
-    ahead = min(room_ahead(task.object, face) for face in pushed)
-    highest = TIPPING_SHARE * ahead / belief.support_friction
+    ahead = min(room_ahead(scene.body, face) for face in pushed)
+    highest = TIPPING_SHARE * ahead / scene.belief.support_friction
     if height > highest:
         text = (
             "touched at {figure:mm.1f}, allowed up to {allowed:mm.1f}, "
             f"{TIPPING_SHARE:g} of the height at which the object tips"
         )
         return Refusal("tipping", text, height, highest, "m")
-    max_friction = belief.support_friction * task.scene.weight_on
-    limit = task.limits.normal_force
+    max_friction = scene.max_friction()
+    limit = limits.normal_force
     if max_friction > limit:
         text = "needs {figure:N.1f}, limits.normal_force is {allowed:Ng}"
         return Refusal("normal_force", text, max_friction, limit, "N")
+    return None
+
+
+def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | None:
+    """Return what stands against a contact that pushes with up to ``push`` [N], beside
+    another one, an object of ``max_friction`` [N]; None if nothing.
+    """
+    limit = limits.normal_force
+    squeeze = SQUEEZE * max_friction
+    if push > limit:
+        text = "pushed with up to {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, push, limit, "N")
+    if push > squeeze:
+        text = (
+            "pushed with up to {figure:N.1f}, a squeeze: allowed {allowed:N.1f}, "
+            f"{SQUEEZE:g} times the drag"
+        )
+        return Refusal("squeeze", text, push, squeeze, "N")
     return None
 
 
@@ -100,17 +136,23 @@ def assignments(
         tips = [[X.apply(p) for p in points] for X in poses]
         if any(_cross((ax, ay), a, (bx, by), b) for a, b in tips):
             continue
-        way = sum(math.dist((ax, ay), a) + math.dist((bx, by), b) for a, b in tips)
-        out.append((way, arms))
+        distance = sum(math.dist((ax, ay), a) + math.dist((bx, by), b) for a, b in tips)
+        out.append((distance, arms))
     return [arms for _, arms in sorted(out)]
 
 
 def given_to(contacts: Sequence[Contact], arms: Sequence[int]) -> tuple[Contact, ...]:
-    """Return ``contacts`` given to ``arms``, in the order of the arms."""
-    given = (
+    """Return ``contacts`` given to ``arms``: presses first, then pushes in the order of
+    the arms.
+    """
+    assigned = (
         replace(contact, arm=arm) for contact, arm in zip(contacts, arms, strict=True)
     )
-    return tuple(sorted(given, key=lambda contact: contact.arm))
+    return tuple(sorted(assigned, key=_order))
+
+
+def _order(contact: Contact) -> tuple[bool, int]:
+    return contact.kind == "side", contact.arm
 
 
 def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Robot, Task
+from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import MODELS, RobotFacts, load_facts
 
 
@@ -22,9 +24,9 @@ def robot_facts(robot: Robot) -> RobotFacts | None:
         return None
 
 
-def torque_figures(task: Task, record: Record) -> dict[str, float | None]:
+def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float | None]:
     """Return the share of ticks above a torque limit, and the largest share of one."""
-    names = [f"torque_share_{i}" for i in range(len(task.robots))]
+    names = [f"torque_share_{i}" for i in range(len(robots))]
     shares = np.array([record.arrays[name] for name in names if name in record.arrays])
     fraction = largest = None
     if shares.size:
@@ -33,10 +35,10 @@ def torque_figures(task: Task, record: Record) -> dict[str, float | None]:
     return {"torque_limit_violation_fraction": fraction, "max_torque_share": largest}
 
 
-def joint_margin(task: Task, record: Record) -> float | None:
+def joint_margin(robots: Sequence[Robot], record: Record) -> float | None:
     """Return the least distance [rad] of a joint to its limits; None without joints."""
     margins = []
-    for i, robot in enumerate(task.robots):
+    for i, robot in enumerate(robots):
         q = record.arrays.get(f"joint_position_{i}")
         if q is None or not len(q):
             continue

@@ -11,7 +11,6 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.report import series, style
 from pushpressslide.report.axle_series import AxleSeries, axle_series
 
@@ -105,7 +104,7 @@ def _direction_panel(
     ax.set_xlim(0, 180)
 
 
-def axle_over_time(task: Task, plan: Plan, record: Record) -> Figure | None:
+def axle_over_time(plan: Plan, record: Record) -> Figure | None:
     """Return the virtual axle and the tracking errors over the time of a run.
 
     None where the run was not one top press, or nothing moved. See ``AxleSeries``.
@@ -116,7 +115,7 @@ def axle_over_time(task: Task, plan: Plan, record: Record) -> Figure | None:
         return None
     made, axes = style.figure(4, 8.0)
     axes[0].get_gridspec().set_height_ratios([2.5, 0.7, 2.0, 2.0])
-    axles = axle_series(task, plan, record)
+    axles = axle_series(plan, record)
     _axle_panel(axes[0], axles, record.arrays["time"])
     _paper_panel(axes[1], axles)
     _error_panels(axes[2], axes[3], record)

@@ -13,7 +13,6 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Point
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.report import series
 
@@ -52,13 +51,13 @@ class PressedMotion:
     fy: Array
 
 
-def axle_series(task: Task, plan: Plan, record: Record) -> AxleSeries:
+def axle_series(plan: Plan, record: Record) -> AxleSeries:
     """Return the virtual axles of a run with one top press."""
     (contact,) = plan.contacts
     ex, ey = _axis(contact)
     time = record.arrays["time"]
     width = max(1, round(WINDOW / float(time[1] - time[0])))
-    motion = _pressed_motion(task, plan, record, width)
+    motion = _pressed_motion(plan, record, width)
     move = series.in_phase(record, "move")
     steady = move & _turns_steadily(motion.turn_rate, width)
     measured = np.full(len(time), np.nan)
@@ -71,7 +70,7 @@ def axle_series(task: Task, plan: Plan, record: Record) -> AxleSeries:
         fy = motion.fy[k]
         if load < LEAST_FORCE or math.hypot(fx, fy) < LEAST_FORCE:
             continue
-        press = Press(task.object, task.support.friction, contact.point, load)
+        press = Press(plan.task.object, plan.task.support.friction, contact.point, load)
         angle = math.atan2(ex * fy - ey * fx, ex * fx + ey * fy)
         with suppress(ValueError):  # the prediction tips
             axles[:, i] = press.axle(angle), press.axle(angle, 0.0), press.paper_axle()
@@ -84,9 +83,7 @@ def _axis(contact: Contact) -> Point:
     return (contact.point[0] / size, contact.point[1] / size)
 
 
-def _pressed_motion(
-    task: Task, plan: Plan, record: Record, width: int
-) -> PressedMotion:
+def _pressed_motion(plan: Plan, record: Record, width: int) -> PressedMotion:
     """Velocity of the CoM and force of the tip in B, averaged over ``width`` ticks."""
     (contact,) = plan.contacts
     ex, ey = _axis(contact)
@@ -95,7 +92,7 @@ def _pressed_motion(
     c = np.cos(yaw)
     s = np.sin(yaw)
     w = twist[:, 2]
-    x, y = task.object.center_of_mass
+    x, y = plan.task.object.center_of_mass
     vx = c * twist[:, 0] + s * twist[:, 1] - w * y
     vy = -s * twist[:, 0] + c * twist[:, 1] + w * x
     normals, tangents = series.contact_forces(plan, record)

@@ -12,7 +12,6 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.report import series
 from pushpressslide.rom.drives import PinnedDrive
@@ -23,15 +22,15 @@ outside the cone.
 """
 
 
-def contact_figures(
-    task: Task, grasps: Sequence[tuple[Plan, Record]]
-) -> dict[str, Any]:
-    """Return the figures of the contacts, over all grasps and of each.
+def contact_figures(placements: Sequence[tuple[Plan, Record]]) -> dict[str, Any]:
+    """Return the figures of the contacts, over all placements and of each.
 
     Shares are of the ticks in contact.
     """
     parts = [
-        _grasp_figures(task, grasp, part) for grasp, part in grasps if grasp.contacts
+        _placement_figures(placement, part)
+        for placement, part in placements
+        if placement.contacts
     ]
     if not parts:
         return {}
@@ -54,7 +53,7 @@ def contact_figures(
     }
 
 
-def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
+def _placement_figures(plan: Plan, record: Record) -> dict[str, Any]:
     time = record.arrays["time"]
     normals, tangents = series.contact_forces(plan, record)
     move = series.in_phase(record, "move")
@@ -63,7 +62,7 @@ def _grasp_figures(task: Task, plan: Plan, record: Record) -> dict[str, Any]:
     step = np.diff(time, append=time[-1])
     lost = contact[:, None] & (normals < series.CONTACT_FORCE)
     touching = move[:, None] & (normals >= series.CONTACT_FORCE)
-    allowed = task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
+    allowed = plan.task.contact_friction * np.maximum(normals, series.CONTACT_FORCE)
     utilisation = np.linalg.norm(tangents, axis=2) / allowed
     outside = touching & (utilisation > 1.0 + CONE_TOLERANCE)
     slips = [float(series.slip(plan, record, i)[-1]) for i in range(normals.shape[1])]
@@ -104,33 +103,33 @@ def _mean(values: Array) -> float | None:
     return float(values.mean())
 
 
-def pivots(task: Task, grasps: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
-    """Return about which point in B [m] the object turned, of each grasp that pins one.
+def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
+    """Return about which point in B [m] the object turned, for each placement that pins
+    one.
 
     Beside it: the pinned point, the centre of pressure, and the virtual axle about
     which the object would turn if the press did not hold it, as the plan has them.
     """
     out = []
-    for grasp, record in grasps:
-        drive = grasp.segments[0].drive
+    for placement, record in placements:
+        drive = placement.segments[0].drive
+        X_GB = placement.task.object.X_GB
         at = np.flatnonzero(series.contact_phase(record))
         if not isinstance(drive, PinnedDrive) or len(at) == 0:
             continue
         first, last = (
             Pose2(*map(float, record.arrays["object_pose"][i])) for i in (at[0], at[-1])
         )
-        vx, vy, w = screw(
-            first.compose(task.object.X_GB), last.compose(task.object.X_GB)
-        )
+        vx, vy, w = screw(first.compose(X_GB), last.compose(X_GB))
         turned = (-vy / w, vx / w)
-        pinned = grasp.contacts[0].point
+        pinned = placement.contacts[0].point
         others = {
             "center_of_pressure": drive.pressure,
             "virtual_axle": drive.axle,
         }
         out.append(
             {
-                "leg": grasp.segments[0].leg,
+                "leg": placement.segments[0].leg,
                 "turn": w,
                 "turned_about": turned,
                 "pressed": pinned,

@@ -55,7 +55,6 @@ class Run:
 
 def save_run(
     out: Path,
-    task: Task,
     plan: Plan,
     record: Record,
     result: Mapping[str, Any],
@@ -70,7 +69,7 @@ def save_run(
 
     out.mkdir(parents=True, exist_ok=True)
     (out / RESULT).unlink(missing_ok=True)
-    write_whole(out / TASK, dump_task(task))
+    write_whole(out / TASK, dump_task(plan.task))
     write_whole(out / PLAN, to_json(plan_to_dict(plan, choices)))
     write_whole(out / RECORD, record_to_bytes(record))
     write_whole(out / RESULT, to_json(result))

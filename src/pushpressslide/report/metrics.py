@@ -57,13 +57,13 @@ def result(
         **dict.fromkeys(MOTION_FIELDS + CONTACT_FIELDS),
     }
     if series.ticks(record) > 0:
-        grasps = series.by_grasp(plan, record)
-        out |= motion_figures(task, grasps, record)
-        out |= contact_figures(task, grasps)
-        out["pivots"] = pivots(task, grasps)
+        placements = series.by_placement(plan, record)
+        out |= motion_figures(placements, record)
+        out |= contact_figures(placements)
+        out["pivots"] = pivots(placements)
     out |= {
-        **torque_figures(task, record),
-        "joint_limit_margin": joint_margin(task, record),
+        **torque_figures(task.robots, record),
+        "joint_limit_margin": joint_margin(task.robots, record),
         **_time_figures(record),
         "bodies": _bodies(record),
         **support_figures(task, record),
@@ -147,7 +147,7 @@ def _bodies(record: Record) -> dict[str, Any]:
 
 
 def _planned(plan: Plan, record: Record) -> dict[str, Any]:
-    """What the plan foresaw, over all its stretches."""
+    """What the plan foresaw, over all its segments."""
     margins = [
         segment.cone_margin
         for segment in plan.segments
@@ -155,9 +155,9 @@ def _planned(plan: Plan, record: Record) -> dict[str, Any]:
     ]
     return {
         "path_length": sum(
-            series.path_length(stretch.path) for stretch in plan.segments
+            series.path_length(segment.path) for segment in plan.segments
         ),
-        "motion_duration": sum(stretch.profile.duration for stretch in plan.segments),
+        "motion_duration": sum(segment.profile.duration for segment in plan.segments),
         "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),
         "condition": record.meta.get("condition_planned"),

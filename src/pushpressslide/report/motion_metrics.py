@@ -32,26 +32,27 @@ MOTION_FIELDS = (
 
 
 def motion_figures(
-    task: Task, grasps: Sequence[tuple[Plan, Record]], record: Record
+    placements: Sequence[tuple[Plan, Record]], record: Record
 ) -> dict[str, Any]:
     """Return the figures ``MOTION_FIELDS`` of a run of at least one tick.
 
-    ``grasps`` are the plan and the record of each grasp that was begun.
+    ``placements`` are the plan and the record of each placement that was begun.
     """
+    body = placements[0][0].task.object
     time = record.arrays["time"]
     pose = record.arrays["object_pose"]
     tips = [
-        _tip_errors(task, contact, part)
-        for grasp, part in grasps
-        for contact in grasp.contacts
+        _tip_errors(placement.task, contact, part)
+        for placement, part in placements
+        for contact in placement.contacts
     ]
-    motion = series.motion(task, record)
+    motion = series.motion(body, record)
     tracking = zip(("along", "left", "heading"), motion.tracking_error.T, strict=True)
     return {
         "start_pose": pose[0],
         "final_pose": [*pose[-1, :2], wrap_angle(float(pose[-1, 2]))],
         "duration": float(time[-1] - time[0]),
-        "motion_duration": sum(_contact_duration(part) for _, part in grasps),
+        "motion_duration": sum(_contact_duration(part) for _, part in placements),
         "rms_position_error": _rms(motion.position_error),
         "rms_yaw_error": _rms(motion.yaw_error),
         "rms_end_effector_error": _rms(np.concatenate(tips)) if tips else None,

@@ -19,7 +19,7 @@ from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
     figures_table,
-    stretches_table,
+    segments_table,
     table,
 )
 from pushpressslide.report.plane import plan_figure
@@ -101,10 +101,7 @@ def _labels(runs: Sequence[Run]) -> list[str]:
 
 
 def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
-    curves = [
-        (name, run.record, run.task, run.plan)
-        for name, run in zip(names, runs, strict=True)
-    ]
+    curves = [(name, run.record) for name, run in zip(names, runs, strict=True)]
     return (
         "<section><h2>Side by side</h2>"
         + comparison_table(names, [run.result for run in runs])
@@ -116,7 +113,7 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 def _run_section(run: Run, page: Path, name: str) -> str:
     """Return the section of one run; writes its plots/*.png."""
     plots = []
-    for key, made in figures(run.task, run.plan, run.record).items():
+    for key, made in figures(run.plan, run.record).items():
         png = style.png(made)
         write_whole(run.folder / "plots" / f"{key}.png", png)
         plots.append(image(png, key, _caption(key)))
@@ -129,10 +126,9 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
         task_table(run.task, run.result),
-        "<h3>Choice of mode</h3>",
         _choice_part(run),
         image(plan, "plan", "The plan, made before anything moves."),
-        stretches_table(run.plan),
+        segments_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(run.result),
         "<h3>Contacts</h3>",
@@ -170,12 +166,12 @@ def _links(run: Run, page: Path) -> str:
 
 
 def _caption(key: str) -> str:
-    """What a figure shows; the names of those of one grasp end with its number."""
-    name, _, grasp = key.partition("-")
+    """What a figure shows; the names of those of one placement end with its number."""
+    name, _, placement = key.partition("-")
     caption = CAPTIONS[name]
-    if not grasp:
+    if not placement:
         return caption
-    return f"Grasp {grasp}. {caption}"
+    return f"Placement {placement}. {caption}"
 
 
 def _link(target: Path, page: Path) -> str:
@@ -183,7 +179,12 @@ def _link(target: Path, page: Path) -> str:
 
 
 def _choice_part(run: Run) -> str:
-    """Return the table of all choices that were weighed, with their reasons."""
+    """Return the table of all choices that were weighed, with their reasons.
+
+    Empty if the run has none stored.
+    """
+    if not run.choices:
+        return ""
     taken = run.plan.chosen(run.choices)
     rows = []
     marks = []
@@ -207,7 +208,7 @@ def _choice_part(run: Run) -> str:
         )
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
-    return table(head, rows, marks)
+    return "<h3>Choice of mode</h3>" + table(head, rows, marks)
 
 
 def _number_cell(value: float | None, factor: float, unit: str, decimals: int) -> str:

@@ -280,31 +280,31 @@ def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
     for part in parts:
         which = ""
         if len(placements) > 1:
-            which = f"grasp {placements.index(part) + 1}, "
+            which = f"placement {placements.index(part) + 1}, "
         for contact in part.contacts:
             model = Path(robots[contact.arm].model).name
             names.append(f"{which}arm {contact.arm}: {model}".capitalize())
     return names
 
 
-def stretches_table(plan: Plan) -> str:
-    """Return the stretches of a plan one by one; empty for a plan of one."""
+def segments_table(plan: Plan) -> str:
+    """Return the segments of a plan one by one; empty for a plan of one."""
     if len(plan.segments) < 2:
         return ""
     rows = []
-    for i, stretch in enumerate(plan.segments):
-        goal = stretch.goal
-        axle = stretch.X_BV
+    for i, segment in enumerate(plan.segments):
+        goal = segment.goal
+        axle = segment.X_BV
         cells = (
-            f"{path_length(stretch.path):.3f} m",
-            f"{stretch.profile.duration:.1f} s",
+            f"{path_length(segment.path):.3f} m",
+            f"{segment.profile.duration:.1f} s",
             f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, "
             f"{math.degrees(axle.yaw):.1f}°",
             f"({goal.x:.3f}, {goal.y:.3f}) m, {math.degrees(goal.yaw):.1f}°",
         )
         rows.append([f'<th scope="row">{i + 1}</th>', *number_cells(cells)])
     return table(
-        ("Stretch", "Path", "Time", "Tracking point, from the CoM", "Leads to"),
+        ("Segment", "Path", "Time", "Tracking point, from the CoM", "Leads to"),
         rows,
         numbers=4,
     )

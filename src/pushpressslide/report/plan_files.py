@@ -16,12 +16,13 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.modes import MODES
 
-SCHEMA = 4
+SCHEMA = 5
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
-    """Return a plan, less its task, as plain data; ``choices`` are all that selection
-    weighed.
+    """Return a plan without its task as plain data.
+
+    ``choices`` are all that selection weighed.
     """
     out: dict[str, Any] = {
         "schema": SCHEMA,
@@ -34,13 +35,13 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
 
 
 def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
-    """Return the plan of ``plan_to_dict``; raises KeyError, TypeError or ValueError on
-    other data.
+    """Return the plan of ``plan_to_dict``.
+
+    Raises KeyError, TypeError or ValueError on other data.
     """
     if data["schema"] != SCHEMA:
         raise ValueError(
-            f"plan.json has schema {data['schema']}, this version reads {SCHEMA}; run "
-            "the task again"
+            f"schema {data['schema']}, this version reads {SCHEMA}; run the task again"
         )
     if not data["segments"]:
         raise ValueError("a plan without segments")

@@ -16,7 +16,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Obstacle, Robot, Task
+from pushpressslide.core.task import Obstacle, Robot, Scene, Shape
 from pushpressslide.report import series, style
 
 if TYPE_CHECKING:
@@ -32,9 +32,9 @@ MARGIN = 0.05  # [m] around all that is shown
 EDGE = "#6B7280"  # of obstacles, bases and openings
 
 
-def outline(task: Task, pose: Pose2) -> list[Point]:
+def outline(shape: Shape, pose: Pose2) -> list[Point]:
     """Return the object's footprint at ``pose`` X_WG, as corners in the world [m]."""
-    return [pose.apply(point) for point in task.object.shape.outline()]
+    return [pose.apply(point) for point in shape.outline()]
 
 
 def plan_figure(plan: Plan) -> Figure:
@@ -42,38 +42,39 @@ def plan_figure(plan: Plan) -> Figure:
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
-    stretches = plan.segments
+    segments = plan.segments
     goal = plan.goal
-    each = max(2, STATIONS // len(stretches))
+    shape = task.object.shape
+    each = max(2, STATIONS // len(segments))
     shares = np.linspace(0.0, 1.0, each + 2)
     poses = [
-        plan.object_pose(stretch, u * stretch.path.length)
-        for stretch in stretches
+        plan.object_pose(segment, u * segment.path.length)
+        for segment in segments
         for u in shares
     ]
-    _surroundings(ax, task)
-    _footprints(ax, task, poses[1:-1], style.SKY, "planned on the way")
-    _footprint(ax, task, task.start, style.BLACK, "start", fill=True)
-    _footprint(ax, task, goal, style.GREEN, "goal", fill=True)
-    _planned_paths(ax, [stretch.path for stretch in stretches])
+    _surroundings(ax, task.scene)
+    _footprints(ax, shape, poses[1:-1], style.SKY, "planned on the way")
+    _footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
+    _footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
+    _planned_paths(ax, [segment.path for segment in segments])
     center = task.start.apply(task.object.center_of_mass)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
     _contacts(
         ax,
         [
-            (grasp, grasp.task.start.compose(task.object.X_GB))
-            for grasp in plan.by_placement
+            (placement, placement.task.start.compose(task.object.X_GB))
+            for placement in plan.by_placement
         ],
     )
-    corners = [c for pose in [*poses, task.start, goal] for c in outline(task, pose)]
-    length = sum(series.path_length(stretch.path) for stretch in stretches)
-    seconds = sum(stretch.profile.duration for stretch in stretches)
-    modes = ", ".join(grasp.segments[0].mode for grasp in plan.by_placement)
+    corners = [c for pose in [*poses, task.start, goal] for c in outline(shape, pose)]
+    length = sum(series.path_length(segment.path) for segment in segments)
+    seconds = sum(segment.profile.duration for segment in segments)
+    modes = ", ".join(placement.segments[0].mode for placement in plan.by_placement)
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
-    if len(stretches) > 1:
-        title += f", {len(stretches)} stretches"
-    _frame(ax, task, corners, title)
+    if len(segments) > 1:
+        title += f", {len(segments)} segments"
+    _frame(ax, task.scene, corners, title)
     return made
 
 
@@ -87,10 +88,12 @@ def _planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
         ax.plot(xs[0], ys[0], "o", color=style.BLUE, ms=5)
 
 
-def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
+def path_figure(plan: Plan, record: Record) -> Figure:
     """Return the run: paths, footprints, goal and measured contact forces."""
     made, axes = style.figure(height=5.6)
     ax = axes[0]
+    task = plan.task
+    shape = task.object.shape
     (ticks,) = np.nonzero(series.contact_phase(record))
     if not len(ticks):
         ticks = np.arange(series.ticks(record))
@@ -98,25 +101,25 @@ def path_figure(task: Task, plan: Plan, record: Record) -> Figure:
     picks = ticks[stations]
     poses = [_pose_at(record, i) for i in picks]
     last = _pose_at(record, -1)
-    _surroundings(ax, task)
-    _footprint(ax, task, task.goal, style.GREEN, "goal", fill=True)
-    _footprints(ax, task, poses[1:-1], style.GREY, "object on the way")
-    _footprint(ax, task, poses[0], style.BLACK, "start", dashed=True)
-    _footprint(ax, task, last, style.ORANGE, "end")
+    _surroundings(ax, task.scene)
+    _footprint(ax, shape, task.goal, style.GREEN, "goal", fill=True)
+    _footprints(ax, shape, poses[1:-1], style.GREY, "object on the way")
+    _footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
+    _footprint(ax, shape, last, style.ORANGE, "end")
     _other_bodies(ax, record)
-    tracked = series.tracked_poses(task, record)[:, :2]
+    tracked = series.tracked_poses(task.object, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
-    largest = _forces(ax, task, plan, record, picks[1:-1])
-    grasps = [
-        (grasp, _first_pose(part).compose(task.object.X_GB))
-        for grasp, part in series.by_grasp(plan, record)
+    largest = _forces(ax, plan, record, picks[1:-1])
+    placements = [
+        (placement, _first_pose(part).compose(task.object.X_GB))
+        for placement, part in series.by_placement(plan, record)
     ]
-    _contacts(ax, grasps)
+    _contacts(ax, placements)
     _force_key(ax, plan, largest)
-    corners = [c for p in [*poses, last, task.goal] for c in outline(task, p)]
+    corners = [c for p in [*poses, last, task.goal] for c in outline(shape, p)]
     corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
     view = "from above" if task.support.frame.faces_up else "from the front"
-    _frame(ax, task, corners, f"The run, seen {view}")
+    _frame(ax, task.scene, corners, f"The run, seen {view}")
     return made
 
 
@@ -138,7 +141,7 @@ def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> 
     """Draw the tracking point (N, 2) at the given ticks, and its reference paths."""
     labels: tuple[str | None, str | None] = ("tracking point", "reference path")
     look: dict[str, Any] = {"color": style.BLUE, "lw": 2.4, "ms": 5}
-    for i, reference in enumerate(series.stretch_paths(record)):
+    for i, reference in enumerate(series.segment_paths(record)):
         points = tracked[ticks[record.arrays["stretch"][ticks] == i]]
         first = [0] if len(points) else None
         ax.plot(*points.T, "-o", markevery=first, label=labels[0], **look)
@@ -151,15 +154,13 @@ def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
     """Add the largest force [N] to the legend; a press shows its shear alone."""
     if not largest > 0.0:
         return
-    kinds = {c.kind for grasp in plan.by_placement for c in grasp.contacts}
+    kinds = {c.kind for placement in plan.by_placement for c in placement.contacts}
     plane = "in the plane, " if "top" in kinds else ""
     label = f"contact force, {plane}largest {largest:.1f} N"
     ax.plot([], [], color=style.AMBER, marker=">", ms=6, label=label)
 
 
-def _forces(
-    ax: Axes, task: Task, plan: Plan, record: Record, picks: Sequence[int]
-) -> float:
+def _forces(ax: Axes, plan: Plan, record: Record, picks: Sequence[int]) -> float:
     """Draw the measured forces at the picked ticks; return the largest [N]."""
     force = record.arrays["measured_force"][:, :, :2]
     contacts = plan.contacts_by_leg
@@ -169,7 +170,7 @@ def _forces(
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
-        X_WB = _pose_at(record, tick).compose(task.object.X_GB)
+        X_WB = _pose_at(record, tick).compose(plan.task.object.X_GB)
         for contact in contacts[int(leg[tick])]:
             x, y = X_WB.apply(contact.point)
             fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])
@@ -186,16 +187,20 @@ def _forces(
 
 
 def _first_pose(record: Record) -> Pose2:
-    """Where the object is when a grasp begins to move it."""
+    """Where the object is when a placement begins to move it."""
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
-def _contacts(ax: Axes, grasps: Sequence[tuple[Plan, Pose2]]) -> None:
-    """Draw where the tips of each grasp touch the object at its X_WB.
+def _contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
+    """Draw where the tips of each placement touch the object at its X_WB.
 
     A press is a dot, a push a short arrow into the side.
     """
-    touched = [(contact, X_WB) for grasp, X_WB in grasps for contact in grasp.contacts]
+    touched = [
+        (contact, X_WB)
+        for placement, X_WB in placements
+        for contact in placement.contacts
+    ]
     kinds = {contact.kind for contact, _ in touched}
     for contact, X_WB in touched:
         x, y = X_WB.apply(contact.point)
@@ -231,7 +236,7 @@ def _polygon(ax: Axes, corners: Sequence[Point], **look: Any) -> None:
 
 def _footprint(
     ax: Axes,
-    task: Task,
+    shape: Shape,
     pose: Pose2,
     color: str,
     label: str,
@@ -240,7 +245,7 @@ def _footprint(
     dashed: bool = False,
 ) -> None:
     """Draw the object at ``pose`` X_WG, with a line from its origin to its front."""
-    corners = outline(task, pose)
+    corners = outline(shape, pose)
     if fill:
         _polygon(ax, corners, facecolor=color, alpha=0.13, edgecolor="none")
     dash = "--" if dashed else "-"
@@ -256,11 +261,11 @@ def _line(ax: Axes, start: Point, end: Point, **look: Any) -> None:
 
 
 def _footprints(
-    ax: Axes, task: Task, poses: Sequence[Pose2], color: str, label: str
+    ax: Axes, shape: Shape, poses: Sequence[Pose2], color: str, label: str
 ) -> None:
     look = {"fill": False, "edgecolor": color, "lw": 0.9, "alpha": 0.75}
     for i, pose in enumerate(poses):
-        _polygon(ax, outline(task, pose), label=None if i else label, **look)
+        _polygon(ax, outline(shape, pose), label=None if i else label, **look)
 
 
 def _rectangle(length: float, width: float) -> list[Point]:
@@ -270,20 +275,20 @@ def _rectangle(length: float, width: float) -> list[Point]:
     return [(-a, -b), (a, -b), (a, b), (-a, b)]
 
 
-def _surroundings(ax: Axes, task: Task) -> None:
+def _surroundings(ax: Axes, scene: Scene) -> None:
     """Draw the opening of the support, the obstacles and the robots' bases."""
-    opening = task.support.opening
+    opening = scene.support.opening
     if opening is not None:
         x, y = opening.center
         corners = [(x + dx, y + dy) for dx, dy in _rectangle(*opening.size)]
         _polygon(ax, corners, fill=False, edgecolor=EDGE, ls=":", label="opening")
-    for i, obstacle in enumerate(task.obstacles):
+    for i, obstacle in enumerate(scene.obstacles):
         _obstacle(ax, obstacle, "" if i else "obstacle")
-    for i, robot in enumerate(task.robots):
-        if robot.model == "hand" or not task.support.frame.faces_up:
+    for i, robot in enumerate(scene.robots):
+        if robot.model == "hand" or not scene.support.frame.faces_up:
             continue
         _base(ax, robot, "" if i else "robot base")
-        if len(task.robots) > 1:
+        if len(scene.robots) > 1:
             place = (robot.base[0], robot.base[1] - 0.5 * BASE_RADIUS)
             _name(ax, f"arm {i}", place, fontsize=7.5)
 
@@ -314,15 +319,15 @@ def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
     ax.annotate(text, place, ha="center", va="center", color=style.BLACK, **look)
 
 
-def _frame(ax: Axes, task: Task, corners: Sequence[Point], title: str) -> None:
+def _frame(ax: Axes, scene: Scene, corners: Sequence[Point], title: str) -> None:
     """Set limits around ``corners``, obstacles and bases, and label the axes."""
-    table = task.support.frame.faces_up
+    table = scene.support.frame.faces_up
     points = list(corners)
-    for obstacle in task.obstacles:
+    for obstacle in scene.obstacles:
         radius = 0.5 * math.hypot(*obstacle.size[:2])
         points += _square(obstacle.pose.position, radius)
     if table:
-        for robot in task.robots:
+        for robot in scene.robots:
             if robot.model != "hand":
                 points += _square(robot.base[:2], 0.1)
     xs = [p[0] for p in points]

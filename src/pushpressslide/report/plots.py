@@ -16,7 +16,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Robot
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
 from pushpressslide.report.arm_metrics import robot_facts
@@ -36,34 +36,34 @@ COMMANDED: dict[str, Any] = {"color": style.ORANGE, "lw": 1.0, "ls": "--"}
 TOLERANCE: dict[str, Any] = {"color": style.ORANGE, "ls": "--", "lw": 1.1}
 
 
-def figures(task: Task, plan: Plan, record: Record) -> dict[str, Figure]:
+def figures(plan: Plan, record: Record) -> dict[str, Figure]:
     """Return every figure that the record has the data for, by name, in page order."""
     if series.ticks(record) < 2:
         return {}
     made: dict[str, Figure | None] = {
-        "path": path_figure(task, plan, record),
-        "errors": errors_figure(task, plan, record),
-        "tracking": tracking_figure(task, plan, record),
+        "path": path_figure(plan, record),
+        "errors": errors_figure(plan, record),
+        "tracking": tracking_figure(plan, record),
     }
-    grasps = series.by_grasp(plan, record)
-    for i, (grasp, part) in enumerate(grasps):
-        number = f"-{i + 1}" if len(grasps) > 1 else ""
-        made[f"axle{number}"] = axle_over_time(task, grasp, part)
-        made[f"forces{number}"] = forces_figure(task, grasp, part)
-    made["torques"] = torques_figure(task, plan, record)
-    made["speeds"] = speeds_figure(task, plan, record)
+    placements = series.by_placement(plan, record)
+    for i, (placement, part) in enumerate(placements):
+        number = f"-{i + 1}" if len(placements) > 1 else ""
+        made[f"axle{number}"] = axle_over_time(placement, part)
+        made[f"forces{number}"] = forces_figure(placement, part)
+    made["torques"] = torques_figure(plan, record)
+    made["speeds"] = speeds_figure(plan, record)
     return {name: figure for name, figure in made.items() if figure is not None}
 
 
-def write_plots(task: Task, plan: Plan, record: Record, out: Path) -> list[Path]:
+def write_plots(plan: Plan, record: Record, out: Path) -> list[Path]:
     """Write every figure as a PNG into folder ``out``; return their paths."""
     return [
         write_whole(out / f"{name}.png", style.png(figure))
-        for name, figure in figures(task, plan, record).items()
+        for name, figure in figures(plan, record).items()
     ]
 
 
-def errors_figure(task: Task, plan: Plan, record: Record) -> Figure:
+def errors_figure(plan: Plan, record: Record) -> Figure:
     """Return the position and yaw error over time, with the goal's tolerance.
 
     The errors are against the reference at the same time.
@@ -73,8 +73,8 @@ def errors_figure(task: Task, plan: Plan, record: Record) -> Figure:
     top.plot(*style.thin(time, 1e3 * position), color=style.BLUE, label="object")
     bottom.plot(*style.thin(time, np.degrees(yaw)), color=style.BLUE, label="object")
     label = "tolerance at the goal"
-    tolerance = np.degrees(task.tolerance.yaw)
-    top.axhline(1e3 * task.tolerance.position, label=label, **TOLERANCE)
+    tolerance = np.degrees(plan.task.tolerance.yaw)
+    top.axhline(1e3 * plan.task.tolerance.position, label=label, **TOLERANCE)
     bottom.axhline(-tolerance, **TOLERANCE)
     bottom.axhline(tolerance, label=label, **TOLERANCE)
     top.set_ylabel("position error [mm]")
@@ -86,7 +86,7 @@ def errors_figure(task: Task, plan: Plan, record: Record) -> Figure:
     return made
 
 
-def tracking_figure(task: Task, plan: Plan, record: Record) -> Figure:
+def tracking_figure(plan: Plan, record: Record) -> Figure:
     """Return the tracking law's own errors: along and left of the path, and heading."""
     made, axes = style.figure(3, 5.6)
     move = series.in_phase(record, "move")
@@ -128,7 +128,7 @@ class ContactForces:
         return np.asarray(self.friction * np.maximum(np.nan_to_num(self.normal), 0.0))
 
 
-def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
+def forces_figure(plan: Plan, record: Record) -> Figure | None:
     """Return commanded and measured contact forces with the true friction cone.
 
     Two panels for each contact, normal and tangential. A press is set beside its
@@ -145,14 +145,14 @@ def forces_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     tangents[quiet] = np.nan
     for i, contact in enumerate(contacts):
         forces = ContactForces(
-            f"arm {contact.arm}: " if len(task.robots) > 1 else "",
+            f"arm {contact.arm}: " if len(plan.task.robots) > 1 else "",
             record.arrays["time"],
             normals[:, i],
             tangents[:, i],
             asked_normals[:, i],
             asked_tangents[:, i],
-            _by_stretch(plan, record, partial(_load, i)),
-            task.contact_friction,
+            _by_segment(plan, record, partial(_load, i)),
+            plan.task.contact_friction,
         )
         draw = _draw_press if contact.kind == "top" else _draw_push
         draw(axes[2 * i], axes[2 * i + 1], forces)
@@ -201,13 +201,13 @@ def _draw_push(upper: Axes, lower: Axes, forces: ContactForces) -> None:
         lower.plot(*shown, color=style.PURPLE, lw=0.9, label="measured, up")
 
 
-def _load(i: int, stretch: Segment) -> float:
-    return stretch.contacts[i].load
+def _load(i: int, segment: Segment) -> float:
+    return segment.contacts[i].load
 
 
-def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
+def torques_figure(plan: Plan, record: Record) -> Figure | None:
     """Return joint torques as shares of their limits; None without joints."""
-    shares = _torque_shares(task, record)
+    shares = _torque_shares(plan.task.robots, record)
     if not shares:
         return None
     made, axes = style.figure(len(shares), 0.8 + 2.5 * len(shares))
@@ -230,10 +230,10 @@ def torques_figure(task: Task, plan: Plan, record: Record) -> Figure | None:
     return made
 
 
-def _torque_shares(task: Task, record: Record) -> dict[int, Array]:
+def _torque_shares(robots: Sequence[Robot], record: Record) -> dict[int, Array]:
     """Torques (N, J) [% of the limit] of each arm whose limits are known."""
     shares = {}
-    for i, robot in enumerate(task.robots):
+    for i, robot in enumerate(robots):
         torque = record.arrays.get(f"joint_torque_{i}")
         if torque is None:
             continue
@@ -243,15 +243,15 @@ def _torque_shares(task: Task, record: Record) -> dict[int, Array]:
     return shares
 
 
-def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
+def speeds_figure(plan: Plan, record: Record) -> Figure:
     """Return the speed of the tracking point and the object's yaw rate."""
     made, (top, bottom) = style.figure(2, 4.4)
     time = record.arrays["time"]
     vx, vy, w = record.arrays["object_twist"].T
-    tracked = series.tracked_poses(task, record)[:, :2]
+    tracked = series.tracked_poses(plan.task.object, record)[:, :2]
     x, y = (tracked - record.arrays["object_pose"][:, :2]).T
     speed = np.hypot(vx - w * y, vy + w * x)
-    planned = _by_stretch(plan, record, _cruise)
+    planned = _by_segment(plan, record, _cruise)
     top.plot(*style.thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
     top.plot(*style.thin(time, 1e3 * planned), label="planned cruise", **TOLERANCE)
     yaw_rate = style.thin(time, np.degrees(w))
@@ -263,19 +263,17 @@ def speeds_figure(task: Task, plan: Plan, record: Record) -> Figure:
     return made
 
 
-def _cruise(stretch: Segment) -> float:
+def _cruise(segment: Segment) -> float:
     """Planned speed [m/s] of the tracking point; its path may be longer than 0 m."""
-    path = stretch.path
-    return stretch.profile.cruise * series.path_length(path) / (path.length or 1.0)
+    path = segment.path
+    return segment.profile.cruise * series.path_length(path) / (path.length or 1.0)
 
 
-def comparison_plot(
-    runs: Sequence[tuple[str, Record, Task, Plan]], *, title: str = ""
-) -> Figure:
+def comparison_plot(runs: Sequence[tuple[str, Record]], *, title: str = "") -> Figure:
     """Return the errors of several runs over the time since their motion began."""
     made, (top, bottom) = style.figure(2, 4.8)
     looks = ((c, dash) for dash in ("-", "--", ":", "-.") for c in style.CYCLE)
-    for (label, record, _, _), (color, dash) in zip(runs, looks, strict=False):
+    for (label, record), (color, dash) in zip(runs, looks, strict=False):
         if series.ticks(record) < 2:
             continue
         time, position, yaw = series.timed_errors(record)
@@ -301,16 +299,16 @@ def _band(ax: Axes, time: Array, low: Array, high: Array, label: str) -> None:
     ax.fill_between(sampled, bottom, top, label=label, **look)
 
 
-def _by_stretch(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
-    """Return at every tick (N,) of the move the value of its stretch.
+def _by_segment(plan: Plan, record: Record, value: Callable[[Segment], float]) -> Array:
+    """Return at every tick (N,) of the move the value of its segment.
 
     NaN in a second attempt, which is not in the plan.
     """
     number = record.arrays["stretch"]
     out = np.full(series.ticks(record), np.nan)
-    for grasp, part in series.by_grasp(plan, record):
-        for i, stretch in enumerate(
-            grasp.segments, start=int(part.arrays["stretch"][0])
+    for placement, part in series.by_placement(plan, record):
+        for i, segment in enumerate(
+            placement.segments, start=int(part.arrays["stretch"][0])
         ):
-            out[(number == i) & series.in_phase(record, "move")] = value(stretch)
+            out[(number == i) & series.in_phase(record, "move")] = value(segment)
     return out

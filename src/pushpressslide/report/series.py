@@ -17,7 +17,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, MotionPath, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import ObjectModel
 
 Mask = NDArray[np.bool_]
 
@@ -65,13 +65,14 @@ def in_phase(record: Record, *names: str) -> Mask:
 
 
 def contact_phase(record: Record) -> Mask:
-    """Return which ticks (N,) lie between first and last tick of a grasp's phase "move".
+    """Return which ticks (N,) lie between the first and the last of a placement's phase
+    "move".
 
     Regained contacts are included.
     """
     mask = np.zeros(ticks(record), dtype=bool)
     move = in_phase(record, "move")
-    # a grasp ends where its tips are drawn back
+    # a placement ends where its tips are drawn back
     number = np.cumsum(
         np.diff(in_phase(record, "release").astype(np.int8), prepend=0) < 0
     )
@@ -82,44 +83,44 @@ def contact_phase(record: Record) -> Mask:
     return mask
 
 
-def by_grasp(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
-    """Return the plan of each grasp that was begun, and what was recorded of it."""
+def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
+    """Return the plan of each placement that was begun, and what was recorded of it."""
     begun = []
     leg = record.arrays["leg"]
-    for grasp in plan.by_placement:
-        own = np.isin(leg, [stretch.leg for stretch in grasp.segments])
+    for placement in plan.by_placement:
+        own = np.isin(leg, [segment.leg for segment in placement.segments])
         if own.any():
             rows = {
                 k: v[own] for k, v in record.arrays.items() if not k.startswith("plan_")
             }
-            stretch = np.isin(record.arrays["plan_stretch"], rows["stretch"])
+            planned = np.isin(record.arrays["plan_stretch"], rows["stretch"])
             rows |= {
-                k: record.arrays[k][stretch] for k in ("plan_path", "plan_stretch")
+                k: record.arrays[k][planned] for k in ("plan_path", "plan_stretch")
             }
-            begun.append((grasp, replace(record, arrays=rows)))
+            begun.append((placement, replace(record, arrays=rows)))
     return begun
 
 
-def tracked_poses(task: Task, record: Record) -> Array:
-    """Return X_WV (N, 3): the tracking point of each tick's stretch, and its heading."""
+def tracked_poses(body: ObjectModel, record: Record) -> Array:
+    """Return X_WV (N, 3): the tracking point of each tick's segment, and its heading."""
     return compose(
-        compose(record.arrays["object_pose"], task.object.X_GB),
+        compose(record.arrays["object_pose"], body.X_GB),
         record.arrays["vehicle_frame"],
     )
 
 
-def stretch_paths(record: Record) -> list[Array]:
-    """Return the reference path of each stretch of the plan, as poses X_WV (K, 3)."""
+def segment_paths(record: Record) -> list[Array]:
+    """Return the reference path of each segment of the plan, as poses X_WV (K, 3)."""
     path = record.arrays["plan_path"]
     number = record.arrays["plan_stretch"]
     return [path[number == i] for i in range(1 + int(number.max(initial=-1)))]
 
 
-def path_errors(task: Task, record: Record) -> Array:
-    """Return the distance [m] (N,) of the tracking point to the path of its stretch."""
-    tracked = tracked_poses(task, record)[:, :2]
+def path_errors(body: ObjectModel, record: Record) -> Array:
+    """Return the distance [m] (N,) of the tracking point to the path of its segment."""
+    tracked = tracked_poses(body, record)[:, :2]
     out = np.empty(ticks(record))
-    for i, path in enumerate(stretch_paths(record)):
+    for i, path in enumerate(segment_paths(record)):
         own = record.arrays["stretch"] == i
         out[own] = distance_to_polyline(tracked[own], path[:, :2])
     return out
@@ -150,27 +151,27 @@ class Motion:
     path_error: Array  # [m] of the tracking point to the path
     tracking_error: Array  # (M, 3) along [m], left [m], heading [rad]: the law's own
     tracked: Array  # (M, 2) [m] tracking point in the world
-    stretch: Array  # index of the stretch of the plan
+    segment: Array  # index of the segment of the plan
 
     @property
     def path_length(self) -> float:
-        """Length [m] of the tracking point's path, summed over the stretches."""
+        """Length [m] of the tracking point's path, summed over the segments."""
         return sum(
-            float(travel(self.tracked[self.stretch == i])[-1])
-            for i in np.unique(self.stretch)
+            float(travel(self.tracked[self.segment == i])[-1])
+            for i in np.unique(self.segment)
         )
 
 
-def motion(task: Task, record: Record) -> Motion:
+def motion(body: ObjectModel, record: Record) -> Motion:
     """Return the series of phase "move"."""
     move = in_phase(record, "move")
     _, position_error, yaw_error = timed_errors(record)
     return Motion(
         position_error[move],
         yaw_error[move],
-        path_errors(task, record)[move],
+        path_errors(body, record)[move],
         record.arrays["tracking_error"][move],
-        tracked_poses(task, record)[move, :2],
+        tracked_poses(body, record)[move, :2],
         record.arrays["stretch"][move],
     )
 
@@ -212,7 +213,7 @@ def contact_forces(
     return normals, tangents
 
 
-def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
+def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> Array:
     """Return where on the object's surface the tip of ``contact`` touches: (N, 2) [m].
 
     Side contact: along the face (round a cylinder: the arc) and up; top contact: x and
@@ -229,7 +230,6 @@ def surface_coordinates(task: Task, record: Record, contact: Contact) -> Array:
     y = -s * dx + c * dy  # in G; B has the same axes
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
-    body = task.object
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
     along = side.coordinates(x, y)
     return np.stack([along, tip[:, 2]], axis=1)
@@ -263,14 +263,14 @@ def travel(points: Array, play: float = 0.0) -> Array:
 def slip(plan: Plan, record: Record, index: int) -> Array:
     """Return the cumulative slip [m] (N,) of contact ``index`` along the surface.
 
-    Slip counts in phase "move" while the tip touches. Each stretch of unbroken contact
+    Slip counts in phase "move" while the tip touches. Each period of unbroken contact
     is taken by itself: where the tip lands after a loss is no slip. Jitter below
     ``SLIP_PLAY`` is not summed (see ``travel``). A tip that rolls counts as one that
     slips.
     """
     normals, _ = contact_forces(plan, record)
     touching = in_phase(record, "move") & (normals[:, index] >= CONTACT_FORCE)
-    points = surface_coordinates(plan.task, record, plan.contacts[index])
+    points = surface_coordinates(plan.task.object, record, plan.contacts[index])
     out = np.zeros(ticks(record))
     before = 0.0
     edges = np.flatnonzero(

@@ -123,7 +123,7 @@ def time_axis(axes: Sequence[Axes], record: Record, text: str) -> None:
 
 
 def _shade_phases(axes: Axes, record: Record, *, label: bool) -> None:
-    """Tint the time of each phase and mark where another stretch of the plan begins.
+    """Tint the time of each phase and mark where another segment of the plan begins.
 
     ``label`` also names the phases along the top.
     """

@@ -8,7 +8,7 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Scene, Support, Task
 from pushpressslide.report import series
 
 FIELDS = (
@@ -34,13 +34,13 @@ def support_figures(task: Task, record: Record) -> dict[str, float | None]:
     positions = record.arrays.get("object_pose_3d")
     if positions is None or not len(positions):
         return out
-    gap = _gap(task, positions)
+    gap = _gap(task.scene, positions)
     inside = np.flatnonzero(gap < -ENTERED)
     until = len(gap)
     if len(inside):
         until = int(inside[0])
     before = gap[:until][series.contact_phase(record)[:until]]
-    out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task, positions))))
+    out["max_tilt_deg"] = math.degrees(float(np.nanmax(_tilt(task.support, positions))))
     if before.size:
         out["support_gap_max"] = max(0.0, float(before.max()))
     if not task.enters:
@@ -63,22 +63,22 @@ def seat_error(task: Task, record: Record) -> float:
     opening = task.support.opening
     if positions is None or opening is None or not task.enters:
         return 0.0
-    return abs(opening.depth + float(_gap(task, positions)[-1]))
+    return abs(opening.depth + float(_gap(task.scene, positions)[-1]))
 
 
-def _gap(task: Task, positions: Array) -> Array:
+def _gap(scene: Scene, positions: Array) -> Array:
     """Distance (N,) [m] of the object's middle off its place on the support.
 
     ``positions`` (N, 7) are quaternions and positions; away from the support is
     positive.
     """
-    frame = task.support.frame
+    frame = scene.support.frame
     out = np.array(frame.direction((0.0, 0.0, 1.0)))
     height = (positions[:, 4:7] - np.array(frame.origin)) @ out
-    return np.asarray(height - 0.5 * task.object.shape.height)
+    return np.asarray(height - 0.5 * scene.body.shape.height)
 
 
-def _tilt(task: Task, positions: Array) -> Array:
+def _tilt(support: Support, positions: Array) -> Array:
     """Angle (N,) [rad] between the object's own z axis and where it points at rest."""
     w, x, y, z = positions[:, :4].T
     axis = np.stack(
@@ -86,5 +86,5 @@ def _tilt(task: Task, positions: Array) -> Array:
         axis=1,
     )
     return np.asarray(
-        np.arccos(np.clip(axis @ np.array(task.support.frame.spin_axis), -1.0, 1.0))
+        np.arccos(np.clip(axis @ np.array(support.frame.spin_axis), -1.0, 1.0))
     )

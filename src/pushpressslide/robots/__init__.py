@@ -1,3 +1,1 @@
-"""Robots as arrays: published facts, kinematics both ways, reach, joint paths; no
-physics engine.
-"""
+"""Robots as arrays: published facts, kinematics both ways, reach and joint paths."""

@@ -33,8 +33,9 @@ START_STEP = 0.3  # [rad] of any joint in one Newton step
 
 @dataclass(frozen=True)
 class Continuation:
-    """A joint path of k samples; where it fails it says so and holds the nearest
-    postures found.
+    """A joint path of k samples.
+
+    Where it fails it says so and holds the nearest postures found.
     """
 
     q: Array  # (k, n) [rad; m of slides]

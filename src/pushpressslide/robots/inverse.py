@@ -1,5 +1,6 @@
-"""Inverse kinematics: damped least squares on many postures at once; spare motion keeps
-off limits.
+"""Inverse kinematics of many postures at once, by damped least squares.
+
+Spare motion keeps the joints off their limits.
 """
 
 from __future__ import annotations
@@ -134,10 +135,10 @@ def limit_gradient(kin: ArmKinematics, q: Array, relevant: float = 0.8) -> Array
 def task_error(
     kin: ArmKinematics, q: Array, p: Array, R_wanted: Array | None, axis: Array
 ) -> tuple[Array, Array]:
-    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) towards p and
-    R_wanted, or p and axis.
+    """Return the error (..., 6) [rad; m] and the Jacobian (..., 6, n) of a task.
 
-    With the yaw free, the turn about the axis, (3,) or (..., 3), is taken out of both.
+    The task is a tip at p with rotation R_wanted, or with the tool along an axis. With
+    the yaw free, the turn about the axis, (3,) or (..., 3), is taken out of both.
     """
     R, p_now, J = kin.tip_and_jacobian(q)
     if R_wanted is None:

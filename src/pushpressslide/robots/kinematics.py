@@ -141,8 +141,10 @@ class ArmKinematics:
         return T[..., :3, :3], T[..., :3, 3]
 
     def jacobian(self, q: Array) -> Array:
-        """Return J (..., 6, n): [angular; linear] velocity of the tip frame, world
-        axes, per joint speed.
+        """Return J (..., 6, n): the tip frame's [angular; linear] velocity per joint
+        speed.
+
+        It is in world axes.
         """
         return self.tip_and_jacobian(q)[2]
 

@@ -118,10 +118,10 @@ def reach_problem(
     attitude: ToolAttitude = UPRIGHT,
     joint_margin: float = REACH_MARGIN,
 ) -> str | None:
-    """Return in one line why a robot cannot bring its tip's centre to all points [m],
-    tool so held; or None.
+    """Return why a robot cannot bring its tip's centre to all points [m], or None.
 
-    Raises PushPressSlideError for a model that cannot be read.
+    The answer is one line, for a tool that is held as given. Raises PushPressSlideError
+    for a model that cannot be read.
     """
     kin = arm_kinematics(robot)
     found = reachable(
@@ -141,14 +141,13 @@ def held_somehow_problem(
     points: Sequence[tuple[float, float, float]],
     holds: Sequence[tuple[ToolAttitude, Array | None]],
 ) -> str | None:
-    """Return in one line why a robot cannot bring its tip's centre to all m points [m]
-    with the tool held in any one of ``holds``, attitudes with tool yaws (m,) [rad] or
-    None for any; or None.
+    """Return why no attitude brings a tip's centre to all m points [m], or None.
 
-    The places hardest to reach are looked at first: both ends, the nearest to the
-    base's axis and the farthest. Where the first hold misses one of them, all others
-    are tried there at once; there is a long search only where a first look has found no
-    hold that will do.
+    The answer is one line. Each of ``holds`` is an attitude with tool yaws (m,) [rad],
+    or None for any yaw. The places hardest to reach are looked at first: both ends, the
+    nearest to the base's axis and the farthest. Where the first hold misses one of
+    them, all others are tried there at once; there is a long search only where a first
+    look has found no hold that will do.
     """
     kin = arm_kinematics(robot)
     p = np.array(points, dtype=np.float64).reshape(-1, 3)

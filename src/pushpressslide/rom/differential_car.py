@@ -49,19 +49,6 @@ class DifferentialCar:
         """Smallest turning radius [m], to the better side."""
         return self.rho * self.rho / max(self.left_offset, self.right_offset)
 
-    @property
-    def input_bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (speed [m/s], curvature [1/m])."""
-        return (0.0, math.inf), self.curvature_limits
-
-    def xdot(
-        self, x: tuple[float, float, float], u: tuple[float, float]
-    ) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s],
-        curvature [1/m]).
-        """
-        return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[0] * u[1])
-
     def normals(self, curvature: float, max_force: float) -> tuple[float, float]:
         """Return left and right normal force [N], on the limit surface.
 

@@ -19,22 +19,11 @@ ORIGIN = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class RearSteerDrive:
-    """One side push: a rear-steer car tracked at its virtual front axle."""
+class VehicleDrive:
+    """What every drive of a vehicle has: the friction and rho of its car."""
 
-    car: RearSteerCar
-    shift: float  # [m] ahead by which the push's height moves the CoP
+    car: RearSteerCar | PushedCar | Unicycle
     max_friction: float  # [N]
-    curvature_share: float = 1.0  # of the friction-limited one, that the path uses
-    run_in: float = 0.0  # [m] straight end of the path
-
-    @property
-    def X_BV(self) -> Pose2:
-        """Frame at the virtual front axle, the height's shift included."""
-        X = self.car.X_BV
-        dx = self.shift * math.cos(X.yaw)
-        dy = self.shift * math.sin(X.yaw)
-        return Pose2(X.x + dx, X.y + dy, X.yaw)
 
     @property
     def rho(self) -> float:
@@ -48,16 +37,28 @@ class RearSteerDrive:
 
 
 @dataclass(frozen=True, slots=True)
-class PressedDrive:
+class RearSteerDrive(VehicleDrive):
+    """One side push: a rear-steer car tracked at its virtual front axle."""
+
+    car: RearSteerCar
+    shift: float  # [m] ahead by which the push's height moves the CoP
+    curvature_share: float = 1.0  # of the friction-limited one, that the path uses
+    run_in: float = 0.0  # [m] straight end of the path
+
+    @property
+    def X_BV(self) -> Pose2:
+        """Frame at the virtual front axle, the height's shift included."""
+        X = self.car.X_BV
+        dx = self.shift * math.cos(X.yaw)
+        dy = self.shift * math.sin(X.yaw)
+        return Pose2(X.x + dx, X.y + dy, X.yaw)
+
+
+@dataclass(frozen=True, slots=True)
+class PressedDrive(VehicleDrive):
     """What every drive of one press has."""
 
     car: Unicycle
-    max_friction: float  # [N]
-
-    @property
-    def rho(self) -> float:
-        """Of the car [m]."""
-        return self.car.rho
 
     @property
     def center(self) -> Point:
@@ -69,9 +70,9 @@ class PressedDrive:
 class UnicycleDrive(PressedDrive):
     """One press, steered along a path by the angle of its force.
 
-    As every steered drive it says: tan(force angle - angle) = gain (curvature - turn),
-    and the force at an angle phi from the axis is max_friction / sqrt(1 + stiffness
-    sin^2 phi).
+    As every steered drive it says: tan(force angle - angle) = effective_wheelbase
+    (curvature - turn), and the force at an angle phi from the axis is max_friction /
+    sqrt(1 + stiffness sin^2 phi).
     """
 
     steepest: float  # [rad] force angle from the motion that it may be steered with
@@ -95,8 +96,8 @@ class UnicycleDrive(PressedDrive):
         return 0.0
 
     @property
-    def gain(self) -> float:
-        """Effective wheelbase [m], signed."""
+    def effective_wheelbase(self) -> float:
+        """That of the car [m], signed."""
         return self.car.effective_wheelbase
 
     @property
@@ -126,7 +127,7 @@ class TurnDrive(PressedDrive):
     axis_angle: float  # [rad] of the force from the heading axis
     angle: float  # [rad] of the force in B
     turn: float  # [1/m] curvature as driven
-    gain: float  # [m]
+    effective_wheelbase: float  # [m] signed
     right: float  # [rad] < 0
     left: float  # [rad] > 0
     stiffness: float
@@ -146,27 +147,16 @@ class SpinDrive(PressedDrive):
 
 
 @dataclass(frozen=True, slots=True)
-class CarDrive:
+class CarDrive(VehicleDrive):
     """Two pushes on one face as a car."""
 
     car: PushedCar
-    max_friction: float  # [N]
     curvature: float  # [1/m] tightest that a path may use
 
     @property
     def X_BV(self) -> Pose2:
         """Frame at the axle, x along the pushes."""
         return self.car.X_BV
-
-    @property
-    def rho(self) -> float:
-        """Of the car [m]."""
-        return self.car.rho
-
-    @property
-    def center(self) -> Point:
-        """The CoM."""
-        return ORIGIN
 
 
 SteeredDrive = UnicycleDrive | TurnDrive

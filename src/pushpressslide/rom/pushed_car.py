@@ -18,7 +18,7 @@ class PushedCar:
     axle: float  # [m] ahead of the CoM
     # [m] of the axle from the CoP under way: rho^2 / d with equal forces, 0 without
     # friction
-    lead: float
+    effective_wheelbase: float
     rho: float  # [m]
     left: float  # [1/m] > 0 tightest curve to the left
     right: float  # [1/m] > 0 to the right

@@ -115,11 +115,6 @@ class RearSteerCar:
         largest = max(abs(k) for k in self.curvature_limits)
         return 1.0 / largest if largest > 0.0 else math.inf
 
-    @property
-    def input_bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (speed [m/s], steering [rad]); a push only goes forward."""
-        return (0.0, math.inf), self.steering_limits
-
     def curvature(self, steering: float) -> float:
         """Return kappa = -(D/rho^2) tan(steering) [1/m], positive to the left."""
         return -math.tan(steering) / self.effective_wheelbase
@@ -130,19 +125,6 @@ class RearSteerCar:
         Not limited to the cone.
         """
         return -math.atan(self.effective_wheelbase * curvature)
-
-    def xdot(
-        self, x: tuple[float, float, float], u: tuple[float, float]
-    ) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s],
-        steering [rad]).
-        """
-        speed, steering = u
-        return (
-            speed * math.cos(x[2]),
-            speed * math.sin(x[2]),
-            speed * self.curvature(steering),
-        )
 
     def force(self, steering: float, max_force: float) -> Point:
         """Return the contact force [N] in B, on the limit surface.

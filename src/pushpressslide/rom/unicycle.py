@@ -5,7 +5,7 @@ virtual axle.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.pose import Point, Pose2
 
@@ -72,29 +72,24 @@ class Unicycle:
         )
 
     @property
+    def axle(self) -> float:
+        """Coordinate [m] of the virtual axle on the heading axis, from B's origin."""
+        X_BV = self.X_BV
+        ex, ey = self.axis
+        return X_BV.x * ex + X_BV.y * ey
+
+    def with_axle(self, axle: float, effective_wheelbase: float) -> Unicycle:
+        """Return the vehicle with its virtual axle at ``axle`` [m] from B's origin, of
+        an ``effective_wheelbase`` [m] > 0.
+        """
+        rho = math.sqrt(effective_wheelbase * abs(self.lever))
+        car = replace(self, rho=rho, shift=0.0)
+        return replace(car, shift=axle - car.axle)
+
+    @property
     def length(self) -> float:
         """Distance from the axle to the contact [m], the shift left out."""
         return abs(self.lever + self.effective_wheelbase)
-
-    @property
-    def minimum_turning_radius(self) -> float:
-        """Smallest turning radius [m]: it turns on the spot."""
-        return 0.0
-
-    @property
-    def input_bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Bounds of the inputs (speed [m/s], turn rate [rad/s]): none, if the press is
-        hard enough.
-        """
-        return (-math.inf, math.inf), (-math.inf, math.inf)
-
-    def xdot(
-        self, x: tuple[float, float, float], u: tuple[float, float]
-    ) -> tuple[float, float, float]:
-        """Return the rate of the pose x of V in the world for u = (speed [m/s], turn
-        rate [rad/s]).
-        """
-        return (u[0] * math.cos(x[2]), u[0] * math.sin(x[2]), u[1])
 
     def force(self, speed: float, turn_rate: float, max_force: float) -> Point:
         """Return the contact force [N] in B, on the limit surface, for a motion of V.
@@ -118,11 +113,3 @@ class Unicycle:
         d = self.lever
         across = (d + self.effective_wheelbase - self.shift) * turn_rate
         return (speed * e[0] - across * e[1], speed * e[1] + across * e[0])
-
-    def least_friction_force(self, force_angle: float, max_force: float) -> float:
-        """Return mu_a N_a [N] that the press needs to stick at ``force_angle`` [rad]
-        from the axis.
-        """
-        return max_force / math.sqrt(
-            1.0 + (self.lever * math.sin(force_angle) / self.rho) ** 2
-        )

@@ -9,7 +9,7 @@ from pushpressslide.core.footprint import gap, overlap_area
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.core.task import Box, Obstacle, Shape, Task
+from pushpressslide.core.task import Box, ObjectModel, Obstacle, Shape, Task
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
 
@@ -29,7 +29,7 @@ def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     """
     if not (task.obstacles or task.support.opening or task.tool):
         return None
-    poses = swept(task, segments)
+    poses = swept(task.object, segments)
     return (
         obstacle_refusal(task, poses)
         or opening_refusal(task, segments[0], poses)
@@ -63,10 +63,10 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     return _too_near(f"{pushed.name!r}", Box(pushed.size), poses, ends, others)
 
 
-def swept(task: Task, segments: Sequence[Segment]) -> list[Pose2]:
+def swept(body: ObjectModel, segments: Sequence[Segment]) -> list[Pose2]:
     """Return the poses X_WG along planned segments, SWEEP_STEP apart."""
     poses = []
-    X_BG = task.object.X_GB.inverse()
+    X_BG = body.X_GB.inverse()
     for segment in segments:
         path = segment.path
         X_VG = segment.X_BV.inverse().compose(X_BG)

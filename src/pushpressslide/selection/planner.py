@@ -41,10 +41,10 @@ def usable(
     With ``force`` they just have a path for it. Raises InfeasibleTaskError where there
     is none.
     """
-    found = [c for c in choices if c.segments and (c.feasible or force)]
-    if not found:
+    able = [c for c in choices if c.segments and (c.feasible or force)]
+    if not able:
         raise InfeasibleTaskError(refusal(task, choices))
-    return found
+    return able
 
 
 def refusal(task: Task, choices: Sequence[Choice]) -> str:

@@ -1,5 +1,4 @@
-"""Conversion between planar data and Drake's spatial data; the only place where it is
-done.
+"""Conversion between planar data and Drake's spatial data, done here only.
 
 Drake's world is the world. Planar data refer to the support's frame
 (core/support_frame.py), which is the world on a table.

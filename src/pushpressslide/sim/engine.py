@@ -23,13 +23,13 @@ def run(
     time_step: float | None = None,
     live: Callable[[str], None] | None = None,
 ) -> Record:
-    """Run ``plan`` in the hydroelastic simulation and return its record; deterministic
-    for a seed on one kind of machine.
+    """Run ``plan`` in the hydroelastic simulation and return its record.
 
-    ``paths`` are the joint paths of each placement, if made before; else this raises
-    InfeasibleTaskError before anything moves where an arm has none. ``models`` names
-    the robot models, ``time_step`` [s] is that of the physics (default: the task's).
-    ``live`` is called with the address of a page that shows the run in real time.
+    The record is deterministic for a seed on one kind of machine. ``paths`` are the
+    joint paths of each placement, if made before; else this raises InfeasibleTaskError
+    before anything moves where an arm has none. ``models`` names the robot models,
+    ``time_step`` [s] is that of the physics (default: the task's). ``live`` is called
+    with the address of a page that shows the run in real time.
     """
     if paths is None:
         paths = all_joint_paths(plan)

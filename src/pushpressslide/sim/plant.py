@@ -141,8 +141,9 @@ class DrakePlant:
         paths: Sequence[tuple[ArmPath, ...]],
         models: str,
     ) -> None:
-        """Put the arms of ``station`` where the first of ``paths`` begins; there is one
-        set of joint paths for each placement.
+        """Put the arms of ``station`` where the first of ``paths`` begins.
+
+        There is one set of joint paths for each placement.
         """
         task = plan.part(plan.segments[0])
         plant = station.plant
@@ -264,8 +265,9 @@ class DrakePlant:
         return PlantRow(twist, tuple(t.force for t in tips), self._executing, extras)
 
     def diverged(self) -> str | None:
-        """Return that the object was far away at the last measurement, or what the
-        simulator complained of; None while all is well.
+        """Return why the simulation cannot go on, or None.
+
+        The object was far away at the last measurement, or the simulator complained.
         """
         pose = self._truth.object_pose
         off = math.hypot(pose.x - self._start.x, pose.y - self._start.y)

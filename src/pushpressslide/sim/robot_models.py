@@ -52,8 +52,9 @@ PEDESTAL = (0.35, 0.37, 0.40, 1.0)
 
 @dataclass(frozen=True)
 class RobotInstance:
-    """One robot in a plant; positions, velocities and actuators are ordered from the
-    base to the tip.
+    """One robot in a plant.
+
+    Positions, velocities and actuators are in order from the base to the tip.
     """
 
     name: str  # of the model instance

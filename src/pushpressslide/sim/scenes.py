@@ -78,8 +78,10 @@ def rest_height(body: model.ObjectModel) -> float:
 
 
 def solid_inertia(body: model.ObjectModel) -> SpatialInertia:
-    """Return the inertia of a solid of uniform density about its frame, which is G in
-    the plane and at half height; the solid is shifted to the body's CoM.
+    """Return the inertia of a solid of uniform density about its frame.
+
+    The frame is G in the plane and at half height. The solid is shifted to the body's
+    CoM.
     """
     shape = body.shape
     if isinstance(shape, model.Box):

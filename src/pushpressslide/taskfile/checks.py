@@ -57,6 +57,7 @@ def check(task: Task) -> None:
     """
     refuse(task.source, _motion_faults(task))
     refuse(task.source, _mode_faults(task))
+    refuse(task.source, _vehicle_faults(task))
     refuse(task.source, _goal_faults(task))
     refuse(task.source, _workspace_faults(task))
     check_reach(task)
@@ -145,6 +146,20 @@ def _mode_faults(task: Task) -> Iterator[Fault]:
             yield field, name, "it is listed twice; allowed: each mode once"
 
 
+def _vehicle_faults(task: Task) -> Iterator[Fault]:
+    """Yield a vehicle that no mode of the task has."""
+    from pushpressslide.modes import MODES
+
+    vehicle = task.motion.vehicle
+    arms = len(task.robots)
+    names = task.modes or [name for name, mode in MODES.items() if mode.arms == arms]
+    known = [known for name in names for known in MODES[name].vehicles]
+    if vehicle is not None and vehicle not in known:
+        allowed = ", ".join(["null", *known])
+        reason = f"allowed with {', '.join(names)}: {allowed}"
+        yield "motion.vehicle", vehicle, reason
+
+
 def _goal_faults(task: Task) -> Iterator[Fault]:
     """Yield a goal at which the object is already."""
     off = task.start.inverse().compose(task.goal)
@@ -219,8 +234,9 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
 
 
 def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> float:
-    """Return by how much [m] a tip stays short of every place where it could touch; 0
-    if it reaches one.
+    """Return by how much [m] a tip stays short of every place where it could touch.
+
+    It is 0 if the tip reaches one.
     """
     import numpy as np
 

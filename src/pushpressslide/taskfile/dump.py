@@ -38,8 +38,9 @@ def task_data(task: Task) -> dict[str, Any]:
 
 
 def dump_task(task: Task) -> str:
-    """Return the YAML text of a task, every default written out; it loads again to an
-    equal task.
+    """Return the YAML text of a task with every default written out.
+
+    It loads again to an equal task.
     """
     return yaml.safe_dump(
         task_data(task),

@@ -1,5 +1,6 @@
-"""Task files: YAML to a checked Task. Every field stands in the metadata of
-``core/task.py``.
+"""Task files: from YAML to a checked Task.
+
+Every field stands in the metadata of ``core/task.py``.
 """
 
 from __future__ import annotations

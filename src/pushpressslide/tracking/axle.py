@@ -24,13 +24,13 @@ class AxleTracker:
     ) -> None:
         """Bind the law to a car that slides straight under ``max_friction`` [N].
 
-        Across the heading acts the car's lead times the curvature of the force along
+        Across the heading acts the effective wheelbase times the curvature of the force along
         it: nothing for a car that is turned without friction.
         """
         self._curvature = law.curvature
         self._figures = (
             car.axle,
-            car.lead,
+            car.effective_wheelbase,
             car.rho * car.rho,
             car.heading,
             cos(car.heading),
@@ -46,15 +46,15 @@ class AxleTracker:
         ``grip`` narrows the steering of a car that steers by friction.
         """
         assert isinstance(path, ArcPath)
-        axle, lead, rho_squared, heading, ex, ey, max_friction = self._figures
+        axle, wheelbase, rho_squared, heading, ex, ey, max_friction = self._figures
         yaw = X_WB.yaw + heading
         x = X_WB.x + axle * cos(yaw)
         y = X_WB.y + axle * sin(yaw)
         progress, left, direction, curvature = path.nearest(x, y, progress)
         turned = remainder(direction - yaw, TURN)
-        share = grip if lead > 0.0 else 1.0
+        share = grip if wheelbase > 0.0 else 1.0
         turn, saturated = self._curvature((x, y, yaw), left, turned, curvature, share)
-        across = -lead * turn  # force to the left per force along
+        across = -wheelbase * turn  # force to the left per force along
         along = max_friction / sqrt(1.0 + across * across + rho_squared * turn * turn)
         w = speed * turn
         return Guidance(

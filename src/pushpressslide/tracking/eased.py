@@ -41,7 +41,7 @@ class EasedTracker:
         for share in SHARES:
             guidance = self._law.step(path, X_WB, progress, speed, share * grip)
             fx, fy, tau, _ = guidance.wrench
-            given = self._allocate(fx, fy, tau)
-            if given.status == "ok" and given.margin > 0.0:
+            allocation = self._allocate(fx, fy, tau)
+            if allocation.status == "ok" and allocation.margin > 0.0:
                 break
         return guidance

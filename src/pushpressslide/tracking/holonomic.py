@@ -121,14 +121,14 @@ class HolonomicTracker:
         size = hypot(nearest.fx, nearest.fy, nearest.tau / surface.rho)
         if size == 0.0:
             return Twist(0.0, 0.0, 0.0), nearest
-        at = twist.moved_to(surface.center)
+        moved = twist.moved_to(surface.center)
         # max_force times |(v, rho w)|
-        power = wanted.fx * at.vx + wanted.fy * at.vy + wanted.tau * at.w
+        power = wanted.fx * moved.vx + wanted.fy * moved.vy + wanted.tau * moved.w
         k = power * size / surface.max_force**2
         scale = surface.max_force / size
-        way = surface.twist_direction(nearest)
+        direction = surface.twist_direction(nearest)
         return (
-            Twist(k * way.vx, k * way.vy, k * way.w, surface.center),
+            Twist(k * direction.vx, k * direction.vy, k * direction.w, surface.center),
             Wrench(
                 scale * nearest.fx,
                 scale * nearest.fy,

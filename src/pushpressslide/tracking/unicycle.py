@@ -32,7 +32,13 @@ class UnicycleTracker:
         rx = car.contact[0] - car.cop[0]
         ry = car.contact[1] - car.cop[1]
         self._axle = (X_BV.x, X_BV.y, X_BV.yaw, math.cos(X_BV.yaw), math.sin(X_BV.yaw))
-        self._force = (drive.angle, drive.turn, drive.gain, drive.right, drive.left)
+        self._force = (
+            drive.angle,
+            drive.turn,
+            drive.effective_wheelbase,
+            drive.right,
+            drive.left,
+        )
         inverse = 1.0 / math.hypot(rx, ry)
         self._press = (rx, ry, inverse, car.cop, drive.max_friction, drive.stiffness)
 

@@ -56,7 +56,7 @@ def test_a_low_object_is_a_unicycle_pulled_and_pushed_with_the_axle_of_the_close
         ]
         ahead, reach = press.steered(0.0, backward)
         assert straight[0].X_BV.x - press.cop[0] == pytest.approx(ahead, abs=5e-3)
-        assert abs(straight[0].gain) == pytest.approx(reach, rel=0.05)
+        assert abs(straight[0].effective_wheelbase) == pytest.approx(reach, rel=0.05)
         assert steering_of(press, backward) == pytest.approx(STEERING * STEP)
 
 

@@ -7,20 +7,23 @@ Source: docs/mechanics.md, sections 2 and 4.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import atan
+from itertools import product
 
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.friction import utilisation_margin
+from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.pressed.manoeuvre import CORRECTED
+from pushpressslide.planning.pressed.placements import PressPlacements
+from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import (
     BACK_UPS,
     LOOP,
@@ -28,19 +31,31 @@ from pushpressslide.planning.pressed.vehicle import (
     RUN_INS,
     SHORT_RUN_INS,
     SWING,
+    PressedRoute,
     PressedVehicle,
-    Way,
     backing_up,
+    press_of,
     pressed_vehicle,
+    route_to,
     turns,
     way_back,
-    way_to,
 )
 from pushpressslide.planning.run_in import gentlest
-from pushpressslide.planning.segments import run_time, segment
+from pushpressslide.planning.segments import (
+    describe_points,
+    run_time,
+    segment,
+)
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import SpinDrive, SteeredDrive, TurnDrive, UnicycleDrive
 
+# whether a vehicle is driven backward, with the contact behind its axle
+DIRECTIONS: Mapping[Vehicle, tuple[bool, ...]] = {
+    "unicycle": (False, True),
+    "car": (False,),
+    "forklift": (True,),
+    "pivot": (False,),
+}
 # half widths inside the base's edge from which on the object is driven at full speed
 SAFE_MARGIN = 0.5
 TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of a tool's face
@@ -65,8 +80,7 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     how = "pushed" if press.backward else "pulled"
     if task.motion.vehicle == "pivot":
         how = "turned on the spot"
-    x, y = contact.point
-    choice = Choice(mode, f"{how} at ({x:.3f}, {y:.3f})", (contact,))
+    choice = Choice(mode, f"{how} at {describe_points([contact.point])}", (contact,))
     if not inside_top(task.object, contact.point, EDGE):
         text = "the contact must be {allowed:mm.0f} inside the object's top"
         return choice.refused(Refusal("off_top", text, None, EDGE, "m"))
@@ -77,23 +91,19 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
         pushed, segments = _driven_segments(task, mode, press, vehicle)
     except ValueError as error:
         return choice.refused(refusal_of(error, "tipping"))
-    belief = task.believed
-    mu = belief.contact_friction
-    used = friction_use(
-        contact.load, vehicle.press.weight, belief.support_friction, mu, pushed
-    )
-    margin = atan(mu) - atan(used * mu)
+    utilisation = press_utilisation(task.scene, contact.load, pushed)
+    margin = utilisation_margin(task.believed.contact_friction, utilisation)
     segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
     merits = (
         f"{contact.load:.1f} N, path {last.path.length:.3f} m, virtual axle "
-        f"{1e3 * distance:.0f} mm from the centre of pressure, {used:.2f} of the "
+        f"{1e3 * distance:.0f} mm from the centre of pressure, {utilisation:.2f} of the "
         "tip's friction used"
     )
     for piece in segments[:-1]:
         merits += f", {piece.path.length:g} m back first"
-    time = run_time(task, segments, pressed=True)
+    time = run_time(task.motion, segments, pressed=True)
     return replace(choice, segments=segments, time=time, merits=merits)
 
 
@@ -107,7 +117,7 @@ def _driven_segments(
         pushed = _tool_drag(task, vehicle)
         return pushed, (_spin(task, mode, press.contact, vehicle),)
     # where it cannot go back there is no retry: only with a long run-in
-    returns = way_back(task, vehicle.press, not press.backward) is not None
+    returns = way_back(task.scene, vehicle.press, not press.backward) is not None
     pushed = _tool_drag(task, vehicle)
     return pushed, _drive(task, mode, press, vehicle, returns)
 
@@ -117,7 +127,7 @@ def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> S
     where the goal is elsewhere.
     """
     X_BV = vehicle.X_BV
-    start, goal = _ends(task, X_BV)
+    start, goal = (X_WB.compose(X_BV) for X_WB in task.body_ends)
     path = TwistPath.between((start, goal), math.dist(contact.point, X_BV.position))
     moved = math.dist(start.position, goal.position)
     allowed = task.tolerance.position
@@ -127,7 +137,7 @@ def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> S
             "to goal it moves by {figure:mm.1f}, allowed {allowed:mmg}"
         )
         raise RefusedError(Refusal("pin_moves", text, moved, allowed, "m"))
-    drive = SpinDrive(vehicle.car, _max_friction(task, contact), X_BV)
+    drive = SpinDrive(vehicle.car, task.scene.max_friction(contact.load), X_BV)
     speed = task.motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
     return segment(task, mode, (contact,), drive, path, speed=speed)
 
@@ -142,28 +152,28 @@ def _drive(
     car = vehicle.car
     contact = press.contact
     look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
-    way = _way(task, press, vehicle, look_ahead, returns)
+    route = _route(task, press, vehicle, look_ahead, returns)
     speed = motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
     if press.backward:
         speed *= PUSHED_SPEED
-    speed *= min(1.0, SWING / (car.length * way.curvature))
+    speed *= min(1.0, SWING / (car.length * route.curvature))
     drive = UnicycleDrive(
         car,
-        _max_friction(task, contact),
+        task.scene.max_friction(contact.load),
         vehicle.steepest,
         look_ahead,
-        way.curvature,
-        way.run_in,
+        route.curvature,
+        route.run_in,
     )
-    piece = segment(task, mode, (contact,), drive, way.path, speed=speed)
-    if not way.back_up:
+    piece = segment(task, mode, (contact,), drive, route.path, speed=speed)
+    if not route.back_up:
         return (piece,)
-    return (backing_up(task, vehicle, piece, way.back_up), piece)
+    return (backing_up(task, vehicle, piece, route.back_up), piece)
 
 
-def _way(
+def _route(
     task: Task, press: Press, vehicle: PressedVehicle, look_ahead: float, returns: bool
-) -> Way:
+) -> PressedRoute:
     """Return the path to the goal, straight back first where that helps."""
     straight = 0.0
     if task.tool is not None:
@@ -173,24 +183,19 @@ def _way(
     if not returns:
         run_ins = run_ins[:2]
         back_ups = (0.0,)
-    way = way_to(*_ends(task, vehicle.X_BV), vehicle, run_ins, back_ups)
+    start, goal = (X_WB.compose(vehicle.X_BV) for X_WB in task.body_ends)
+    route = route_to(start, goal, vehicle, run_ins, back_ups)
     # where a loop is too long a manoeuvre is better, if one is allowed
     loop = 0.0
     if task.motion.vehicle or task.tool:
         loop = LOOP
-    if way.too_long > loop:
+    if route.too_long > loop:
         text = (
-            f"only by a loop of {way.path.length:.2f} m, {{figure:m.2f}} too long, "
+            f"only by a loop of {route.path.length:.2f} m, {{figure:m.2f}} too long, "
             "allowed {allowed:mg}"
         )
-        raise RefusedError(Refusal("loop", text, way.too_long, loop, "m"))
-    return way
-
-
-def _max_friction(task: Task, contact: Contact) -> float:
-    """Friction of the support [N] under a press."""
-    belief = task.believed
-    return belief.support_friction * (task.scene.weight_on + contact.load)
+        raise RefusedError(Refusal("loop", text, route.too_long, loop, "m"))
+    return route
 
 
 def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
@@ -207,27 +212,64 @@ def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
     return drag
 
 
-def _ends(task: Task, X_BV: Pose2) -> tuple[Pose2, Pose2]:
-    """Return V at the task's start and goal."""
-    X_GB = task.object.X_GB
-    return task.start.compose(X_GB).compose(X_BV), task.goal.compose(X_GB).compose(X_BV)
+def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[Choice]:
+    """Return for each contact and direction the choice with the safest load that does
+    not tip the object, steered straight.
+    """
+    out = []
+    directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
+    for contact, backward in product(placements.contacts, directions):
+        for load in placements.loads:  # a lighter press tips less
+            press = Press(replace(contact, load=load), backward)
+            choice = driven_choice(task, mode, press)
+            if choice.feasible:
+                break
+        out.append(choice)
+    return out
 
 
-def ends_onward(
-    task: Task, segment: Segment, X_WB: Pose2, X_BV: Pose2
-) -> tuple[Pose2, Pose2]:
-    """Return V at the object's pose and at a segment's goal."""
-    goal = segment.goal.compose(task.object.X_GB).compose(X_BV)
-    return X_WB.compose(X_BV), goal
+def with_turns(task: Task, draft: Choice, least: float) -> Choice:
+    """Return a choice planned with the axle of its turns; refused if it is steered like
+    a unicycle by less than ``least`` [rad] only.
+    """
+    drive = draft.segments[-1].drive
+    if task.believed.rho is not None or not isinstance(drive, UnicycleDrive):
+        return draft
+    (contact,) = draft.contacts
+    backward = drive.car.backward
+    steering = math.inf
+    if least > 0.0 and task.tool is None:
+        steering = steering_of(press_of(task.scene, contact), backward)
+    if steering < least:
+        text = (
+            "it is steered like a unicycle only up to {figure:deg.1f}, needed "
+            "{allowed:degg}"
+        )
+        return draft.refused(Refusal("steering", text, steering, least, "rad"))
+    angle = PLANNED * min(drive.steepest, steering)
+    press = Press(contact, backward, angle, steering)
+    return driven_choice(task, draft.mode, press)
+
+
+def driven_again(
+    task: Task, mode: str, contact: Contact, drive: UnicycleDrive
+) -> Choice:
+    """Return the choice to go back first and then to the goal as one vehicle, with the
+    contact that the object was driven with.
+    """
+    steepest = drive.steepest
+    angle = PLANNED * steepest
+    press = Press(contact, drive.car.backward, angle, steepest, BACK_UPS[1:])
+    return driven_choice(task, mode, press)
 
 
 def steered_path(
-    task: Task, segment: Segment, X_WB: Pose2, drive: SteeredDrive, longest: float
+    ends: tuple[Pose2, Pose2], drive: SteeredDrive, longest: float
 ) -> MotionPath:
-    """Return the gentlest path of ``drive`` to a segment's goal; straight ahead where
-    steering along a run-in is enough.
+    """Return the gentlest path of ``drive`` between its ``ends``, of up to ``longest``
+    [m]; straight ahead where steering along a run-in is enough.
     """
-    start, goal = ends_onward(task, segment, X_WB, drive.X_BV)
+    start, goal = ends
     ahead, left = goal.unapply(start.position)
     if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < CORRECTED:
         return ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))

@@ -18,11 +18,13 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.friction import utilisation_margin
+from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.three_turns import words
 from pushpressslide.planning.pressed.turns import PressedTurn, pressed_turns
 from pushpressslide.planning.pressed.vehicle import SWING, press_of
+from pushpressslide.planning.segments import describe_points
 from pushpressslide.rom.drives import TurnDrive
 from pushpressslide.rom.unicycle import Unicycle
 
@@ -42,7 +44,7 @@ COUNT = 3  # words per run-in that are handed on
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class DrivenTurn:
     """One turn of a manoeuvre."""
 
     turn: PressedTurn
@@ -53,11 +55,11 @@ class Stretch:
     @property
     def look_ahead(self) -> float:
         """A third of the vehicle's length, more where all steering corrects little [m]."""
-        gain = abs(self.turn.gain)
+        wheelbase = abs(self.turn.effective_wheelbase)
         most = min(self.turn.left, -self.turn.right)
-        least = math.sqrt(4.0 * CORRECTED * gain / math.tan(most))
+        least = math.sqrt(4.0 * CORRECTED * wheelbase / math.tan(most))
         return min(
-            max(0.35 * (gain + self.turn.press.lever), least, LOOK_AHEAD[0]),
+            max(0.35 * (wheelbase + self.turn.press.lever), least, LOOK_AHEAD[0]),
             LOOK_AHEAD[1],
         )
 
@@ -66,7 +68,7 @@ class Stretch:
         turn = self.turn
         press = turn.press
         X_BV = turn.X_BV
-        wheelbase = abs(turn.gain)
+        wheelbase = abs(turn.effective_wheelbase)
         ex, ey = press.axis
         cop = press.cop
         backward = abs(turn.angle) > 0.5 * math.pi
@@ -88,7 +90,7 @@ class Stretch:
             axis_angle=turn.angle,
             angle=math.atan2(ey, ex) + turn.angle,
             turn=self.path.curvature(0.0),
-            gain=turn.gain,
+            effective_wheelbase=turn.effective_wheelbase,
             right=turn.right,
             left=turn.left,
             stiffness=stiffness,
@@ -109,19 +111,19 @@ class Manoeuvre:
     time: float  # [s]
 
     @property
-    def stretches(self) -> list[Stretch]:
+    def driven_turns(self) -> list[DrivenTurn]:
         """The paths of the turns' axles."""
         out = []
         X = self.start
         for turn, speed, arc in self.arcs[:-1]:
             path = ArcPath(X.compose(turn.X_BV), (arc,))
             X = path.end.compose(turn.X_BV.inverse())
-            out.append(Stretch(turn, path, X, speed))
+            out.append(DrivenTurn(turn, path, X, speed))
         turn, speed, (_, length) = self.arcs[-1]
         path = ArcPath(
             advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),)
         )
-        return [*out, Stretch(turn, path, self.goal, speed)]
+        return [*out, DrivenTurn(turn, path, self.goal, speed)]
 
     @property
     def swing(self) -> float:
@@ -137,40 +139,40 @@ class Manoeuvre:
 
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a segment for each turn."""
-        belief = task.believed
+        scene = task.scene
         contact = self.contact
-        mu = belief.contact_friction
-        weight = task.scene.weight_on
-        used = friction_use(contact.load, weight, belief.support_friction, mu)
-        margin = math.atan(mu) - math.atan(used * mu)
-        max_friction = belief.support_friction * (weight + contact.load)
+        utilisation = press_utilisation(scene, contact.load)
+        margin = utilisation_margin(scene.belief.contact_friction, utilisation)
+        max_friction = scene.max_friction(contact.load)
         X_BG = task.object.X_GB.inverse()
-        stretches = self.stretches
-        run_in = stretches[-1]
+        driven_turns = self.driven_turns
+        run_in = driven_turns[-1]
         segments = []
-        for stretch in stretches:
-            last = stretch is run_in
-            path = stretch.path
+        for driven in driven_turns:
+            last = driven is run_in
+            path = driven.path
             goal = task.goal
             if not last:
-                goal = stretch.end.compose(X_BG)
-            drive = stretch.drive(max_friction, last)
-            profile = SpeedProfile(path.length, stretch.speed, task.motion.acceleration)
+                goal = driven.end.compose(X_BG)
+            drive = driven.drive(max_friction, last)
+            profile = SpeedProfile(path.length, driven.speed, task.motion.acceleration)
             segments.append(
                 Segment(mode, (contact,), drive, path, profile, goal, margin)
             )
         turns = ", ".join(
-            f"{1e3 * s.path.length:.0f} mm at {math.degrees(s.turn.angle):.0f} deg"
-            for s in stretches
+            f"{1e3 * driven.path.length:.0f} mm at "
+            f"{math.degrees(driven.turn.angle):.0f} deg"
+            for driven in driven_turns
         )
         moving = sum(segment.profile.duration for segment in reversed(segments))
         return Choice(
             mode,
-            f"manoeuvre at ({contact.point[0]:.3f}, {contact.point[1]:.3f})",
+            f"manoeuvre at {describe_points([contact.point])}",
             (contact,),
             tuple(segments),
-            moving + overhead(task, pressed=True),
-            f"{contact.load:.1f} N, {turns}; {used:.2f} of the tip's friction used",
+            moving + overhead(task.motion, pressed=True),
+            f"{contact.load:.1f} N, {turns}; {utilisation:.2f} of the tip's friction "
+            "used",
         )
 
 
@@ -181,11 +183,11 @@ def pressed_manoeuvres(
     press at one of ``contacts``.
     """
     pressed = [
-        (contact, press_of(task, contact))
+        (contact, press_of(task.scene, contact))
         for contact in contacts
         if contact.point != (0.0, 0.0)
     ]
-    goal = task.goal.compose(task.object.X_GB)
+    _, goal = task.body_ends
     out = []
     turns = pressed_turns([press for _, press in pressed])
     for (contact, _), usable in zip(pressed, turns, strict=True):
@@ -207,11 +209,11 @@ def _by_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
-    run_ins = _run_ins(task, goal, turns)
+    run_ins = _run_ins(task.motion.speed, goal, turns)
     if not run_ins:
         return []
     turns = _both_ways(turns)
-    speeds = [_speed(task, turn) for turn in turns]
+    speeds = [_speed(task.motion.speed, turn) for turn in turns]
     bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
@@ -242,13 +244,17 @@ def _both_ways(turns: list[PressedTurn]) -> list[PressedTurn]:
     return [*turns, *(replace(t, curvature=-t.curvature) for t in straight)]
 
 
-def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
-    """Return the straight turns, as long as they may be, that can be corrected well."""
+def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
+    """Return the straight turns that can be corrected well, as long as they may be, at
+    up to ``most`` [m/s].
+    """
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
-            speed = _speed(task, turn)
-            look_ahead = Stretch(turn, ArcPath(turn.X_BV, ()), goal, speed).look_ahead
+            speed = _speed(most, turn)
+            look_ahead = DrivenTurn(
+                turn, ArcPath(turn.X_BV, ()), goal, speed
+            ).look_ahead
             out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
     return out
 
@@ -267,12 +273,8 @@ def _straight(turn: PressedTurn) -> bool:
     return abs(math.remainder(turn.angle, math.pi)) < 1e-6
 
 
-def _speed(task: Task, turn: PressedTurn) -> float:
-    return (
-        task.motion.speed
-        * min(1.0, SWING / turn.pace)
-        * min(1.0, turn.room / SAFE_ROOM)
-    )
+def _speed(speed: float, turn: PressedTurn) -> float:
+    return speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
 
 
 def as_driven(curvature: float, like: float) -> float:

@@ -19,8 +19,8 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
-from pushpressslide.planning.pressed.manoeuvre import Stretch, as_driven
+from pushpressslide.core.scene import Scene
+from pushpressslide.planning.pressed.manoeuvre import DrivenTurn, as_driven
 from pushpressslide.planning.pressed.turns import pressed_turns
 from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
 from pushpressslide.rom.drives import TurnDrive
@@ -36,13 +36,13 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
 def pressed_at(
-    task: Task, segments: Sequence[Segment], contact: Contact
+    scene: Scene, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
     """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
     their paths as they were, but for the curvatures. A turn that is no longer one there
     stays as planned.
     """
-    (found,) = pressed_turns([press_of(task, contact)])
+    (found,) = pressed_turns([press_of(scene, contact)])
     turns = {turn.angle: turn for turn in found}
     out = []
     for segment in segments:
@@ -55,23 +55,23 @@ def pressed_at(
             if curvature:
                 curvature = as_driven(turn.curvature, curvature)
             path = ArcPath(path.start, ((curvature, length),))
-            now = Stretch(turn, path, segment.goal, segment.profile.speed)
+            now = DrivenTurn(turn, path, segment.goal, segment.profile.speed)
             drive = now.drive(planned.max_friction, planned.last)
             segment = replace(segment, contacts=(contact,), drive=drive, path=path)
         out.append(segment)
     return out
 
 
-def onward(
-    task: Task, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
+def turns_onward(
+    scene: Scene, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
 ) -> tuple[Segment, ...]:
     """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
     lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
     next to the planned ones, where several do. The last turn is steered besides: it has
     too few lengths.
     """
-    now = pressed_at(task, segments, contact)
-    X_GB = task.object.X_GB
+    now = pressed_at(scene, segments, contact)
+    X_GB = scene.body.X_GB
     goal = now[-1].goal.compose(X_GB)
     arcs, lengths = _arcs(now, X_WB, goal)
     poses = _poses(arcs, lengths, X_WB)
@@ -95,14 +95,14 @@ class _Course:
     """
 
     arcs: list[Arc]
-    gain: float  # [m] tan(steering) per curvature of the first arc
+    effective_wheelbase: float  # [m] of the first arc
     start: Pose2  # X_WB
     goal: Pose2
 
     def steered(self, x: Array) -> list[Arc]:
         """Return the arcs as they are steered."""
         (X_BV, curvature), *others = self.arcs
-        return [(X_BV, curvature + math.tan(x[-1]) / self.gain), *others]
+        return [(X_BV, curvature + math.tan(x[-1]) / self.effective_wheelbase), *others]
 
     def short(self, x: Array) -> Array:
         """Return what is left to the goal at their end (3,) [m]."""
@@ -153,7 +153,7 @@ def _arcs(
     high = np.minimum([*longest, PLANNED * turn.left], x + MOST / measure)
     if len(arcs) > 2:
         low[-1] = high[-1] = 0.0
-    course = _Course(arcs, turn.gain, X_WB, goal)
+    course = _Course(arcs, turn.effective_wheelbase, X_WB, goal)
     x = course.solved(x, low, high, measure)
     return course.steered(x), [float(length) for length in x[:-1]]
 

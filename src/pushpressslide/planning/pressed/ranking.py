@@ -49,7 +49,7 @@ def by_time(
     if len(contacts) <= AT_ONCE:
         return dict.fromkeys(contacts, 0.0)
     times = manoeuvre_times(
-        task, X_WB, [press_of(task, contact) for contact in contacts]
+        task, X_WB, [press_of(task.scene, contact) for contact in contacts]
     ).tolist()
     ranked = sorted(zip(contacts, times, strict=True), key=itemgetter(1))
     return {contact: time for contact, time in ranked if time < math.inf}
@@ -63,12 +63,12 @@ def soonest(
     """
     later: list[Manoeuvre] = []
     for i in range(0, len(contacts), AT_ONCE):
-        found = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
-        first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(found)}
+        manoeuvres = pressed_manoeuvres(task, X_WB, contacts[i : i + AT_ONCE])
+        first = {manoeuvre.contact: manoeuvre for manoeuvre in reversed(manoeuvres)}
         yield from sorted(first.values(), key=attrgetter("time"))
         later += [
             manoeuvre
-            for manoeuvre in found
+            for manoeuvre in manoeuvres
             if manoeuvre is not first[manoeuvre.contact]
         ]
     yield from sorted(later, key=attrgetter("time"))[:TRIED]
@@ -81,21 +81,25 @@ def manoeuvre_times(
     goal takes by each of m presses of its object; infinite where there is none.
     """
     table = turn_table(presses, RESOLUTION)
-    paces = _paces(task, table)
+    paces = _paces(task.motion.speed, table)
     axes = np.array([p.axis for p in presses]).view(np.complex128)
     cops = np.array([p.cop for p in presses]).view(np.complex128)
     headings = axes * np.exp(1j * table.heading)
     turns = _planned_turns(table, paces, cops + table.ahead * axes, headings)
     levers = np.array([p.lever for p in presses])
-    ahead = X_WB.inverse().compose(task.goal.compose(task.object.X_GB))
+    ahead = X_WB.inverse().compose(task.body_ends[1])
     turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
     out = np.full(len(presses), math.inf)
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
-        gain = np.abs(table.gain[:, end])
+        wheelbase = np.abs(table.effective_wheelbase[:, end])
         free = paces.steering[:, end]
         able = table.usable[:, end] & (free >= CORRECTING)
-        needed = np.sqrt(4.0 * CORRECTED * gain / np.tan(np.where(able, free, 1.0)))
-        look_ahead = np.clip(np.maximum(0.35 * (gain + levers), needed), *LOOK_AHEAD)
+        needed = np.sqrt(
+            4.0 * CORRECTED * wheelbase / np.tan(np.where(able, free, 1.0))
+        )
+        look_ahead = np.clip(
+            np.maximum(0.35 * (wheelbase + levers), needed), *LOOK_AHEAD
+        )
         length = RUN_INS[-1] * look_ahead
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
@@ -129,13 +133,13 @@ class _Turns:
     pauses: Array  # [s]
 
 
-def _paces(task: Task, table: TurnTable) -> _Paces:
+def _paces(speed: float, table: TurnTable) -> _Paces:
     steering = np.minimum(table.right, table.left)
     slower = np.minimum(1.0, SWING / table.pace) * np.minimum(
         1.0, table.room / SAFE_ROOM
     )
     pauses = np.where(steering < CORRECTING, PAUSE + NARROW, PAUSE)
-    return _Paces(steering, task.motion.speed * slower, pauses)
+    return _Paces(steering, speed * slower, pauses)
 
 
 def _planned_turns(

@@ -52,16 +52,16 @@ def words(
     linkage = _Linkage(centers[None])
     out = []
     for goal in goals:
-        _, at, angles = linkage.to(
+        _, turns, angles = linkage.to(
             np.array([complex(goal.x, goal.y)]), np.array([goal.yaw])
         )
         found: list[Word] = []
-        for way in angles:
-            turned, time = _driven(way, senses[at], times[at], pauses[at])
+        for solution in angles:
+            turned, time = _driven(solution, senses[turns], times[turns], pauses[turns])
             for best in _least(time, count):
                 pieces = [
                     (int(c[best]), float(turn[best]))
-                    for c, turn in zip(at, turned, strict=True)
+                    for c, turn in zip(turns, turned, strict=True)
                     if abs(turn[best]) > NOTHING
                 ]
                 found.append(
@@ -89,12 +89,12 @@ def least_times(
 
     The rest as in ``words``, of shape (m, n); NaN for turns that a body does not have.
     """
-    body, at, angles = _Linkage(centers).to(goals, yaws)
-    of = senses[body, at], times[body, at], pauses[body, at]
+    body, turns, angles = _Linkage(centers).to(goals, yaws)
+    figures = senses[body, turns], times[body, turns], pauses[body, turns]
     least = np.full(len(centers), math.inf)
     some, starts = np.unique(body, return_index=True)  # in order
-    for way in angles if len(some) else ():
-        _, time = _driven(way, *of)
+    for solution in angles if len(some) else ():
+        _, time = _driven(solution, *figures)
         least[some] = np.minimum(least[some], np.minimum.reduceat(time, starts))
     return least
 
@@ -110,8 +110,8 @@ class _Linkage:
             v.ravel()
             for v in np.meshgrid(*[np.arange(centers.shape[1])] * 3, indexing="ij")
         )
-        kept = (i != j) & (j != k)
-        self._threes = np.stack([i[kept], j[kept], k[kept]])
+        distinct = (i != j) & (j != k)
+        self._threes = np.stack([i[distinct], j[distinct], k[distinct]])
         self._centers = centers
         bars = centers[:, None, :] - centers[:, :, None]
         self._lengths, self._headings = np.abs(bars), np.angle(bars)
@@ -136,7 +136,8 @@ class _Linkage:
         body, three = np.nonzero(
             (square <= self._farthest) & (square >= self._nearest) & (square > 0.0)
         )
-        i, j, k = at = self._threes[:, three]
+        threes = self._threes[:, three]
+        i, j, k = threes
         target = target[body, three]
         a = self._lengths[body, i, j]
         b = self._lengths[body, j, k]
@@ -150,12 +151,12 @@ class _Linkage:
         bearing = self._headings[body, i, j]
         ahead = np.angle(target) - bearing
         elbow = self._headings[body, j, k] - bearing
-        ways = []
+        solutions = []
         for sign in (1.0, -1.0):
             a1 = ahead - sign * opening
             a2 = sign * bend - elbow
-            ways.append(np.stack([a1, a2, yaws[body] - a1 - a2]))
-        return body, at, (ways[0], ways[1])
+            solutions.append(np.stack([a1, a2, yaws[body] - a1 - a2]))
+        return body, threes, (solutions[0], solutions[1])
 
 
 def _driven(

@@ -53,7 +53,7 @@ class PressedTurn:
     X_BV: Pose2  # at the axle, x along its motion
     curvature: float  # [1/m] of its path
     # [m] tan(change of the force's angle) per change of curvature; > 0 where it leads
-    gain: float
+    effective_wheelbase: float
     share: float  # of mu_s N that the force takes
     pace: float  # speed of the contact per speed of the axle
 
@@ -68,7 +68,7 @@ class TurnTable:
     ahead: Array  # [m] of the axle from the centre of pressure, along the heading axis
     heading: Array  # [rad] of its motion from that axis
     curvature: Array
-    gain: Array
+    effective_wheelbase: Array
     share: Array
     pace: Array
     right: Array  # [rad] > 0
@@ -101,7 +101,9 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
     x = (b * da - a * db) / (dw * a - w * da)
     speed = np.hypot(a, b + w * x)
     curvature = w / speed
-    gain = speed / (dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed)
+    wheelbase = speed / (
+        dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed
+    )
     pace = np.hypot(a, b + w * levers) / speed
     heading = np.arctan2(b + w * x, a)
     # neither way at a right angle
@@ -111,7 +113,7 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
         & (np.abs(curvature) < TIGHTEST)
         & (pace > PACE[0])
         & (pace < PACE[1])
-        & (gain * leads >= 0.0)
+        & (wheelbase * leads >= 0.0)
     )
     firm = _firm(motion, levers)
     right = _free(motion, x, heading, usable, np.roll(firm, 1, axis=-1), -1)
@@ -120,7 +122,7 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
     shares = slides.shares
     rooms = slides.rooms
     return TurnTable(
-        usable, x, heading, curvature, gain, shares, pace, right, left, rooms
+        usable, x, heading, curvature, wheelbase, shares, pace, right, left, rooms
     )
 
 
@@ -193,35 +195,38 @@ def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
     if not presses:
         return []
     table = turn_table(presses)
-    out = []
-    for row, press in enumerate(presses):
-        ex, ey = press.axis
-        cx, cy = press.cop
-        turns = []
-        for i in np.flatnonzero(table.usable[row, ::EVERY]) * EVERY:
-            ahead, heading, curvature, gain, share, pace, right, left, room = (
-                float(quantity[row, i])
-                for quantity in (
-                    table.ahead,
-                    table.heading,
-                    table.curvature,
-                    table.gain,
-                    table.share,
-                    table.pace,
-                    table.right,
-                    table.left,
-                    table.room,
-                )
-            )
-            axle = Pose2(cx + ahead * ex, cy + ahead * ey, math.atan2(ey, ex) + heading)
-            angle = math.remainder(float(i) * STEP, 2.0 * math.pi)
-            turns.append(
-                PressedTurn(
-                    press, angle, -right, left, room, axle, curvature, gain, share, pace
-                )
-            )
-        out.append(turns)
-    return out
+    return [
+        [
+            _turn(table, row, int(column) * EVERY, press)
+            for column in np.flatnonzero(table.usable[row, ::EVERY])
+        ]
+        for row, press in enumerate(presses)
+    ]
+
+
+def _turn(table: TurnTable, row: int, column: int, press: Press) -> PressedTurn:
+    """Return the turn of one press at one angle."""
+
+    def entry(quantity: Array) -> float:
+        """Return the quantity of this turn."""
+        return float(quantity[row, column])
+
+    ex, ey = press.axis
+    cx, cy = press.cop
+    ahead = entry(table.ahead)
+    yaw = math.atan2(ey, ex) + entry(table.heading)
+    return PressedTurn(
+        press=press,
+        angle=math.remainder(column * STEP, 2.0 * math.pi),
+        right=-entry(table.right),
+        left=entry(table.left),
+        room=entry(table.room),
+        X_BV=Pose2(cx + ahead * ex, cy + ahead * ey, yaw),
+        curvature=entry(table.curvature),
+        effective_wheelbase=entry(table.effective_wheelbase),
+        share=entry(table.share),
+        pace=entry(table.pace),
+    )
 
 
 def steering_of(press: Press, backward: bool) -> float:

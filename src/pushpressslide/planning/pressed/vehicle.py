@@ -14,6 +14,7 @@ from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.turns import TIPPING_ROOM
@@ -50,23 +51,22 @@ class PressedVehicle:
     room: float
 
 
-def press_of(task: Task, contact: Contact) -> Press:
+def press_of(scene: Scene, contact: Contact) -> Press:
     """Return the press of a contact, as believed; raises ValueError for one at the CoM."""
-    belief = task.believed
-    body = replace(task.object, mass=belief.mass)
+    belief = scene.belief
+    body = replace(scene.body, mass=belief.mass)
     return Press(body, belief.support_friction, contact.point, contact.load)
 
 
-def steered(task: Task, press: Press, backward: bool, angle: float) -> Unicycle:
+def steered(scene: Scene, press: Press, backward: bool, angle: float) -> Unicycle:
     """Return the vehicle that turns by a force at ``angle`` [rad] from the motion, as
     believed.
 
     Raises ValueError where it tips.
     """
-    if task.believed.rho is not None:
-        return Unicycle(
-            press.contact, press.cop, task.believed.rho, backward, press.shift
-        )
+    rho = scene.belief.rho
+    if rho is not None:
+        return Unicycle(press.contact, press.cop, rho, backward, press.shift)
     ahead, reach = press.steered(angle, backward)
     shift = ahead + reach
     if backward:
@@ -84,7 +84,7 @@ def pressed_vehicle(
     the spot. Raises ValueError, with the number that decides, where it tips.
     """
     kind = task.motion.vehicle
-    press = press_of(task, contact)
+    press = press_of(task.scene, contact)
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
     rooms = [(a, _room(press, a, backward)) for a in bounds]
     least = rooms[0][1]
@@ -107,18 +107,18 @@ def pressed_vehicle(
         return PressedVehicle(press, car, Pose2(*pivot, car.X_BV.yaw), steepest, least)
     if kind in ("car", "forklift"):
         steepest = min(steepest, CAR_ANGLE)
-    car = steered(task, press, backward, angle)
+    car = steered(task.scene, press, backward, angle)
     return PressedVehicle(press, car, car.X_BV, steepest, least)
 
 
-def way_back(task: Task, press: Press, backward: bool) -> Unicycle | None:
+def way_back(scene: Scene, press: Press, backward: bool) -> Unicycle | None:
     """Return the vehicle for a short straight way; None where the object would tip, or
     cannot be steered since the drag moves the centre of pressure by more than the
     vehicle is long.
     """
     if _room(press, STEEPEST[0], backward) < TIPPING_ROOM:
         return None
-    car = steered(task, press, backward, 0.0)
+    car = steered(scene, press, backward, 0.0)
     if car.length <= car.shift:
         return None
     return car
@@ -131,7 +131,7 @@ def _room(press: Press, angle: float, backward: bool) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class PressedRoute:
     """A path of the virtual axle, after going back straight."""
 
     path: ArcPath
@@ -141,26 +141,26 @@ class Way:
     too_long: float  # [m] longer than a path without a loop
 
 
-def way_to(
+def route_to(
     start: Pose2,
     goal: Pose2,
     vehicle: PressedVehicle,
     run_ins: Sequence[float],
     back_ups: Sequence[float],
-) -> Way:
-    """Return the gentlest way of the vehicle frame from ``start`` to ``goal``, going
+) -> PressedRoute:
+    """Return the gentlest route of the vehicle frame from ``start`` to ``goal``, going
     back as little as needed.
     """
     tightest = math.tan(PLANNED * vehicle.steepest) / abs(
         vehicle.car.effective_wheelbase
     )
     curvatures = turns(vehicle.car, tightest)
-    ways = []
+    routes = []
     for back_up in back_ups:
         begin = advance(start, 0.0, -back_up)
         run_in, curvature, path = gentlest(begin, goal, curvatures, run_ins)
-        ways.append(
-            Way(
+        routes.append(
+            PressedRoute(
                 path,
                 back_up,
                 run_in,
@@ -168,21 +168,14 @@ def way_to(
                 path.length - room(begin, goal, curvature),
             )
         )
-        if ways[-1].too_long <= 0.0:
+        if routes[-1].too_long <= 0.0:
             break
-    return min(ways, key=lambda way: max(way.too_long, 0.0))
+    return min(routes, key=lambda route: max(route.too_long, 0.0))
 
 
 def turns(car: Unicycle, tightest: float) -> list[float]:
     """Return the curvatures to try [1/m], the gentlest first, none above ``tightest``."""
     return sorted({min(k * SWING / car.length, tightest) for k in TIGHTER})
-
-
-def axle_ahead(car: Unicycle) -> float:
-    """Return the coordinate of the virtual axle on the heading axis, from the CoM [m]."""
-    X_BV = car.X_BV
-    ex, ey = car.axis
-    return X_BV.x * ex + X_BV.y * ey
 
 
 def backing_up(
@@ -191,11 +184,11 @@ def backing_up(
     """Return the segment to drive ``distance`` [m] straight the other way before
     ``then``, which a vehicle drives.
     """
-    car = way_back(task, vehicle.press, not vehicle.car.backward)
+    car = way_back(task.scene, vehicle.press, not vehicle.car.backward)
     planned = then.drive
     assert car is not None
     assert isinstance(planned, UnicycleDrive)
-    start = task.start.compose(task.object.X_GB).compose(car.X_BV)
+    start = task.body_ends[0].compose(car.X_BV)
     path = ArcPath(start, ((0.0, distance),))
     end = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
     drive = replace(

@@ -15,7 +15,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Robot
-from pushpressslide.modes.base import TURNING, tool_azimuths
+from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel

@@ -50,9 +50,9 @@ def joint_paths(
     postures: tuple[Array, ...] | None = None,
     holding: frozenset[int] = frozenset(),
 ) -> tuple[ArmPath, ...]:
-    """Return each arm's joint path and its tool's attitude; two arms keep clear of each
-    other, if need be by waiting in the approach.
+    """Return each arm's joint path and its tool's attitude.
 
+    Two arms keep clear of each other, if need be by waiting in the approach.
     ``postures`` (n,) [rad] are where the arms are, None for their ready postures; the
     arms in ``holding`` already have their contact, and keep it. ``force`` takes the
     best paths there are. Raises InfeasibleTaskError, with the figure that decides,
@@ -79,8 +79,9 @@ def joint_paths(
 def drawn_back(
     plan: Plan, paths: tuple[ArmPath, ...], holding: frozenset[int] = frozenset()
 ) -> tuple[Array, ...]:
-    """Return each arm's posture (n,) [rad] after a plan, its tip drawn back from the
-    contact; the arms in ``holding`` keep their contact.
+    """Return each arm's posture (n,) [rad] after a plan, its tip drawn back.
+
+    The arms in ``holding`` keep their contact.
     """
     last = plan.segments[-1]
     X_WB = last.path.end.compose(last.X_BV.inverse())

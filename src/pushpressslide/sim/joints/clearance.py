@@ -53,8 +53,9 @@ class ClearanceModel:
     def __init__(
         self, plan: Plan, arm: int, others: Mapping[int, Array] | None = None
     ) -> None:
-        """Build the planning plant; ``others`` are postures (n,) of arms that stand
-        still.
+        """Build the planning plant.
+
+        ``others`` are postures (n,) of arms that stand still.
         """
         task = plan.task
         robots = task.robots

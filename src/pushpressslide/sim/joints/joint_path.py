@@ -81,9 +81,12 @@ class SearchResult:
         if self.solutions:
             return self.solutions[0]
         task = problem.plan.task
+        why = "no attitude of the tool can be followed"
+        if self.misses:
+            why = self.misses[0].why
         raise InfeasibleTaskError(
             f"{task.source or task.name}: robots: the {problem.kin.facts.name} has no "
-            f"joint path along the contact: {self.misses[0].why}"
+            f"joint path along the contact: {why}"
         )
 
 
@@ -206,7 +209,9 @@ def _approach_clearance(
 def _approach_miss(posture: Posture, descent: Descent, clear: float, pair: str) -> Miss:
     """Return why no approach is clear, or why there is none to judge."""
     if clear == -math.inf:
-        why = problem_text(descent.retreat, descent.points)
+        why = "no approach can be followed"
+        if not descent.retreat.ok:
+            why = problem_text(descent.retreat, descent.points)
         lack = shortfall(descent.retreat, descent.needed)
         return Miss(lack, f"before the contact, {why}", posture)
     return Miss(

@@ -19,8 +19,9 @@ from pushpressslide.sim.robot_models import add_robot
 
 
 class Outline:
-    """The capsules of one arm, from base to tip; any other shape is replaced by the
-    sphere about its bounding box.
+    """The capsules of one arm, from base to tip.
+
+    Any other shape is replaced by the sphere about its bounding box.
     """
 
     def __init__(self, robot: Robot, index: int) -> None:

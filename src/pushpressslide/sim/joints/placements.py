@@ -7,7 +7,7 @@ from pushpressslide.sim.joints.arms import drawn_back, joint_paths
 from pushpressslide.sim.joints.joint_path import ArmPath
 
 
-class GraspPaths:
+class PlacementPaths:
     """Joint paths of placements, each from where the arms let go in the one before."""
 
     def __init__(self, force: bool = False) -> None:
@@ -19,18 +19,26 @@ class GraspPaths:
     def add(self, placement: Plan) -> None:
         """Add the plan of one more placement.
 
+        One that goes on with all contacts of the placement before it lengthens that.
         Raises InfeasibleTaskError as ``joint_paths``.
         """
+        plans = list(self.plans)
+        if plans and plans[-1].segments[-1].same_placement(placement.segments[0]):
+            begun = plans.pop()
+            segments = (*begun.segments, *placement.segments)
+            placement = Plan(begun.task, segments)
+        paths = self.paths[: len(plans)]
         postures = None
         holding = frozenset[int]()
-        if self.plans:
-            last = self.plans[-1]
+        if plans:
+            last = plans[-1]
             holding = lasting_arms(last.segments, placement.segments)
-            postures = drawn_back(last, self.paths[-1], holding)
-        self.paths.append(
-            joint_paths(placement, force=self.force, postures=postures, holding=holding)
+            postures = drawn_back(last, paths[-1], holding)
+        added = joint_paths(
+            placement, force=self.force, postures=postures, holding=holding
         )
-        self.plans.append(placement)
+        self.plans = [*plans, placement]
+        self.paths = [*paths, added]
 
 
 def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
@@ -38,7 +46,7 @@ def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:
 
     Raises InfeasibleTaskError as ``joint_paths``.
     """
-    out = GraspPaths()
+    out = PlacementPaths()
     for placement in plan.by_placement:
         out.add(placement)
     return out.paths

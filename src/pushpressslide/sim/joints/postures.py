@@ -15,7 +15,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import Matrix3
 from pushpressslide.robots.continuation import Continuation, continuations
-from pushpressslide.robots.inverse import IkSolution, solve_ik
+from pushpressslide.robots.inverse import POSITION_TOLERANCE, IkSolution, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.reach import REACH_MARGIN
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
@@ -244,6 +244,9 @@ def problem_text(path: Continuation, positions: Array) -> str:
             f"allowed from {JOINT_MARGIN:g}"
         )
     if path.status == "unreachable":
+        if path.position_residual[i] <= POSITION_TOLERANCE:
+            angle = math.degrees(path.angle_residual[i])
+            return f"{angle:.1f} deg short of the tool's attitude {place}"
         return f"{path.position_residual[i] * 1e3:.1f} mm short of reach {place}"
     turn = float(np.abs(path.q[i] - path.q[i - 1]).max())
     return f"a joint turns by {turn:.2f} rad in one step {place}, allowed {LARGEST_STEP:.2f}"

@@ -25,7 +25,7 @@ from pydrake.systems.sensors import CameraInfo
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Support, Task
+from pushpressslide.core.task import Support
 from pushpressslide.sim.view.playback import ASPECT, STEEP, Playback, View
 
 FIELD = math.radians(40.0)  # vertical field of view
@@ -43,7 +43,6 @@ class FrameRenderer:
 
     def __init__(
         self,
-        task: Task,
         plan: Plan,
         record: Record,
         size: tuple[int, int] = SIZE,
@@ -56,10 +55,10 @@ class FrameRenderer:
         problem = egl_problem()
         if problem:
             raise _cannot_render(problem)
-        self.playback = Playback(task, plan, record, models)
+        self.playback = Playback(plan, record, models)
         self._graph = self.playback.scene.scene_graph
         try:
-            engine = MakeRenderEngineVtk(_render_parameters(task.support))
+            engine = MakeRenderEngineVtk(_render_parameters(plan.task.support))
             self._graph.AddRenderer(RENDERER, engine)
         except RuntimeError as error:
             raise _cannot_render(str(error)) from error
@@ -92,7 +91,6 @@ class FrameRenderer:
 
 
 def render_frames(
-    task: Task,
     plan: Plan,
     record: Record,
     times: Sequence[float],
@@ -100,12 +98,12 @@ def render_frames(
     size: tuple[int, int] = SIZE,
     models: str = "generated",
 ) -> list[Path]:
-    """Write one PNG of ``size`` (width, height) [pixels] for each of ``times`` [s] into
-    ``out_dir``, frame_000.png and so on; return their paths.
+    """Write a PNG of ``size`` (width, height) [pixels] for each of ``times`` [s].
 
-    Raises SimulationError, in one line, where this machine cannot render.
+    They are frame_000.png and so on in ``out_dir``. Returns their paths. Raises
+    SimulationError, in one line, where this machine cannot render.
     """
-    renderer = FrameRenderer(task, plan, record, size, models)
+    renderer = FrameRenderer(plan, record, size, models)
     out_dir.mkdir(parents=True, exist_ok=True)
     paths = []
     for i, time in enumerate(times):
@@ -116,7 +114,6 @@ def render_frames(
 
 
 def write_video(
-    task: Task,
     plan: Plan,
     record: Record,
     out: Path,
@@ -136,7 +133,7 @@ def write_video(
             f"{out}: an animation is written as {' or '.join(VIDEO_FORMATS)}"
         )
     time = record.arrays["time"]
-    renderer = FrameRenderer(task, plan, record, size, models)
+    renderer = FrameRenderer(plan, record, size, models)
     grid = np.arange(float(time[0]), float(time[-1]), 1.0 / frames_per_second)
     first, *others = (_pillow().fromarray(renderer.image(float(t))) for t in grid)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -186,10 +183,10 @@ def look_at(view: View) -> RigidTransform:
 
 
 def egl_problem() -> str | None:
-    """Return why EGL has no device to render on; None if it has one, or on a system
-    without EGL.
+    """Return why EGL has no device to render on, or None.
 
-    This is checked beforehand because the renderer ends the process without a device.
+    It is None on a system without EGL too. This is checked beforehand because the
+    renderer ends the process without a device.
     """
     if sys.platform != "linux":
         return None

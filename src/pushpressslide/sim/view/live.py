@@ -53,7 +53,7 @@ class LiveView:
             places += [plan.object_pose(segment, s) for s in lengths]
             lines.append(np.array([segment.path.pose(s).position for s in lengths]))
         poses = np.array([(p.x, p.y, p.yaw) for p in places])
-        view = camera_view(task, plan, poses, FIELD)
+        view = camera_view(plan, poses, FIELD)
         self._meshcat.SetCameraPose(view.position, view.target)
         shape = task.object.shape
         frame = task.support.frame

@@ -59,27 +59,25 @@ class View:
 class Playback:
     """The scene of a run with its goal and planned path, at any recorded tick."""
 
-    def __init__(
-        self, task: Task, plan: Plan, record: Record, models: str = "generated"
-    ) -> None:
+    def __init__(self, plan: Plan, record: Record, models: str = "generated") -> None:
         """Build the scene.
 
         Raises SimulationError for a record without joint positions.
         """
-        for i in range(len(task.robots)):
+        for i in range(len(plan.task.robots)):
             if f"joint_position_{i}" not in record.arrays:
                 raise SimulationError(
                     f"the record of engine {record.engine!r} has no joint_position_{i} "
                     "to show"
                 )
-        self.task = task
+        self.task = plan.task
         self.plan = plan
         self.record = record
         self.scene = build_scene(plan, models=models)
         self._draw_plan()
 
     def _draw_plan(self) -> None:
-        """Draw the object at its goal, and one line for each stretch of the path."""
+        """Draw the object at its goal, and one line for each segment of the path."""
         task = self.task
         graph = self.scene.scene_graph
         frame = task.support.frame
@@ -93,9 +91,9 @@ class Playback:
         _anchor(graph, source, goal, GOAL_COLOR)
         X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         path = self.record.arrays["plan_path"][:, :2]
-        stretches = self.record.arrays["plan_stretch"]
-        for i in np.unique(stretches):
-            points = path[stretches == i]
+        segments = self.record.arrays["plan_stretch"]
+        for i in np.unique(segments):
+            points = path[segments == i]
             if leads_somewhere(points):
                 line = ribbon(points, RIBBON_WIDTH)
                 drawn = GeometryInstance(X, line, f"path_{i:.0f}")
@@ -129,7 +127,7 @@ class Playback:
         )
 
     def vehicle_pose(self, tick: int) -> Pose2:
-        """Return X_WV at ``tick``: tracking point and heading of the current stretch."""
+        """Return X_WV at ``tick``: tracking point and heading of the current segment."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
         return X_WG.compose(self.task.object.X_GB).compose(X_BV)
@@ -143,18 +141,18 @@ class Playback:
     def view(self, field: float) -> View:
         """Return the view of a camera with a vertical field of view ``field`` [rad]."""
         poses = self.record.arrays["object_pose"][::20]
-        return camera_view(self.task, self.plan, poses, field)
+        return camera_view(self.plan, poses, field)
 
 
-def camera_view(task: Task, plan: Plan, poses: Array, field: float) -> View:
+def camera_view(plan: Plan, poses: Array, field: float) -> View:
     """Return the view of a camera that holds object, goal and arms, from the front and
     the side of the tips.
 
     ``poses`` (N, 3) [m, rad] are those of the object, X_WG; ``field`` [rad] is the
     vertical field of view.
     """
-    normal = np.array(task.support.frame.normal)
-    points = _seen_points(task, poses)
+    normal = np.array(plan.task.support.frame.normal)
+    points = _seen_points(plan.task, poses)
     if normal[2] < STEEP:  # from behind the arms, to one side
         side = np.cross([0.0, 0.0, 1.0], normal)
         return fit_view(points, 0.62 * normal + 0.78 * side + [0.0, 0.0, 0.45], field)
@@ -228,8 +226,9 @@ def leads_somewhere(points: Array) -> bool:
 
 
 def ribbon(points: Array, width: float) -> Mesh:
-    """Return a flat strip of ``width`` [m] along ``points`` (K, 2) in the plane z = 0,
-    facing up; K >= 2.
+    """Return a flat strip of ``width`` [m] along ``points`` (K, 2), K >= 2.
+
+    It lies in the plane z = 0 and faces up.
     """
     along = np.gradient(points, axis=0)
     size = np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)

@@ -28,7 +28,6 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.view.playback import Playback, View, ribbon
@@ -62,27 +61,26 @@ PRESS_CAPTION = """
 
 
 def write_replay(
-    task: Task, plan: Plan, record: Record, out: Path, models: str = "generated"
+    plan: Plan, record: Record, out: Path, models: str = "generated"
 ) -> Path:
-    """Write the page to the file ``out``, or to replay.html in the folder ``out``;
-    return its path.
+    """Write the page to the file ``out`` and return its path.
 
-    It plays the recorded joint positions and poses at 30 frames a second, and is
-    written whole or not at all. Raises SimulationError for a record without joint
-    positions. ``models``: as in ``run``.
+    In a folder ``out`` it is replay.html. It plays the recorded joint positions and
+    poses at 30 frames a second, and is written whole or not at all. Raises
+    SimulationError for a record without joint positions. ``models``: as in ``run``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
             f"{out}: a record of fewer than two ticks cannot be replayed"
         )
-    playback = Playback(task, plan, record, models)
+    playback = Playback(plan, record, models)
     meshcat = quiet_meshcat()
     look(meshcat)
     view = playback.view(FIELD)
     meshcat.SetCameraPose(view.position, view.target)
     marks = _animate(meshcat, playback, view)
     page = meshcat.StaticHtml()
-    title = f"{task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
+    title = f"{plan.task.name}: {', '.join(record.modes)}, {record.reason.replace('_', ' ')}"
     caption = _caption(title, marks)
     if "</body>" in page:
         page = page.replace("</body>", f"{caption}</body>", 1)
@@ -205,12 +203,12 @@ class _Marks:
         turned = RigidTransform(RotationMatrix.MakeXRotation(math.pi))
         meshcat.SetTransform(f"{name}/head/cone", turned)
 
-    def _draw_trace(self, points: Array, stretches: Array) -> list[tuple[int, str]]:
+    def _draw_trace(self, points: Array, segments: Array) -> list[tuple[int, str]]:
         """Draw the whole trace in pieces; return the frame at which each piece appears,
         and its name.
 
-        ``points`` (F, 2) [m] and ``stretches`` (F,) of the plan, per frame. The
-        tracking point may change between stretches, and no line joins the two.
+        ``points`` (F, 2) [m] and ``segments`` (F,) of the plan, per frame. The
+        tracking point may change between segments, and no line joins the two.
         """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         moved = np.concatenate([[0.0], np.cumsum(steps)])
@@ -218,7 +216,7 @@ class _Marks:
         step = moved[-1] / TRACE_PIECES
         first = 0
         for last in range(1, len(points)):
-            if stretches[last] != stretches[first]:
+            if segments[last] != segments[first]:
                 first = last
             if step > LEAST_STEP and moved[last] - moved[first] >= step:
                 name = f"marks/trace/{len(pieces)}"

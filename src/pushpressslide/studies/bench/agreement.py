@@ -108,7 +108,7 @@ def _compare_push(
     forces = np.array(ours.forces).ravel()
     scale = max(1.0, float(np.abs(forces).max()))
     cone = WrenchCone(points, normals, friction, RHO)
-    near = abs(cone.spare(fx, fy, tau)) < NEAR
+    near = abs(cone.margin(fx, fy, tau)) < NEAR
     possible = ours.status == "ok"
     tally.count("near_boundary", near)
     tally.count("flag_differs", possible != (theirs is not None) and not near)

@@ -26,7 +26,8 @@ from pushpressslide.planar.support import SupportFriction
 RESOLUTION = 3  # of the base
 SPEED = 0.05  # [m/s] of the finger's middle into the object
 TICKS = 400
-WITH = 1e-3  # of the finger's speed: slower relative motion counts as none
+WITH = 1e-3  # of the finger's speed: slower motion on it counts as none
+LASTING = 10  # ticks for which it has to be none: springs also turn back
 ORIGIN = (0.0, 0.0)
 
 
@@ -44,6 +45,15 @@ class Case:
         """Return the pressure, unit load, whose centre is ``cop`` [m] in B."""
         body = self.body
         return support_pressure(body.shape, 1.0, body.center_of_mass, cop, RESOLUTION)
+
+    def relative(self, moving: Twist) -> float:
+        """Return the motion of the object on the finger, over the finger's speed; a
+        turn as it is seen at the object's rim.
+        """
+        wanted = self.twist.moved_to(moving.of)
+        drift = math.hypot(moving.vx - wanted.vx, moving.vy - wanted.vy)
+        turn = abs(moving.w - wanted.w) * self.body.shape.circumradius
+        return max(drift, turn) / SPEED
 
     def predicted(self) -> LinePush:
         """Return the prediction on the exact limit surface."""
@@ -88,7 +98,6 @@ class _Tip:
         self._stiffness = stiffness  # [N s/m] force per tick of relative motion
         self._ahead = self._in_axes((moved.vx, moved.vy))
         self._normal_spring = 0.0  # [N]; negative: a gap
-        self.slid = math.inf  # relative motion over the finger's speed
 
     def _in_axes(self, v: Point) -> Point:
         nx, ny = self._normal
@@ -108,9 +117,7 @@ class _Tip:
         """Stretch the spring by what an object with ``twist`` stays behind."""
         at = twist.moved_to(self._point)
         behind = self._in_axes((at.vx, at.vy))
-        gap = self._ahead[0] - behind[0]
-        self._normal_spring += self._stiffness * gap
-        self.slid = math.hypot(gap, self._ahead[1] - behind[1]) / SPEED
+        self._normal_spring += self._stiffness * (self._ahead[0] - behind[0])
 
     def friction_of(self, force: Point) -> float:
         """Return the part of a force [N] along the face."""
@@ -126,6 +133,7 @@ def sticks_on_the_engine(case: Case) -> bool:
     sides = [0.0, 0.0]
     cop = ORIGIN
     guess = Twist(0.0, 0.0, 0.0)
+    together = 0
     for _ in range(TICKS):
         friction = SupportFriction(case.pressure(cop))
         contacts = [tip.contact(cop, f) for tip, f in zip(tips, sides, strict=True)]
@@ -136,7 +144,8 @@ def sticks_on_the_engine(case: Case) -> bool:
         sides = [t.friction_of(f) for t, f in zip(tips, forces, strict=True)]
         for tip in tips:
             tip.take(guess)
-        if max(tip.slid for tip in tips) < WITH:
+        together = together + 1 if case.relative(guess) < WITH else 0
+        if together == LASTING:
             return True
         x = sum(f[0] for f in forces)
         y = sum(f[1] for f in forces)

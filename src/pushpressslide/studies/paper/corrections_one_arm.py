@@ -45,8 +45,8 @@ def distance_from_com() -> Correction:
     return Correction(
         "The virtual axle is 0.82 m from the CoM",
         "4.1",
-        "It lies beyond the centre of pressure: the way from CoM to centre of pressure "
-        "comes off, not on.",
+        "The axle lies beyond the centre of pressure: the distance from CoM to centre "
+        "of pressure is subtracted, not added.",
         (
             Compared(
                 "axle from the CoM, away from the contact",
@@ -67,7 +67,7 @@ def pressure_constant() -> Correction:
         "c is 0.6 for a uniform contact, and 0.43 once the arm's force has shrunk the "
         "patch",
         "1.1",
-        "c follows from the pressure, r0 being half the diagonal; pressed at its end "
+        "c follows from the pressure, with r0 half the diagonal. Pressed at its end, "
         "the bar partly lifts.",
         (
             *_constants("uniform", PAPER_C, UNIFORM),
@@ -109,12 +109,12 @@ def force_invariance() -> Correction:
     paper = _spread(_ellipsoid_axle)
     pressed = _spread(lambda a: exact_axle_distance(PRESSED, lever, a))
     even = _spread(lambda a: exact_axle_distance(UNIFORM, lever, a))
-    what = "farthest over nearest axle, force at 1° to 90°, "
+    what = "ratio of largest to smallest axle distance, force at 1° to 90°, "
     return Correction(
         "The virtual axle is strictly invariant to the force",
         "4",
-        "So it is on the ellipsoid only; and drag at the tip's height moves the load "
-        "towards the force.",
+        "It is invariant on the ellipsoid only. In addition, drag at the tip's height "
+        "moves the load towards the force.",
         (
             Compared(what + "pressed end", paper, pressed, "", 3, rho="exact surface"),
             Compared(what + "even load", paper, even, "", 3, rho="exact surface"),
@@ -149,8 +149,8 @@ def mobility_of_shift() -> Correction:
     return Correction(
         "A shift of the centre of pressure does not change the mobilities",
         "1.2",
-        "alpha/beta is the pressure's variance along the motion, and a load off the "
-        "centre is narrower.",
+        "alpha/beta is the variance of the pressure along the motion; a load off the "
+        "centre has less.",
         (
             Compared(
                 "alpha/beta, load at a sixth of the length",
@@ -182,8 +182,8 @@ def mobility_of_load() -> Correction:
     return Correction(
         "alpha and beta fall with the square of the load",
         "1",
-        "lambda is no constant: force fixes the direction, and at a given speed alpha "
-        "is |v|/(mu N).",
+        "lambda is not constant: the force fixes the direction only, and at a given "
+        "speed alpha is |v|/(mu N).",
         (
             Compared(
                 "alpha at three times the load",
@@ -205,11 +205,11 @@ def stanley_signs() -> Correction:
     return Correction(
         "The rear Stanley law is stable without oscillation for any k > 0",
         "3",
-        "With reference minus actual it is stable, and without overshoot up to k = "
-        "v/(4 x_vfa).",
+        "With errors as reference minus actual the law is stable; it does not "
+        "overshoot up to k = v/(4 x_vfa).",
         (
             Compared(
-                "off the path 1 m on, from 10 mm, errors actual minus reference",
+                "offset after 1 m, from 10 mm, errors actual minus reference",
                 0.0,
                 1e3 * abs(left),
                 "mm",
@@ -258,8 +258,8 @@ def steering_of_pusher() -> Correction:
     return Correction(
         "The steering angle is bounded by atan(mu)",
         "3",
-        "That bounds the force; the pusher itself moves at (1 + d²/rho²) times its "
-        "tangent.",
+        "atan(mu) bounds the angle of the force. The tangent of the angle of the "
+        "pusher's motion is (1 + d²/rho²) times as large.",
         (
             Compared(
                 "largest angle of the pusher's motion, ellipsoid",
@@ -286,29 +286,33 @@ def virtual_target() -> Correction:
     ahead = 0.2
     fixed = _aligned(LookAheadAlignment(ahead, 50.0, Pose2()))
     sliding = _aligned(LookAheadAlignment(ahead, 50.0))
-    what = ", from 1 m before, 0.1 m aside"
+    what = ", from 1 m before the goal and 0.1 m beside it"
     return Correction(
         "A virtual target beyond the pose leaves less than 5 mm and 1 degree",
         "4.2",
-        "Fixed there it leaves an error; sliding along the goal's line, always 0.2 m "
-        "ahead, it leaves none.",
+        "A target that is fixed there leaves an error. A target that stays 0.2 m "
+        "ahead on the goal's line leaves none.",
         (
             Compared(
-                "off the goal, target fixed 0.2 m beyond it" + what,
+                "distance from the goal, target fixed 0.2 m beyond it" + what,
                 5.0,
                 1e3 * abs(fixed[0]),
                 "mm",
                 1,
             ),
-            Compared("yaw error, fixed", 1.0, math.degrees(abs(fixed[1])), "°", 2),
             Compared(
-                "off the goal, target sliding 0.2 m ahead",
+                "yaw error, fixed target", 1.0, math.degrees(abs(fixed[1])), "°", 2
+            ),
+            Compared(
+                "distance from the goal, target moving 0.2 m ahead",
                 5.0,
                 1e3 * abs(sliding[0]),
                 "mm",
                 1,
             ),
-            Compared("yaw error, sliding", 1.0, math.degrees(abs(sliding[1])), "°", 2),
+            Compared(
+                "yaw error, moving target", 1.0, math.degrees(abs(sliding[1])), "°", 2
+            ),
         ),
     )
 
@@ -328,12 +332,12 @@ def _aligned(law: LookAheadAlignment) -> Point:
 
 def one_friction() -> Correction:
     """Throughout: one mu."""
-    what = "straight sliding takes of the tip's friction, 8 N on 0.3 kg"
+    what = "friction utilisation at the tip in straight sliding, 8 N on 0.3 kg"
     return Correction(
         "One mu stands for all friction",
         "4",
-        "Tip and support differ: a press slides the object only where mu_a exceeds "
-        "mu_s.",
+        "Tip and support have coefficients of their own: a press slides the object "
+        "only if mu_a exceeds mu_s.",
         (
             Compared(
                 what,

@@ -30,11 +30,11 @@ def moments_about_com() -> Correction:
         "Moments are about the CoM; the virtual axle lies on the line of contact and "
         "CoM",
         "7",
-        "The limit surface is about the centre of pressure, which presses and drag at "
-        "a height move.",
+        "The limit surface is about the centre of pressure. Presses, and drag at a "
+        "height, move that point.",
         (
             Compared(
-                "turn of a straight slide, 0.19 m off",
+                "turn of a slide planned straight, centre of pressure 0.19 m off",
                 0.0,
                 abs(twist.w / twist.vx),
                 "rad/m",
@@ -42,7 +42,7 @@ def moments_about_com() -> Correction:
                 rho="given",
             ),
             Compared(
-                "pivot to the side of that line, tip 0.1 m high",
+                "distance of the pivot from that line, tip 0.1 m high",
                 0.0,
                 1e3 * abs(pivot[1]),
                 "mm",
@@ -61,7 +61,8 @@ def differential_drive() -> Correction:
     return Correction(
         "Two rear pushes perfectly mimic a differential drive",
         "5",
-        "A push cannot pull: forward only, with |kappa| at most w/rho².",
+        "A push cannot pull: the object moves forward only, with |kappa| at most "
+        "w/rho².",
         (
             Compared(
                 "least turning radius, 30 x 50 cm box",
@@ -84,8 +85,8 @@ def bias_is_external() -> Correction:
     return Correction(
         "f_bias is an internal force",
         "6",
-        "Two normals at right angles add up: (b, -b, 0) drives the object along the "
-        "diagonal.",
+        "Two normal forces at right angles do not cancel: (b, -b, 0) drives the "
+        "object along the diagonal.",
         (
             Compared(
                 "change of the object's force for a bias of 1 N",
@@ -118,13 +119,13 @@ def turning_regions() -> Correction:
         "One extreme point turns left and one right, at d_min and d_max, and K/mu is "
         "in neither region",
         "6",
-        "The primary arm's friction has a moment too: both turn the same way, nearer "
-        "by, and K/mu is in.",
+        "The friction of the primary arm has a moment too. Both points turn the "
+        "object the same way, both are nearer, and K/mu is inside.",
         (
             Compared("d_min over K, mu = 0.5", near, true_near),
             Compared("d_max over K, mu = 0.5", far, true_far),
             Compared(
-                "of the two beside a force along x, turning left",
+                "extreme points of the two that turn left under a force along x",
                 1,
                 sum(t > 0.0 for t in turns),
                 "",
@@ -143,11 +144,11 @@ def symmetric_split() -> Correction:
         "The algebraic allocator guarantees positive normals and forces in their "
         "friction cones",
         "6",
-        "An even split of the moment leaves the cones where another split does not; "
-        "many wrenches have none.",
+        "An even split of the moment leaves the cones where another split does not. "
+        "For many wrenches no split is inside.",
         tuple(
             Compared(
-                f"wrenches covered of those possible, mu = {mu:g}",
+                f"feasible wrenches that the even split covers, mu = {mu:g}",
                 100.0,
                 100.0 * _covered(mu),
                 "%",
@@ -196,7 +197,7 @@ def pivot_about_contact() -> Correction:
         "N_R goes to zero for a pivot about p_L",
         "7",
         "An arm that does not press has no friction, and the weight keeps the centre "
-        "of pressure from p_L.",
+        "of pressure away from p_L.",
         (
             Compared(
                 "least N_R/N for a turn, 60 x 80 cm box",
@@ -207,7 +208,7 @@ def pivot_about_contact() -> Correction:
                 rho="fit",
             ),
             Compared(
-                "centre of pressure to p_L, N_L = weight",
+                "distance of the centre of pressure from p_L, N_L = weight",
                 0.0,
                 math.dist(cop, left),
                 "m",

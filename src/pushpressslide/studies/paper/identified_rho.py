@@ -32,7 +32,7 @@ WINDOW = 0.2  # [s] over which force and turn rate are averaged
 
 @dataclass(frozen=True, slots=True)
 class IdentifiedRho:
-    """The longest stretch of a run with steep steering and fast turning, and rho there."""
+    """The longest part of a run with steep steering and fast turning, and rho there."""
 
     time: float  # [s] that it lasted
     force_angle: float  # [rad] mean
@@ -44,13 +44,13 @@ class IdentifiedRho:
 
 
 def identified_rho(plan: Plan, record: Record) -> IdentifiedRho | None:
-    """Run the identifier over the longest exciting stretch of a pressed object's run.
+    """Run the identifier over the longest exciting part of a pressed object's run.
 
     There the force angle is within 10 degrees of 60 and the turn rate above 0.05 rad/s,
-    for 3 s; None where there is no such stretch, or nothing contradicted the plan.
+    for 3 s; None where there is no such part, or nothing contradicted the plan.
 
     As in ``Controller``, from measured poses and contact force alone, starting at the
-    stretch. The exact model is given the true mass and friction, the mean load and the
+    part. The exact model is given the true mass and friction, the mean load and the
     mean force angle.
     """
     segment = plan.segments[0]

@@ -55,7 +55,8 @@ JOINT_TRACKING = Experiment(
                 "rms_end_effector_error": PaperFigure(0.096),
                 "rms_yaw_error": PaperFigure(math.radians(17.27)),
             },
-            "It keeps up with its reference, and creeps over the last two centimetres.",
+            "It keeps up with its reference, then creeps over the last two "
+            "centimetres.",
         ),
         Variant(
             "force-joint",
@@ -68,7 +69,7 @@ JOINT_TRACKING = Experiment(
                 "rms_end_effector_error": PaperFigure(0.086),
                 "rms_yaw_error": PaperFigure(math.radians(14.0)),
             },
-            "Who is late is pushed harder, so that it ends when its reference does.",
+            "A lagging object is pushed harder, so that it ends with its reference.",
         ),
         Variant(
             "less", "Force 3 % below friction, alone", "rear-push-rear", _force(0.97)
@@ -102,22 +103,20 @@ JOINT_TRACKING = Experiment(
             (*PATH, *JOINT_TERM),
         ),
     ),
-    why="A force fixes the direction of a quasi-static slide, never its speed: just below friction the "
-    "object creeps or sticks, just above it the surplus decides how fast it goes. The "
-    "term closes that loop: "
-    "who is late is pushed harder, so that it takes the same 13 s for any of the three "
-    "forces. It makes a "
-    "push tighter only where the force falls short, as the paper's over 100 s suggest; "
-    "it does not say by "
-    "how much. A velocity servo at the contact, the default here, is as fast and "
-    "several times tighter, as "
-    "it keeps to the motion of the contact itself, and beside it the term only pulls "
-    "the tip off its place. "
-    "The term alone is not robust: it holds the tip to the planned place in the world, "
-    "not to the object; "
-    "on the shipped path, whose straight end is longer, the tip leaves the face where "
-    "the path bends the "
-    "other way.",
+    why=(
+        "A force fixes the direction of a quasi-static slide, not its speed. Just "
+        "below friction the object creeps or sticks; just above it the surplus sets "
+        "the speed. The joint term closes that loop: a lagging object is pushed "
+        "harder, so that the motion takes the same 13 s for each of the three forces. "
+        "It makes the push tighter only where the force falls short. The paper's time "
+        "of over 100 s suggests that, but the paper does not state its force. A "
+        "velocity servo at the contact, the default here, is as fast and several "
+        "times tighter, since it follows the motion of the contact itself; with the "
+        "servo, the joint term only pulls the tip off its place. The joint term alone "
+        "is not robust: it holds the tip at the planned place in the world, not on "
+        "the object. On the shipped path, whose straight end is longer, the tip "
+        "leaves the face where the path bends the other way."
+    ),
     comparisons=(
         Comparison("less", "less-joint", "with 3 % too little force, the joint term"),
         Comparison(
@@ -135,7 +134,10 @@ JOINT_TRACKING = Experiment(
 """
 
 
-STEERED = "Steered at the virtual front axle, and planned anew from the true pose and contact on the way."
+STEERED = (
+    "Steered at the virtual front axle, and replanned from the measured pose and "
+    "contact."
+)
 
 REAR_PUSH = Experiment(
     name="rear-push",
@@ -147,7 +149,10 @@ REAR_PUSH = Experiment(
         Variant("rear", "By the rear face", "rear-push-rear", (), WITHIN, STEERED),
         Variant("left", "By the left face", "rear-push-left", (), WITHIN, STEERED),
     ),
-    why="Poses, friction and speed are not in the paper; cube, arm and pushed faces are the paper's.",
+    why=(
+        "Cube, arm and pushed faces are the paper's. The paper does not give poses, "
+        "friction and speed."
+    ),
     pictured=("left", "rear"),
 )
 
@@ -155,9 +160,10 @@ PRESS_WITHIN = {
     "final_position_error": PaperFigure(0.005, "within"),
     "final_yaw_error": PaperFigure(math.radians(1.0), "within"),
 }
-ALIGNED = "Aligned about the exact axle, by a target that slides along the path."
+ALIGNED = "Aligned about the exact axle, with a target that moves along the path."
 ON_THE_SPOT = (
-    "The force across the axis, about the point that the exact surface keeps in place."
+    "A force across the axis turns the object about the point that stands still on "
+    "the exact surface."
 )
 BACKWARD = (
     "start.x=0.40",
@@ -219,14 +225,15 @@ PRESS_SLIDE = Experiment(
             ("motion.fixed_target=true",),
         ),
     ),
-    why="The virtual axle is taken from the exact surface under the load that the drag at the contact's "
-    "height shifts, 3 cm ahead of the centre of mass when pulled and 20 cm behind when "
-    "pushed, and a plan "
-    "is made anew whenever the axle is off its path. A target fixed beyond the goal, "
-    "the literal reading, "
-    "leaves part of the lateral error; one that slides along the path leaves none.",
+    why=(
+        "The virtual axle is that of the exact surface, under the load that drag at "
+        "the contact's height shifts: 3 cm ahead of the centre of mass when pulled, "
+        "20 cm behind it when pushed. The object is replanned whenever the axle is "
+        "off its path. A target fixed beyond the goal, the literal reading, leaves "
+        "part of the lateral error. A target that moves along the path leaves none."
+    ),
     comparisons=(
-        Comparison("fixed-target", "pulled", "a target that slides along the path"),
+        Comparison("fixed-target", "pulled", "a target that moves along the path"),
     ),
     pictured=("pulled", "pushed", "pivot"),
     axle="pulled",
@@ -256,17 +263,20 @@ IDENTIFIED_RHO = Experiment(
             ),
         ),
     ),
-    why="Axle and rho follow from measured poses and contact force by least squares with forgetting, while "
-    "the object moves. The run is for its turn, three seconds at the steepest "
-    "steering, not for its goal, "
-    "which a plan with half the true rho and a target fixed beyond it miss.",
+    why=(
+        "Axle and rho are identified while the object moves, from measured poses and "
+        "contact force by least squares with forgetting. The run shows its turn, "
+        "three seconds at the steepest steering. It misses its goal, since it is "
+        "planned with half the true rho and a target fixed beyond the goal."
+    ),
     pictured=("turn",),
     plotted=(),
     axle="turn",
 )
 
 FED_FORWARD = (
-    "Pushed through its centre; the drag that it adds is felt and fed forward."
+    "The cube is pushed through its centre. The drag that it adds is measured and fed "
+    "forward."
 )
 
 TOOL_USE = Experiment(
@@ -291,7 +301,10 @@ TOOL_USE = Experiment(
             why=FED_FORWARD,
         ),
     ),
-    why="What the second object adds to the drag is felt at the tip and fed forward; the push is planned "
-    "through its centre, so that it does not drift off the face.",
+    why=(
+        "The drag that the second object adds is measured at the tip and fed forward. "
+        "The push is planned through its centre, so that it does not drift off the "
+        "face."
+    ),
     pictured=("cube",),
 )

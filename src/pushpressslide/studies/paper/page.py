@@ -174,13 +174,13 @@ def _plots(
     for title in (titles[name] for name in plotted):
         if title in runs:
             run = runs[title]
-            curves.append((title, run.record, run.task, run.plan))
+            curves.append((title, run.record))
     if curves:
         parts.append(image(style.png(comparison_plot(curves)), "errors over time"))
     axle_title = titles.get(experiment.axle, "")
     if axle_title in runs:
         run = runs[axle_title]
-        made = axle_over_time(run.task, run.plan, run.record)
+        made = axle_over_time(run.plan, run.record)
         if made is not None:
             caption = f"{axle_title}: the virtual axle over time, and tracking errors."
             parts.append(image(style.png(made), "virtual axle over time", caption))
@@ -193,7 +193,7 @@ def _picture(run: Run, title: str) -> str:
     if pictures.is_file():
         png = pictures.read_bytes()
         return image(png, f"{title}, on its way", f"{title}, {CAPTION}")
-    png = style.png(path_figure(run.task, run.plan, run.record))
+    png = style.png(path_figure(run.plan, run.record))
     return image(png, f"{title}, from above", title)
 
 

@@ -32,7 +32,7 @@ def write_pictures(folder: Path) -> Path | None:
         return None
     first, last = run.record.arrays["time"][ticks[[0, -1]]]
     try:
-        renderer = FrameRenderer(run.task, run.plan, run.record, (WIDTH, HEIGHT))
+        renderer = FrameRenderer(run.plan, run.record, (WIDTH, HEIGHT))
         images = [
             renderer.image(float(first + share * (last - first))) for share in SHARES
         ]

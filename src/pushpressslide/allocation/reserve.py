@@ -1,0 +1,34 @@
+"""Two side contacts that keep a reserve of friction where they can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pushpressslide.allocation.one_contact import Allocator
+from pushpressslide.allocation.projections import Projection
+from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.pose import Point
+
+PREFERRED = 0.8  # of the friction, that forces keep to where that is enough
+
+
+def reserving_allocator(
+    points: Sequence[Point],
+    normals: Sequence[Point],
+    friction: float,
+    rho: float,
+    projection: Projection = "nearest",
+) -> Allocator:
+    """Return the ``two_contact_allocator`` of PREFERRED of the friction where that gives
+    the wrench, else that of all of it.
+    """
+    preferred = two_contact_allocator(points, normals, PREFERRED * friction, rho)
+    exact = two_contact_allocator(points, normals, friction, rho, projection=projection)
+
+    def allocate(fx: float, fy: float, tau: float) -> Allocation:
+        """Return the forces of a wrench in B."""
+        allocation = preferred(fx, fy, tau)
+        return allocation if allocation.status == "ok" else exact(fx, fy, tau)
+
+    return allocate

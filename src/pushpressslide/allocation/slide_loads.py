@@ -1,0 +1,145 @@
+"""Loads of two presses that lead an object along one twist, or what stands against any
+(docs/mechanics.md, section 7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.cop_strategy import (
+    loads_with,
+    possible_fractions,
+    safe_loads,
+)
+from pushpressslide.allocation.press_loads import TwoPresses
+from pushpressslide.allocation.wall_presses import wall_loads
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point
+from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Cop, Motion
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.osculating import pressures, touching_ellipsoid
+from pushpressslide.mechanics.pressing import resting_cop
+from pushpressslide.mechanics.wall import lean_press, weights
+
+COP: Cop = "balanced"
+# shares of the tips' friction that a motion may take, the best first
+UTILISATION = (0.7, 0.8, 0.9, 0.95)
+HARDER = 1.3  # times as hard where the drag's lever takes more of the friction
+LEAST_PRESS = 4.0  # [N] below which a tip bounces on the object
+ORIGIN = (0.0, 0.0)
+
+Presses = Callable[..., TwoPresses]
+
+
+def slide_loads(
+    scene: Scene,
+    motion: Motion,
+    cap: float,
+    points: tuple[Point, Point],
+    path: TwistPath,
+) -> tuple[Refusal | None, list[Point]]:
+    """Return what stands against the loads, and loads [N] at ``points`` to try for a
+    body's ``path``: ``cap`` [N] each where none do.
+
+    Raises RefusedError where no two tips can press so.
+    """
+    belief = scene.belief
+    cop: Cop = COP if motion.cop is None else motion.cop
+    twist = path.initial_twist(ORIGIN)
+    mu_s = belief.support_friction
+    mu_a = belief.contact_friction
+    rho = touching_ellipsoid(pressures(scene)(ORIGIN), mu_s, twist).rho
+
+    def presses(share: float = 1.0) -> TwoPresses:
+        """Return the presses with a share of the contact friction."""
+        return TwoPresses(*points, scene.weight_on, mu_s, share * mu_a, rho, cap)
+
+    press = motion.press_force
+    if press is not None:
+        return None, [_given_loads(presses(), cop, press, cap)]
+    if any(scene.weight_along):
+        steps = [(twist, along) for along in weights(scene, path)]
+        least = max(LEAST_PRESS, lean_press(scene))
+        return None, [wall_loads(presses, steps, UTILISATION, least)]
+    loads = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
+    if loads is not None:
+        harder = loads_with(presses(), cop, min(cap, HARDER * max(loads)))
+        return None, [loads, harder]
+    return _loads_at_limit(presses, cop, twist)
+
+
+def _loads_at_limit(
+    presses: Presses, cop: Cop, twist: Twist
+) -> tuple[Refusal, list[Point]]:
+    """Return what stands against the loads, and loads [N] at the cap. Raises
+    RefusedError where no two tips can press so.
+    """
+    pair = presses()
+    mu_a = pair.contact_friction
+    mu_s = pair.support_friction
+    if mu_a <= mu_s:
+        text = (
+            "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
+            "press drags"
+        )
+        raise RefusedError(Refusal("friction", text, mu_a, mu_s))
+    if not isinstance(cop, str):
+        raise RefusedError(_cop_refusal(presses, cop, twist, pair.cap))
+    normals = loads_with(pair, cop, pair.cap)
+    utilisation = pair.at(normals, twist).needed / sum(normals)
+    limit = f"; limits.normal_force is {pair.cap:g} N"
+    return slip_refusal(normals, utilisation, limit), [normals]
+
+
+def slip_refusal(normals: Point, utilisation: float, note: str = "") -> Refusal:
+    """Return that two presses of ``normals`` [N] slip at a friction ``utilisation``."""
+    left, right = normals
+    text = (
+        f"pressed with {left:.1f} and {right:.1f} N the tips slip before the object: "
+        f"the motion takes {{figure:.2f}} of their friction, allowed {{allowed:g}}{note}"
+    )
+    return Refusal("friction", text, utilisation, UTILISATION[-1])
+
+
+def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
+    """Return the centre of pressure without drag as part of the way from the left to
+    the right contact.
+    """
+    left, right = (contact.point for contact in contacts)
+    x, y = resting_cop(scene, contacts)
+    line = ContactLine(left, right)
+    return line.in_axes((x - left[0], y - left[1]))[0] / line.length
+
+
+def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Point:
+    """Return the loads [N] of a given press. Raises RefusedError where it is too hard or
+    too light.
+    """
+    normals = loads_with(presses, cop, given)
+    if given > cap:
+        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        raise RefusedError(Refusal("normal_force", text, given, cap, "N"))
+    if min(normals) < LEAST_PRESS:
+        text = (
+            "the lighter press is {figure:N.1f}, allowed from {allowed:Ng}: a contact "
+            "that does not press holds nothing"
+        )
+        raise RefusedError(Refusal("press", text, min(normals), LEAST_PRESS, "N"))
+    return normals
+
+
+def _cop_refusal(presses: Presses, cop: float, twist: Twist, cap: float) -> Refusal:
+    """Return what stands against a wanted centre of pressure."""
+    can = possible_fractions(presses, twist, UTILISATION[-1:], LEAST_PRESS)
+    span = "and so does any other"
+    if can:
+        span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"
+    text = (
+        "a centre of pressure {figure:g} of the way from left to right needs a contact "
+        f"that does not press, or more than limits.normal_force of {cap:g} N, {span}"
+    )
+    return Refusal("cop", text, cop)

@@ -1,0 +1,1 @@
+"""What several modes share, and is none."""

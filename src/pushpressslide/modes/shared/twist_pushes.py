@@ -1,0 +1,77 @@
+"""Two pushes that drive the object by twists of their cone: the path's choice, the law
+and the course.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.core.plan import Choice, Segment
+from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.modes.base import Course, Measured, Mode, Tracker, in_arms
+from pushpressslide.planning.in_cone import (
+    REPLAN_MARGIN,
+    describe_cone_margin,
+    least_cone_margin,
+    path_in_cone,
+)
+from pushpressslide.planning.segments import ends_onward, run_time, segment
+from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.rom.drives import TwistDrive
+from pushpressslide.tracking.holonomic import HolonomicTracker
+
+CORRECTION_SHARE = 0.9  # of the friction, that corrections may use
+
+
+class TwistPushes(Mode):
+    """A mode of two pushes whose segments may have a TwistDrive."""
+
+    def tracker(self, task: Task, segment: Segment) -> Tracker:
+        """Return the holonomic law for a segment, corrected within the cone of
+        CORRECTION_SHARE of the friction.
+        """
+        drive = segment.drive
+        assert isinstance(drive, TwistDrive)
+        friction = CORRECTION_SHARE * task.believed.contact_friction
+        cone = TwistCone(segment.contacts, friction, drive.surface)
+        return HolonomicTracker(drive.X_BV, cone.surface, cone.nearest)
+
+    def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
+        """Return the course by twists within the cone of the true contacts."""
+        drive = segment.drive
+        assert isinstance(drive, TwistDrive)
+        contacts = measured.contacts
+        cone = TwistCone(contacts, task.believed.contact_friction, drive.surface)
+        start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
+        path = path_in_cone(
+            start, goal, cone, REPLAN_MARGIN, drive.radius, measured.longest
+        )
+        return None if path is None else Course(contacts, drive, path)
+
+
+def driven_by_twists(
+    task: Task, choice: Choice, path: TwistPath, cone: TwistCone, push: float = 0.0
+) -> Choice:
+    """Return a choice with a path of twists in the cone of its contacts, which push
+    with up to ``push`` [N].
+    """
+    margin = least_cone_margin(path, cone)
+    drive = TwistDrive(cone.surface, path.radius, push)
+    piece = segment(task, choice.mode, choice.contacts, drive, path, cone_margin=margin)
+    merits = (
+        f"path {path.length:.3f} m of {len(path.pieces)} twist(s), "
+        f"{describe_cone_margin(margin)}"
+    )
+    time = run_time(task.motion, (piece,))
+    return replace(choice, segments=(piece,), time=time, merits=merits)
+
+
+def in_free_arms(task: Task, choice: Choice) -> list[Choice]:
+    """Return a choice for each way to give its contacts to arms that do not cross."""
+    (piece,) = choice.segments
+    length = piece.path.length
+    poses = [piece.body_pose(share * length) for share in (0.0, 0.5, 1.0)]
+    points = [contact.point for contact in choice.contacts]
+    return in_arms(choice, assignments(task.scene.bases, points, poses))

@@ -1,0 +1,88 @@
+"""Where two arms push an object's faces: side by side on one, or one on each of two."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import cross
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Limits
+from pushpressslide.mechanics.faces import Face
+from pushpressslide.planning.side_contacts import (
+    drag_refusal,
+    least_distance,
+    side_contact,
+    span,
+)
+
+CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of its face
+# [m] of two contacts on one face from the CoM's line that are tried
+HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
+# places on each of two faces, in shares of the face on either side of the CoM's line
+PLACES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+
+Contacts = tuple[Contact, ...]
+
+
+def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
+    """Return contacts left and right of the line through the CoM at ``height`` [m], the
+    widest first.
+    """
+    low, high = span(scene.body, face)
+    inside = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
+    return [
+        (side_contact(0, face, half, height), side_contact(1, face, -half, height))
+        for half in dict.fromkeys(min(width, inside) for width in HALF_WIDTHS)
+    ]
+
+
+def side_by_side_refusal(
+    scene: Scene, limits: Limits, face: Face, contacts: Contacts
+) -> Refusal | None:
+    """Return what stands against two contacts on a face; None if nothing."""
+    left, right = contacts
+    apart = math.dist(left.point, right.point)
+    needed = least_distance(scene)
+    if apart < needed:
+        text = "contacts {figure:mm.0f} apart, two tools need {allowed:mm.0f}"
+        return Refusal("too_close", text, apart, needed, "m")
+    if abs(face.offset) > 1e-9:
+        text = "no contact on the other side of the line through the CoM"
+        return Refusal("offset_contact", text)
+    return drag_refusal(scene, limits, (face,), left.height)
+
+
+def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Contacts]:
+    """Return contacts, one on each of two faces at ``height`` [m], that leave room for
+    the tools.
+    """
+    sides = []
+    for arm, face in enumerate(pair):
+        right, left = span(scene.body, face)
+        low = right + CORNER_CLEARANCE
+        high = left - CORNER_CLEARANCE
+        middle = min(max(0.0, low), high)
+        offsets = (
+            middle + k * (high - middle if k > 0.0 else middle - low) for k in PLACES
+        )
+        sides.append([side_contact(arm, face, offset, height) for offset in offsets])
+    apart = least_distance(scene)
+    return [(a, b) for a, b in product(*sides) if math.dist(a.point, b.point) >= apart]
+
+
+def angle_between(first: Face, second: Face) -> float:
+    """Return the angle [rad] between the normals of two faces."""
+    a = first.normal
+    b = second.normal
+    return abs(math.atan2(cross(a, b), a[0] * b[0] + a[1] * b[1]))
+
+
+def spread(contacts: Sequence[Contact]) -> float:
+    """Return the sum of the contacts' distances from the CoM [m], rounded so that it is
+    the same for a mirrored object.
+    """
+    return round(sum(math.hypot(*contact.point) for contact in contacts), 6)

@@ -1,0 +1,108 @@
+"""Where two arms press the top of an object."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.mechanics.top import inside_top, top_places
+from pushpressslide.mechanics.wall import lean, lean_press
+from pushpressslide.planning.held_twist import EDGE
+from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.rom.drives import ORIGIN
+
+ROUNDING = 1e-6  # [m] by which a contact may be nearer to the edge
+APART = 0.10  # [m] between the contacts, so that the arms have room
+
+Pair = tuple[Point, Point]
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedPair:
+    """Two contacts given to arms, without loads, and the path of the body."""
+
+    contacts: tuple[Contact, ...]
+    path: TwistPath
+    crossing: bool  # whichever arm takes which contact
+    refusal: Refusal | None  # what stands against the places
+
+
+def placed_pairs(task: Task) -> list[PlacedPair]:
+    """Return pairs of contacts, those with the shortest arms first."""
+    places = top_places(task.object, EDGE)
+    farthest = max((math.hypot(*place) for place in places), default=0.0)
+    placed = [_placed(task, points, farthest) for points in _pairs(task)]
+    return sorted(placed, key=lambda pair: _arm_length(task, pair.contacts))
+
+
+def _placed(task: Task, points: Pair, farthest: float) -> PlacedPair:
+    """Return one pair; ``farthest`` [m] that a place is from the CoM."""
+    body = task.object
+    radius = max(farthest, *(math.hypot(*point) for point in points))
+    path = TwistPath.between(task.body_ends, radius)
+    poses = [path.pose(0.25 * i * path.length) for i in range(5)]
+    assigned = assignments(task.scene.bases, points, poses)
+    arms = next(iter(assigned), None)
+    if task.motion.contacts is not None and (0, 1) in assigned:
+        arms = (0, 1)
+    if arms == (1, 0):
+        points = (points[1], points[0])
+    contacts = tuple(
+        Contact(arm, "top", point, ORIGIN, body.shape.height)
+        for arm, point in enumerate(points)
+    )
+    return PlacedPair(contacts, path, arms is None, _refusal(body, points))
+
+
+def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
+    """Return how far the contacts are from their arms' bases, at start and goal
+    together [m].
+    """
+    bases = task.scene.bases
+    return sum(
+        math.dist(X_WB.apply(contact.point), bases[contact.arm][:2])
+        for X_WB in task.body_ends
+        for contact in contacts
+    )
+
+
+def _pairs(task: Task) -> list[Pair]:
+    """Return pairs of places to press, in B [m]: opposite each other about the CoM, or
+    given.
+    """
+    scene = task.scene
+    body = task.object
+    places = task.motion.contacts
+    if places is not None and len(places) == 2:
+        first, second = (body.X_GB.inverse().apply(place) for place in places)
+        return [(first, second)]
+    dx, dy = lean(scene, task.goal, task.motion.press_force or lean_press(scene))
+    pairs: list[Pair] = []
+    for p in top_places(body, EDGE):
+        q = (-p[0], -p[1])
+        new = all(
+            min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs
+        )
+        if not new or math.dist(p, q) < APART:
+            continue
+        if inside_top(body, q, EDGE - ROUNDING):
+            pairs.append((p, q))
+    return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
+
+
+def _refusal(body: ObjectModel, points: Pair) -> Refusal | None:
+    """Return what stands against two contacts, whatever their loads."""
+    if not all(inside_top(body, p, EDGE - ROUNDING) for p in points):
+        text = "the contacts must be {allowed:mm.0f} inside the object's top"
+        return Refusal("off_top", text, None, EDGE, "m")
+    apart = math.dist(*points)
+    if apart < APART:
+        text = "the contacts are {figure:mm.0f} apart, allowed from {allowed:mm.0f}"
+        return Refusal("too_close", text, apart, APART, "m")
+    return None

@@ -1,0 +1,134 @@
+"""What dragging an object by two contacts that hold it takes: of the contacts'
+friction, and of the base under it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, inf
+
+from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.height_term import DraggedSurface
+from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
+from pushpressslide.mechanics.pressing import resting_cop
+from pushpressslide.mechanics.top import room_inside
+from pushpressslide.mechanics.wall import lever, weights
+
+LEAST_GIVEN = 1e-3  # share of the wanted wrench, below which it counts as this
+
+AllocatorAbout = Callable[[Point], Callable[[float, float, float], Allocation]]
+"""From the point [m] in B that wrenches are about to their allocator."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldDrag:
+    """Two presses that drag the object with one twist."""
+
+    surface: DraggedSurface  # the limit surface near that twist
+    friction_utilisation: float
+    tipping_margin: float  # half widths
+
+
+@dataclass(frozen=True, slots=True)
+class PinnedDrag(HeldDrag):
+    """A press and a push that drag the object with one twist."""
+
+    forces: Allocation
+    cop: Point  # [m] in B, centre of pressure
+
+
+def held_drag(
+    scene: Scene,
+    contacts: Sequence[Contact],
+    path: TwistPath,
+    point: Point,
+    allocator: AllocatorAbout,
+) -> HeldDrag:
+    """Return what dragging ``point`` [m] in B along its path by two presses is like.
+    Raises ValueError where the object tips.
+    """
+    belief = scene.belief
+    height = scene.body.shape.height
+    twist = path.initial_twist(point)
+    load = scene.weight_on + sum(contact.load for contact in contacts)
+    surface, cop = dragged_ellipsoid(
+        pressures(scene),
+        belief.support_friction,
+        load,
+        resting_cop(scene, contacts),
+        twist,
+        lambda wrench: (height * wrench.fx / load, height * wrench.fy / load),
+    )
+    mu = belief.contact_friction
+    raised = lever(scene, load)
+    x, y = surface.center
+    most = 0.0
+    margin = inf
+    allocate = allocator(surface.center)
+    for wx, wy in weights(scene, path):
+        lifted = replace(surface, center=(x - raised * wx, y - raised * wy))
+        fx, fy, tau, _ = lifted.wrench(twist).moved_to((x, y))
+        held = Wrench(wx, wy, 0.0).moved_to((x, y))
+        allocation = allocate(fx - wx, fy - wy, tau - held.tau)
+        most = max(most, _utilisation(contacts, mu, allocation, surface))
+        moved = (cop[0] - raised * wx, cop[1] - raised * wy)
+        margin = min(margin, room_inside(scene.body, moved))
+    return HeldDrag(surface, most, margin)
+
+
+def pinned_drag(
+    scene: Scene,
+    contacts: Sequence[Contact],
+    twist: Twist,
+    allocator: AllocatorAbout,
+) -> PinnedDrag:
+    """Return what dragging with ``twist`` by a press and a push is like. Raises
+    ValueError where the object tips.
+    """
+    belief = scene.belief
+    press, push = contacts
+    load = scene.weight_on + press.load
+
+    def forces(wrench: Wrench) -> Allocation:
+        """Return the contact forces of a wrench."""
+        return allocator(wrench.about)(wrench.fx, wrench.fy, wrench.tau)
+
+    def shift(wrench: Wrench) -> Point:
+        """Return how far [m] the contact forces move the centre of pressure."""
+        (ax, ay), (bx, by) = forces(wrench).forces
+        h1 = press.height / load
+        h2 = push.height / load
+        return (h1 * ax + h2 * bx, h1 * ay + h2 * by)
+
+    resting = resting_cop(scene, [press])
+    surface, cop = dragged_ellipsoid(
+        pressures(scene), belief.support_friction, load, resting, twist, shift
+    )
+    allocation = forces(surface.wrench(twist))
+    utilisation = _utilisation([press], belief.contact_friction, allocation, surface)
+    margin = room_inside(scene.body, cop)
+    return PinnedDrag(surface, utilisation, margin, allocation, cop)
+
+
+def _utilisation(
+    presses: Sequence[Contact],
+    mu: float,
+    allocation: Allocation,
+    surface: DraggedSurface,
+) -> float:
+    """Return the largest friction utilisation of presses, the first of the contacts of
+    an allocation, scaled up by the share of the wanted wrench that it could not give.
+    """
+    most = max(
+        hypot(*force) / (mu * press.load)
+        for press, force in zip(presses, allocation.forces, strict=False)
+    )
+    fx, fy, tau = allocation.residual
+    lost = hypot(fx, fy, tau / surface.rho) / surface.max_force
+    return most / max(1.0 - lost, LEAST_GIVEN)

@@ -1,0 +1,67 @@
+"""The choices of manoeuvres for a task, the safest press first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from pushpressslide.core.plan import ENOUGH, Choice, Contact
+from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
+from pushpressslide.core.task import Task
+from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.pressed.placements import PressPlacements
+from pushpressslide.planning.pressed.ranking import by_time, soonest
+from pushpressslide.planning.segments import describe_points
+
+
+def manoeuvre_choices(
+    task: Task,
+    mode: str,
+    placements: PressPlacements,
+    enough: int,
+    arms_refusal: Callable[[Choice], Refusal | None],
+) -> list[Choice]:
+    """Return manoeuvres until ``enough`` are feasible, those of the safest press first:
+    one per contact, then others; then the contacts that were skipped.
+    """
+    X_WB, _ = task.body_ends
+    out: list[Choice] = []
+    skipped: list[Choice] = []
+    missing = enough
+    turning = placements.turning(task.object)
+    for load in placements.loads:
+        contacts = [replace(contact, load=load) for contact in turning]
+        ranked = by_time(task, X_WB, contacts)
+        wanted = min(missing, ENOUGH)
+        for manoeuvre in soonest(task, X_WB, list(ranked)):
+            choice = manoeuvre.choice(task, mode)
+            choice = choice.refused(arms_refusal(choice))
+            out.append(choice)
+            wanted -= choice.feasible
+            if wanted == 0:
+                break
+        missing = enough - sum(choice.feasible for choice in out)
+        if missing < enough and not skipped:
+            tried = {choice.contacts[0] for choice in out}
+            skipped = [
+                _skipped(task, mode, contact, time)
+                for contact, time in ranked.items()
+                if contact not in tried
+            ]
+        # lighter presses only where more are asked for
+        if missing == 0 or missing < enough <= ENOUGH:
+            break
+    return sorted(out, key=lambda choice: not choice.feasible) + skipped
+
+
+def _skipped(task: Task, mode: str, contact: Contact, time: float) -> Choice:
+    """Return the choice of a contact for which no manoeuvre was planned; it takes about
+    ``time`` [s].
+    """
+    return Choice(
+        mode,
+        f"manoeuvre at {describe_points([contact.point])}",
+        (contact,),
+        time=time + overhead(task.motion, pressed=True),
+        refusal=NOT_EVALUATED,
+    )

@@ -1,0 +1,97 @@
+"""Where an object is pinned that turns about a pressed point, and how hard."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from pushpressslide.core.pose import Point
+from pushpressslide.core.refusal import Refusal, RefusedError
+from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import screw
+from pushpressslide.mechanics.top import inside_top
+from pushpressslide.planning.held_twist import EDGE, tipping_refusal
+from pushpressslide.planning.pressed.drag import PinnedDrag
+
+# shares of the press's friction that holding the pivot may take, best first
+UTILISATION = (0.5, 0.6, 0.7, 0.8, 0.9)
+LEAST_PRESS = 3.0  # [N] below which contact is not felt for sure
+HALVINGS = 8  # of the interval of presses
+LEAST_TURN = math.radians(3.0)  # of a goal
+
+
+def least_pin_load(dragged: Callable[[float], PinnedDrag], cap: float) -> float:
+    """Return the load to press with [N], the least that is safe; ``cap`` [N] where none
+    is. ``dragged`` says what dragging with a load [N] is like.
+
+    Raises ValueError where the object tips.
+    """
+    hardest = dragged(cap).friction_utilisation
+    allowed = next((share for share in UTILISATION if hardest <= share), None)
+    if allowed is None:
+        return cap
+    low = LEAST_PRESS
+    high = cap
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if dragged(middle).friction_utilisation <= allowed:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
+    """Return what stands against a press of ``load`` [N] where a contact may have up to
+    ``cap`` [N]; None if nothing.
+    """
+    utilisation = drag.friction_utilisation
+    push = drag.forces.normals[1]
+    if load > cap:
+        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, load, cap, "N")
+    if drag.forces.status != "ok" or utilisation > UTILISATION[-1]:
+        text = (
+            f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
+            "{figure:.2f} of its friction, allowed {allowed:g}; limits.normal_force is "
+            f"{cap:g} N"
+        )
+        return Refusal("friction", text, utilisation, UTILISATION[-1])
+    if push > cap:
+        text = "needs a push of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        return Refusal("normal_force", text, push, cap, "N")
+    return tipping_refusal("drag tips the object", drag.tipping_margin)
+
+
+def pin_of(task: Task) -> Point:
+    """Return the point to press [m] in B. Raises RefusedError where the goal is not
+    turned about one that can be.
+    """
+    body = task.object
+    start, goal = task.body_ends
+    vx, vy, w = screw(start, goal)
+    if abs(w) < LEAST_TURN:
+        text = "the goal is turned by {figure:deg.1f}, allowed from {allowed:degg}"
+        raise RefusedError(Refusal("turn", text, w, LEAST_TURN, "rad"))
+    pin = (-vy / w, vx / w)
+    places = task.motion.contacts
+    if places is not None:
+        com = body.center_of_mass
+        pin = (places[0][0] - com[0], places[0][1] - com[1])
+        apart = math.dist(start.apply(pin), goal.apply(pin))
+        allowed = task.tolerance.position
+        if apart > allowed:
+            text = (
+                "the pressed point has to stay in its place, start and goal have it "
+                "{figure:mm.1f} apart, allowed {allowed:mmg}"
+            )
+            raise RefusedError(Refusal("pin_moves", text, apart, allowed, "m"))
+    if not inside_top(body, pin, EDGE):
+        text = (
+            f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "
+            "to be pressed: it is {figure:mm.0f} inside the top, allowed from "
+            "{allowed:mm.0f}"
+        )
+        depth = body.shape.depth(body.X_GB.apply(pin))
+        raise RefusedError(Refusal("off_top", text, depth, EDGE, "m"))
+    return pin

@@ -1,0 +1,55 @@
+"""Where and how hard one arm may press an object that it slides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Point
+from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.mechanics.pressing import press_loads
+from pushpressslide.mechanics.top import inside_top, top_places
+from pushpressslide.planning.held_twist import EDGE
+from pushpressslide.planning.tool_drag import tool_load
+from pushpressslide.rom.drives import ORIGIN
+
+
+@dataclass(frozen=True, slots=True)
+class PressPlacements:
+    """The places and loads that a task allows for the press."""
+
+    contacts: tuple[Contact, ...]  # without loads, one for each arm and place
+    loads: tuple[float, ...]  # [N], the safest first
+
+    def turning(self, body: ObjectModel) -> list[Contact]:
+        """Return the contacts on the top that turn the object: those off its CoM."""
+        return [
+            contact
+            for contact in self.contacts
+            if contact.point != ORIGIN and inside_top(body, contact.point, EDGE)
+        ]
+
+
+def press_placements(task: Task) -> PressPlacements:
+    """Return where and how hard to press. Raises RefusedError where no press holds."""
+    belief = task.believed
+    motion = task.motion
+    loads = press_loads(
+        task.scene.weight_on,
+        belief.support_friction,
+        belief.contact_friction,
+        task.limits.normal_force,
+        motion.press_force,
+        tool_load(task, 0.0)[0],
+    )
+    places: Sequence[Point] = top_places(task.object, EDGE)
+    if motion.contacts:
+        places = [task.object.X_GB.unapply(motion.contacts[0])]
+    height = task.object.shape.height
+    contacts = tuple(
+        Contact(arm, "top", place, ORIGIN, height)
+        for arm, place in product(range(len(task.robots)), places)
+    )
+    return PressPlacements(contacts, tuple(loads))

@@ -1,0 +1,40 @@
+"""Whether the object's frame stays in the workspace along segments."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.task import Limits, ObjectModel
+
+STEP = 0.03  # [m] of path between the places that are checked
+
+
+def poses_along(piece: Segment) -> list[Pose2]:
+    """Return X_WB along a segment, at most STEP apart."""
+    path = piece.path
+    X_VB = piece.X_BV.inverse()
+    steps = max(3, math.ceil(path.length / STEP))
+    return [path.pose(path.length * i / steps).compose(X_VB) for i in range(steps + 1)]
+
+
+def workspace_refusal(
+    body: ObjectModel, limits: Limits, poses: Sequence[Pose2]
+) -> Refusal | None:
+    """Return where the object's frame G would leave the workspace along ``poses``
+    X_WB.
+    """
+    bounds = limits.workspace
+    if bounds is None:
+        return None
+    x_min, x_max, y_min, y_max = bounds
+    X_BG = body.X_GB.inverse()
+    for X_WB in poses:
+        X = X_WB.compose(X_BG)
+        if not (x_min <= X.x <= x_max and y_min <= X.y <= y_max):
+            place = f"({X.x:.3f}, {X.y:.3f})"
+            return Refusal("workspace", f"the path leaves limits.workspace at {place}")
+    return None

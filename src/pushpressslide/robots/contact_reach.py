@@ -1,0 +1,74 @@
+"""Whether an arm can follow its contact along a path, with the tool upright or
+tilted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal, literal
+from pushpressslide.core.scene import Scene
+from pushpressslide.robots.reach import held_somehow_problem
+from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
+
+# [rad] that a tool tilted away from its arm leans along the face: less is not tried,
+# nor is more
+ASIDE = (math.radians(20.0), math.radians(60.0))
+# from behind the contact, of a tool that turns with the object
+LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
+TURNING = 0.3  # [rad] of the object on its path, from which such tools are tried
+
+
+def contact_refusal(
+    scene: Scene, contact: Contact, bodies: Sequence[Pose2]
+) -> Refusal | None:
+    """Return why the arm of a contact cannot follow it along the body poses X_WB; None
+    if it can.
+    """
+    robot = scene.robots[contact.arm]
+    frame = scene.support.frame
+    point, height = contact.tip_place(robot.tip_radius)
+    points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
+    middle = bodies[len(bodies) // 2]
+    azimuths = tool_azimuths(contact, middle, scene.bases[contact.arm])
+    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
+    tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
+    holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
+    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
+    if np.ptp(yaws) > TURNING:
+        behind = math.atan2(contact.normal[1], contact.normal[0])
+        holds += [
+            (
+                ToolAttitude(TOOL_TILTS[-1], side, frame.axes, turns=True),
+                yaws + behind + lean - side,
+            )
+            for lean in LEANS
+            for side in SIDES
+        ]
+    problem = held_somehow_problem(robot, points, holds)
+    return None if problem is None else Refusal("reach", literal(problem))
+
+
+def tool_azimuths(
+    contact: Contact, X_WB: Pose2, base: tuple[float, float, float]
+) -> tuple[float, ...]:
+    """Return the azimuths [rad] at which a tilted tool is tried: behind a pushing
+    contact, straight and, as far as the face allows it, away from the arm; under the
+    arm, or away from it, on top.
+    """
+    x, y = X_WB.apply(contact.point)
+    outward = math.atan2(y - base[1], x - base[0])
+    if contact.kind == "top":
+        return (outward, outward + math.pi)
+    nx, ny = X_WB.rotate(contact.normal)
+    behind = math.atan2(ny, nx)
+    aside = math.remainder(outward - behind, math.tau)
+    if not ASIDE[0] < abs(aside) < 0.5 * math.pi:
+        return (behind,)
+    return (behind, behind + math.copysign(min(abs(aside), ASIDE[1]), aside))

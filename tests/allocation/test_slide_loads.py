@@ -1,0 +1,85 @@
+"""Loads of two presses for a motion: they slide the object, or a number says why not."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pushpressslide import load_task
+from pushpressslide.allocation.slide_loads import (
+    LEAST_PRESS,
+    UTILISATION,
+    cop_fraction,
+    slide_loads,
+)
+from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import RefusedError
+from pushpressslide.core.twist_path import TwistPath
+
+TASK = load_task("bimanual-slide")
+SCENE = TASK.scene
+CAP = TASK.limits.normal_force
+POINTS = ((0.02, 0.10), (0.02, -0.10))
+
+
+def path(x: float, y: float, yaw: float) -> TwistPath:
+    """The path of the body from the origin to a pose."""
+    return TwistPath.between((Pose2(), Pose2(x, y, yaw)), 0.2)
+
+
+def pressed(loads: tuple[float, float]) -> list[Contact]:
+    """The contacts with their loads."""
+    return [
+        Contact(i, "top", point, (0.0, 0.0), 0.1, load)
+        for i, (point, load) in enumerate(zip(POINTS, loads, strict=True))
+    ]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(-1.0, 1.0))
+def test_loads_stay_between_what_is_felt_and_the_cap_and_the_second_ones_are_harder(
+    x: float, y: float, yaw: float
+) -> None:
+    refusal, (first, harder) = slide_loads(
+        SCENE, TASK.motion, CAP, POINTS, path(x + 1e-3, y, yaw)
+    )
+    assert refusal is None
+    assert min(first) >= LEAST_PRESS
+    assert max(first) <= max(harder) <= CAP
+
+
+@pytest.mark.parametrize("wanted", [0.4, 0.5, 0.6])
+def test_a_wanted_centre_of_pressure_is_where_the_loads_put_it(wanted: float) -> None:
+    motion = replace(TASK.motion, cop=wanted)
+    _, loads = slide_loads(SCENE, motion, CAP, POINTS, path(0.2, 0.0, 0.0))
+    assert cop_fraction(SCENE, pressed(loads[0])) == pytest.approx(wanted)
+
+
+def test_a_given_press_is_the_only_one_and_one_above_the_cap_is_refused() -> None:
+    motion = replace(TASK.motion, press_force=0.5 * CAP)
+    _, loads = slide_loads(SCENE, motion, CAP, POINTS, path(0.2, 0.0, 0.0))
+    assert loads == [(0.5 * CAP, 0.5 * CAP)]
+    hard = replace(TASK.motion, press_force=1.5 * CAP)
+    with pytest.raises(RefusedError) as caught:
+        slide_loads(SCENE, hard, CAP, POINTS, path(0.2, 0.0, 0.0))
+    assert caught.value.refusal.allowed == CAP
+
+
+def test_where_the_cap_is_too_low_the_tips_slip_at_it_with_their_utilisation() -> None:
+    low = LEAST_PRESS
+    refusal, loads = slide_loads(SCENE, TASK.motion, low, POINTS, path(0.2, 0.0, 0.0))
+    assert refusal is not None
+    assert refusal.code == "friction"
+    assert refusal.figure is not None
+    assert refusal.figure > UTILISATION[-1]
+    assert loads == [(low, low)]
+
+
+def test_tips_that_are_no_rougher_than_the_support_drag_nothing() -> None:
+    smooth = replace(SCENE.belief, contact_friction=SCENE.belief.support_friction)
+    with pytest.raises(RefusedError, match="must exceed the support's"):
+        slide_loads(
+            replace(SCENE, belief=smooth), TASK.motion, CAP, POINTS, path(0.2, 0.0, 0.0)
+        )

@@ -1,0 +1,67 @@
+"""Joint paths of a task's placements: which choice is run, and what the others lack."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.jobs import run as module
+from pushpressslide.selection.select import select
+
+TASK = pps.load_task("parallel-push")
+CHOICES = [choice for choice in select(TASK, 3) if choice.feasible]
+
+
+@dataclass
+class Arms:
+    """A preparation whose arms have a joint path for some contacts only."""
+
+    reached: Sequence[Choice]
+    plans: list[Plan] = field(default_factory=list)
+    paths: tuple = ()
+    asked: int = 0
+
+    def add(self, placement: Plan) -> None:
+        self.asked += 1
+        if placement.segments not in [choice.segments for choice in self.reached]:
+            raise InfeasibleTaskError("task: robots: no joint path")
+        self.plans.append(placement)
+
+
+def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> None:
+    assert len(CHOICES) > 2
+    arms = Arms(CHOICES[1:])
+    judged = module._prepared(arms, TASK, list(CHOICES), force=False)
+    assert [plan.segments for plan in arms.plans] == [CHOICES[1].segments]
+    assert judged[0].refusal is not None
+    assert judged[0].refusal.code == "joint_path"
+    assert judged[1:] == CHOICES[1:]
+    assert arms.asked == 2
+
+
+def test_without_a_joint_path_the_task_is_refused() -> None:
+    with pytest.raises(InfeasibleTaskError, match="no joint path"):
+        module._prepared(Arms(()), TASK, list(CHOICES), force=False)
+
+
+def test_further_choices_are_not_taken_where_they_change_the_placements(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    skipped = Refusal(SKIPPED, "enough choices are feasible")
+    choices = [CHOICES[0], CHOICES[1].refused(skipped)]
+    asked = []
+
+    def fewer(task, enough):
+        asked.append(enough)
+        return []
+
+    monkeypatch.setattr(module, "placements", fewer)
+    with pytest.raises(InfeasibleTaskError, match="no joint path"):
+        module._prepared(Arms(()), TASK, choices, force=False)
+    assert asked == [module.MORE]
