@@ -148,8 +148,8 @@ def test_contacts_that_face_each_other_without_friction_drive_no_twist():
         Contact(1, "side", (0.1, 0.0), (-1.0, 0.0), 0.05),
     )
     cone = TwistCone(contacts, 0.0, DraggedSurface(3.0, RHO))
-    assert cone.margin(0.0, 1.0, 0.0) < 0.0
-    assert cone.margin(1.0, 0.0, 0.0) == pytest.approx(0.0, abs=1e-12)
+    assert cone.cone_margin(0.0, 1.0, 0.0) < 0.0
+    assert cone.cone_margin(1.0, 0.0, 0.0) == pytest.approx(0.0, abs=1e-12)
     assert cone.rays(0.01) == []
 
 
