@@ -33,7 +33,7 @@ def friction_use(
     It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
     body that the object pushes.
     """
-    if load <= 0.0:
+    if load <= 0.0 or mu_contact <= 0.0:
         return math.inf
     return (mu_support * (weight + load) + pushed) / (mu_contact * load)
 
@@ -102,7 +102,8 @@ def _check_press(
         raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
     used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
     if used > MOST_USE:
-        needed = used * mu_contact / MOST_USE
+        drag = mu_support * (weight + wanted) + pushed
+        needed = drag / (wanted * MOST_USE)
         text = (
             f"pressed with {wanted:g} N the tip slips before the object: straight "
             "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "
