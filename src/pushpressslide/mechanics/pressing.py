@@ -12,6 +12,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import FORCE_ALLOWED
 from pushpressslide.mechanics.pressure import center_of_pressure
 
 # shares of the press's friction that a motion may take, the best first
@@ -84,7 +85,7 @@ def press_loads(
             "press drags"
         )
         raise RefusedError(Refusal("friction", text, mu_contact, mu_support))
-    text = "needs a press of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+    text = f"needs a press of {{figure:N.1f}}, {FORCE_ALLOWED}"
     raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
 
 
@@ -98,7 +99,7 @@ def _check_press(
 ) -> None:
     """Raise RefusedError where a press of ``wanted`` [N] is too hard or slips."""
     if wanted > most:
-        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
     used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
     if used > MOST_USE:

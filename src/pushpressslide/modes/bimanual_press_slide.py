@@ -92,7 +92,7 @@ class BimanualPressSlide(Mode):
             return [placed]
         scene = task.scene
         points = (placed.contacts[0].point, placed.contacts[1].point)
-        cap = task.limits.normal_force
+        cap = task.limits.planned_force
         try:
             refusal, loads = slide_loads(scene, task.motion, cap, points, path)
         except ValueError as error:
