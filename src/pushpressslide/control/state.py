@@ -257,7 +257,9 @@ def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleS
 
 def identified(state: ControllerState) -> Identified | None:
     """Return the virtual axle where it contradicts the plan."""
-    return None if state.identifier is None else state.identifier.identified(state.axle)
+    if state.identifier is None:
+        return None
+    return state.identifier.identified(state.axle)
 
 
 def identified_rho(state: ControllerState) -> float | None:

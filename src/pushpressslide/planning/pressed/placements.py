@@ -40,7 +40,7 @@ def press_placements(task: Task) -> PressPlacements:
         scene.weight_on,
         scene.support.friction,
         scene.contact_friction,
-        task.limits.normal_force,
+        task.limits.planned_force,
         motion.press_force,
         tool_load(task, 0.0)[0],
     )
