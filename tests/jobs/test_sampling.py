@@ -230,7 +230,7 @@ def test_nothing_is_drawn_over_a_base(name: str) -> None:
 
 
 def test_a_draw_that_finds_nothing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sampling, "ONE_ARM_REACH", (0.5, 0.4))
+    monkeypatch.setattr(sampling, "ONE_ARM_REACH", (0.5, 0.5))
     monkeypatch.setattr(sampling, "TRIES", 50)
     with pytest.raises(PushPressSlideError, match="in 50 draws"):
         random_task(load_task("rear-push-rear"), 0, 3)
