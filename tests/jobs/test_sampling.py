@@ -188,9 +188,12 @@ def test_without_one_mode_tasks_of_all_kinds_are_drawn() -> None:
         assert 0 < pressed < 60 / kinds
 
 
-ANY = {
-    name: [random_task(load_task(name), i, 3, "any") for i in range(80)]
+ANY_BASES = [
+    load_task(name)
     for name in ("rear-push-rear", "press-slide", "parallel-push", "bimanual-slide")
+]
+ANY = {
+    base.name: [random_task(base, i, 3, "any") for i in range(80)] for base in ANY_BASES
 }
 
 
