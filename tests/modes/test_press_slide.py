@@ -6,7 +6,7 @@ from dataclasses import replace
 from pushpressslide import load_task
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, ObjectModel, Task
+from pushpressslide.core.task import PLANNED_SHARE, Box, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
@@ -34,7 +34,7 @@ def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed(
     None
 ):
     load = least_load(0.5 * GRAVITY, 0.3, 0.9, MOST_USE)
-    choices = MODE.choices(bar(1.0001 * max(load, 2.0)))
+    choices = MODE.choices(bar(1.0001 * max(load, 2.0) / PLANNED_SHARE))
     assert choices[0].feasible
     assert not any("pushed body" in choice.reason for choice in choices)
 
