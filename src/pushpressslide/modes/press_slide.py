@@ -102,6 +102,8 @@ class PressSlide(Mode):
             found[kind] = choices
             if any(choice.feasible for choice in choices):
                 break
+        else:
+            found = {k: _told(task, choices) for k, choices in found.items()}
         manoeuvres = found.get("manoeuvre", [])
         if "vehicle" not in found:
             return manoeuvres
@@ -252,6 +254,20 @@ class PressSlide(Mode):
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
         path = steered_path(ends, steered, measured.longest)
         return Course((contact,), steered, path)
+
+
+def _told(task: Task, choices: Sequence[Choice]) -> list[Choice]:
+    """Return refused choices that say with which believed rho they are refused."""
+    rho = task.scene.rho
+    if rho is None:
+        return list(choices)
+    return [
+        choice.refused(
+            replace(refusal, text=f"{refusal.text}, with belief.rho {rho:g} m")
+        )
+        for choice in choices
+        if (refusal := choice.refusal) is not None
+    ]
 
 
 def _steered(
