@@ -97,7 +97,7 @@ def test_a_tip_just_rough_enough_drags() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize(
     "belief",
-    ["rho=0.15", "rho=0.0545", "support_friction=0.18", "support_friction=0.42"],
+    ["rho=0.0545", "support_friction=0.18", "support_friction=0.42"],
 )
 def test_a_wrong_belief_is_found_out_on_the_way(belief: str) -> None:
     task = load_task("press-slide", [f"belief.{belief}"])
