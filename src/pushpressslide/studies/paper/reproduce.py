@@ -68,7 +68,8 @@ def reproduce(
     PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
-    cases = LIGHT if with_axle and engine_named(engine).has_arms else ()
+    has_arms = engine_named(engine).has_arms
+    cases = LIGHT if with_axle and has_arms else ()
     runs: dict[Any, Callable[[], Any]] = {
         (e.name, v.name): partial(
             run_variant, e, v, out / e.name / v.name, seed, engine
