@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         TaskError,
     )
     from pushpressslide.jobs.run import run
+    from pushpressslide.mechanics.line_push import FlatFinger, push_sticks
     from pushpressslide.selection.planner import plan
     from pushpressslide.selection.select import select
     from pushpressslide.taskfile.load import dump_task, load_task
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "FlatFinger",
     "InfeasibleTaskError",
     "PushPressSlideError",
     "SimulationError",
@@ -40,11 +42,13 @@ __all__ = [
     "load_task",
     "modes",
     "plan",
+    "push_sticks",
     "run",
     "select",
 ]
 
 _HOMES = {
+    "FlatFinger": "mechanics.line_push",
     "InfeasibleTaskError": "core.errors",
     "PushPressSlideError": "core.errors",
     "SimulationError": "core.errors",
@@ -52,6 +56,7 @@ _HOMES = {
     "dump_task": "taskfile.load",
     "load_task": "taskfile.load",
     "plan": "selection.planner",
+    "push_sticks": "mechanics.line_push",
     "run": "jobs.run",
     "select": "selection.select",
 }

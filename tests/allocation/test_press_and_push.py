@@ -120,12 +120,15 @@ def test_a_push_never_pulls() -> None:
     assert out.residual == (0.0, 0.0, -3.0)
 
 
-@pytest.mark.parametrize(("load", "normal"), [(0.0, (1.0, 0.0)), (5.0, (0.19, 0.40))])
+@pytest.mark.parametrize(
+    ("load", "normal", "field"),
+    [(0.0, (1.0, 0.0), "load 0.0 N"), (5.0, (0.19, 0.40), "lever")],
+)
 def test_a_press_without_load_or_a_push_without_lever_is_refused(
-    load: float, normal
+    load: float, normal, field
 ) -> None:
     size = math.hypot(*normal)
-    with pytest.raises(ValueError, match="load"):
+    with pytest.raises(ValueError, match=field):
         press_and_push_allocator(
             PRESS, load, PUSH, (normal[0] / size, normal[1] / size), 0.7
         )

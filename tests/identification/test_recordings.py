@@ -100,7 +100,6 @@ WRONG = {
         "line 1: 'fifty' is not allowed; expected the number of pushes",
     ),
     "negative count": (changed(0, "-1"), "line 1: '-1' is not allowed"),
-    "number only": ("5\n", "holds no push; expected 5 after line 1"),
     "word in a pose": (
         changed(1, "TwoPointRotation"),
         "line 2: 'TwoPointRotation' is not allowed; expected 7 numbers",
@@ -217,3 +216,8 @@ def test_a_written_log_is_read_back(read, sample_pairs, write_log) -> None:
     recording = read(write_log(pairs))
     assert len(recording.pushes) == 5
     assert all(np.isfinite(push.forces).all() for push in recording.pushes)
+
+
+def test_a_session_that_was_broken_off_before_its_first_push_holds_none(read) -> None:
+    recording = read("5\n")
+    assert (recording.announced, recording.pushes) == (5, ())

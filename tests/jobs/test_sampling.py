@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from pushpressslide.core.errors import TaskError
+from pushpressslide.core.errors import PushPressSlideError, TaskError
 from pushpressslide.core.task import Cylinder, Task
 from pushpressslide.jobs import sampling
 from pushpressslide.jobs.sampling import (
@@ -19,6 +19,7 @@ from pushpressslide.jobs.sampling import (
     TOP_CONTACT_EDGE,
     TWO_ARM_REACH,
     random_task,
+    uncertain_task,
 )
 from pushpressslide.jobs.sweep import SweepOptions, sample_task, sweep
 from pushpressslide.mechanics.top import inside_top
@@ -101,7 +102,8 @@ def test_pressed_objects_are_of_all_kinds_and_go_any_way() -> None:
 
 def test_a_draw_depends_on_seed_and_index_alone() -> None:
     base = BASES["orthogonal-push"]
-    assert sample_task(base, "tasks", 5, 1) == random_task(base, 5, 1)
+    options = SweepOptions(vary="tasks", seed=1)
+    assert sample_task(base, options, 5) == random_task(base, 5, 1)
     assert random_task(base, 5, 1) != random_task(base, 5, 2)
     assert random_task(base, 5, 1) != random_task(base, 6, 1)
 
@@ -111,25 +113,23 @@ def test_other_modes_are_refused_before_anything_runs(tmp_path: Path) -> None:
     with pytest.raises(
         TaskError, match=r"modes: \['press_and_push'\] is not allowed.*parallel_push"
     ):
-        sweep(task, SweepOptions(2, "tasks", engine="planar"), tmp_path)
+        sweep(task, SweepOptions(2, vary="tasks", engine="planar"), tmp_path)
     assert not (tmp_path / "result.json").exists()
 
 
 def test_a_sweep_draws_for_the_mode_and_goes_on_where_it_was(tmp_path: Path) -> None:
     base = BASES["bimanual-slide"]
-    options = SweepOptions(2, "tasks", seed=1, engine="planar", jobs=1)
+    options = SweepOptions(2, vary="tasks", seed=1, engine="planar", jobs=1)
     counts = []
     first = sweep(base, options, tmp_path)
     again = sweep(
         base, options, tmp_path, progress=lambda done, total: counts.append(done)
     )
-    assert first["accepted"] == first["reached"] == 2
+    assert first["attempted"] == first["reached"] == 2
     assert again == first
     assert counts == []
-    names = {
-        row["task"]
-        for row in json.loads((tmp_path / "result.json").read_text())["rows"]
-    }
+    rows = (tmp_path / "rows.jsonl").read_text().splitlines()
+    names = {json.loads(row)["task"] for row in rows}
     assert names == {"bimanual-slide-random-1-000", "bimanual-slide-random-1-001"}
 
 
@@ -177,13 +177,76 @@ def test_a_given_contact_is_inside_the_top() -> None:
             assert inside_top(task.object, place, TOP_CONTACT_EDGE)
 
 
-def test_without_one_mode_a_single_arm_gets_tasks_of_a_push() -> None:
-    base = load_task("press-slide")
-    free = replace(base, modes=None)
-    push = replace(base, modes=("rear_push",))
-    for i in range(20):
-        drawn = random_task(free, i, 3)
-        assert replace(drawn, modes=push.modes) == random_task(push, i, 3)
+def test_without_one_mode_tasks_of_all_kinds_are_drawn() -> None:
+    for name, kinds in (("press-slide", 2), ("parallel-push", 3)):
+        free = replace(load_task(name), modes=None)
+        drawn = [random_task(free, i, 3) for i in range(60)]
+        assert drawn == [random_task(free, i, 3) for i in range(60)]
+        heights = {task.object.shape.height for task in drawn}
+        assert len(heights) == 60
+        pressed = sum(isinstance(task.object.shape, Cylinder) for task in drawn)
+        assert 0 < pressed < 60 / kinds
+
+
+ANY = {
+    name: [random_task(load_task(name), i, 3, "any") for i in range(80)]
+    for name in ("rear-push-rear", "press-slide", "parallel-push", "bimanual-slide")
+}
+
+
+@pytest.mark.parametrize("name", ANY)
+def test_goals_of_any_draw_lie_in_all_directions(name: str) -> None:
+    quadrants = set()
+    for task in ANY[name]:
+        x, y = task.start.unapply(task.goal.position)
+        quadrants.add((x > 0.0, y > 0.0))
+    assert len(quadrants) == 4
+
+
+@pytest.mark.parametrize("name", ANY)
+def test_objects_of_any_draw_are_small_and_large_and_off_centre(name: str) -> None:
+    arms = len(load_task(name).robots)
+    low, high = sampling.ANY_SIZE[arms]
+    sizes = [max(2.0 * task.object.shape.half_width, low) for task in ANY[name]]
+    assert min(sizes) < 2.5 * low
+    assert max(sizes) > 0.5 * high
+    off = 0
+    for task in ANY[name]:
+        body = task.object
+        assert body.shape.depth(body.center_of_mass) > 0.0
+        off += math.dist(body.center_of_mass, body.shape.centroid) > 1e-3
+        least, most = sampling.ANY_MASS[arms]
+        assert least <= body.mass <= most
+    assert off > 40
+
+
+@pytest.mark.parametrize("name", ANY)
+def test_nothing_is_drawn_over_a_base(name: str) -> None:
+    for task in ANY[name]:
+        for robot in task.robots:
+            for pose in (task.start, task.goal):
+                base = pose.unapply(robot.base[:2])
+                assert task.object.shape.distance(base) >= sampling.BASE_ROOM
+
+
+def test_a_draw_that_finds_nothing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sampling, "ONE_ARM_REACH", (0.5, 0.4))
+    monkeypatch.setattr(sampling, "TRIES", 50)
+    with pytest.raises(PushPressSlideError, match="in 50 draws"):
+        random_task(load_task("rear-push-rear"), 0, 3)
+
+
+def test_an_uncertain_world_differs_from_what_is_believed() -> None:
+    known = random_task(load_task("press-slide"), 2, 3)
+    uncertain = uncertain_task(known, 2, 3)
+    assert uncertain.believed.support_friction == known.support.friction
+    assert uncertain.believed.mass == known.object.mass
+    ratio = uncertain.support.friction / known.support.friction
+    assert 0.8 <= ratio <= 1.2
+    assert ratio != 1.0
+    off = math.dist(uncertain.object.center_of_mass, known.object.center_of_mass)
+    assert 0.0 < off <= 0.01
+    assert uncertain.sensing.delay == 0.02
 
 
 def test_sampling_knows_no_mode_by_name() -> None:

@@ -233,9 +233,12 @@ def test_too_little_friction_or_force_is_refused_with_the_number_that_decides() 
     task = slide(contacts=SIDES)
     smooth = replace(task, belief=replace(task.believed, contact_friction=0.25))
     assert "contact friction 0.25 must exceed the support's, 0.3" in refusal(smooth)
-    assert "limits.normal_force is 6 N" in refusal(slide(contacts=SIDES, cap=6.0))
-    assert "motion.press_force of 70 N, limits.normal_force is 60 N" in refusal(
-        replace_press(task, 70.0)
+    assert "allowed 5.4 N, 0.9 of limits.normal_force" in refusal(
+        slide(contacts=SIDES, cap=6.0)
+    )
+    assert (
+        "motion.press_force of 70 N, allowed 54 N, 0.9 of limits.normal_force"
+        in refusal(replace_press(task, 70.0))
     )
     why = refusal(replace_press(task, 5.0))
     assert "pressed with 5.0 and 5.0 N the tips slip" in why
@@ -280,7 +283,7 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
     loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
     given = replace(task, motion=replace(task.motion, press_force=33.8))
     assert "the tips slip before the object" in refusal(given)
-    assert loads == [min(task.limits.normal_force, 1.3 * 33.8)] * 2
+    assert loads == [min(task.limits.planned_force, 1.3 * 33.8)] * 2
 
 
 def test_an_object_that_would_tip_is_refused() -> None:

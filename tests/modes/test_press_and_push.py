@@ -221,12 +221,13 @@ def test_a_given_point_that_would_have_to_move_is_refused_with_how_far() -> None
 
 
 def test_forces_beyond_the_limit_are_refused() -> None:
-    assert "motion.press_force of 60 N, limits.normal_force is 40 N" in refusal(
-        replace(pivot(), motion=Motion(press_force=60.0))
+    assert (
+        "motion.press_force of 60 N, allowed 36 N, 0.9 of limits.normal_force"
+        in refusal(replace(pivot(), motion=Motion(press_force=60.0)))
     )
     task = big_box(20.0, None, 0.3, 0.7)
     tight = replace(task, limits=replace(task.limits, normal_force=30.0))
-    assert "limits.normal_force is 30 N" in refusal(tight)
+    assert "allowed 27 N, 0.9 of limits.normal_force" in refusal(tight)
 
 
 def test_no_lever_no_pivot() -> None:

@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from pushpressslide.allocation.contact_line import ContactLine, ContactPair, Split
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
+from pushpressslide.mechanics.checks import check_friction
 
 Flags = NDArray[np.bool_]
+ROUNDING = 1e-9  # of the forces: by so much a cone without friction may be missed
 
 
 def push_forces(
@@ -30,8 +32,10 @@ def push_forces(
     ``wrenches`` (n, 3) about B's origin.
 
     As ``two_contact_allocator`` without caps; forces of rows that are not feasible are
-    not meant to be used.
+    not meant to be used. Rows that are not finite are not feasible, with zero forces.
     """
+    finite: Flags = np.all(np.isfinite(wrenches), axis=1)
+    wrenches = np.where(finite[:, None], wrenches, 0.0)
     pair = ContactPair(points, normals, friction, split)
     first = wrenches @ np.array(
         [pair.first_force(*unit) for unit in np.eye(3).tolist()]
@@ -52,7 +56,10 @@ def push_forces(
     )
     forces[:, 0] += shift
     forces[:, 1] -= shift
-    return forces, low <= high
+    rounding = ROUNDING * np.abs(forces).sum(axis=(1, 2))
+    push = np.einsum("nij,ij->ni", forces, inward)
+    pushing = push.min(axis=1) >= -rounding
+    return forces, finite & pushing & (low <= high + rounding)
 
 
 def press_forces(
@@ -66,8 +73,13 @@ def press_forces(
     (n, 3) about ``cops`` (n, 2) [m], pressed with ``normals`` (n, 2) [N].
 
     As ``two_press_allocator``; forces of rows that are not feasible are not meant to be
-    used.
+    used. Rows that are not finite are not feasible, with zero forces.
     """
+    check_friction(friction)
+    told = np.hstack([wrenches, normals, cops])
+    finite: Flags = np.all(np.isfinite(told), axis=1)
+    wrenches = np.where(finite[:, None], wrenches, 0.0)
+    cops = np.where(finite[:, None], cops, 0.0)
     line = ContactLine(*points)
     ex, ey = line.e
     fx, fy, tau = wrenches.T
@@ -83,6 +95,6 @@ def press_forces(
     share = np.divide(room[:, 0], total, out=np.zeros_like(total), where=total > 0.0)
     s = along * share
     first = np.stack([s * ex - across[:, 0] * ey, s * ey + across[:, 0] * ex], axis=1)
-    return np.stack([first, wrenches[:, :2] - first], axis=1), inside & (
+    return np.stack([first, wrenches[:, :2] - first], axis=1), finite & inside & (
         np.abs(along) <= total
     )

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from pushpressslide.core.pose import Point
+from pushpressslide.mechanics.checks import check_friction, check_normal
 
 Split = Literal["least_friction", "least_force"]
 ALONG = 1e-9  # sine below which the side of a cone counts as along the line of contacts
@@ -31,9 +32,9 @@ class ContactLine:
     def __init__(self, first: Point, second: Point) -> None:
         self.length = math.dist(first, second)
         """[m]"""
-        if not self.length > 0.0:
+        if not 0.0 < self.length < math.inf:
             raise ValueError(
-                f"contacts at {first} and {second} m; need two distinct points"
+                f"contacts at {first} and {second} m; need two distinct, finite points"
             )
         self.e = (
             (second[0] - first[0]) / self.length,
@@ -86,8 +87,9 @@ class ContactPair:
         friction: float,
         split: Split,
     ) -> None:
-        if not friction > 0.0:
-            raise ValueError(f"friction {friction}; must be > 0")
+        check_friction(friction)
+        for normal in normals:
+            check_normal(normal)
         self.line = ContactLine(*points)
         (n1e, n1m), (n2e, n2m) = (self.line.in_axes(n) for n in normals)
         self.n1e = n1e

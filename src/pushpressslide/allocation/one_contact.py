@@ -5,9 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 
-from pushpressslide.core.allocation import Allocation, AllocationStatus
+from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
 from pushpressslide.core.pose import Point, turned_left
+from pushpressslide.mechanics.checks import (
+    check_friction,
+    check_normal,
+    check_point,
+    check_rho,
+)
 
 EXACT = (0.0, 0.0, 0.0)  # residual
 new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
@@ -25,8 +32,13 @@ def one_contact_allocator(
     ``friction``; any other is projected to the nearest in the norm diag(1, 1, 1/rho^2),
     in which the error of the object's twist is least for an ellipsoid of ``rho`` [m].
     Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
-    "infeasible" if even the best force is zero.
+    "infeasible" if even the best force is zero, and for a wrench that is not finite.
+    Raises ValueError unless ``friction`` is >= 0 and ``rho`` > 0.
     """
+    check_point(point, "point")
+    check_normal(normal)
+    check_friction(friction)
+    check_rho(rho)
     px, py = point
     nx, ny = normal
     tx, ty = turned_left(normal)
@@ -59,6 +71,8 @@ def _projected(point: Point, normal: Point, friction: float, rho: float) -> Allo
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         """Return the allocation of the nearest wrench [N, N m]."""
+        if not abs(fx) + abs(fy) + abs(tau) < inf:
+            return nothing((0.0,), (fx, fy, tau))
         bx = fx + ax * tau * inv_rho2
         by = fy + ay * tau * inv_rho2
         shared = (ax * bx + ay * by) * inv_rho2 * denominator

@@ -5,10 +5,11 @@ press (docs/mechanics.md, sections 4 and 8).
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import sqrt
+from math import inf, sqrt
 
-from pushpressslide.core.allocation import Allocation
+from pushpressslide.core.allocation import Allocation, nothing
 from pushpressslide.core.pose import Point
+from pushpressslide.mechanics.checks import check_press, check_rho
 
 
 def one_press_allocator(
@@ -17,14 +18,14 @@ def one_press_allocator(
     """Return ``allocate(fx, fy, tau)`` for a top contact at ``point`` [m] in B, pressed
     with ``load`` [N].
 
-    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with tau =
-    (point - cop) x f and
-    |f| <= friction load; any other is projected: to the nearest direction in the norm diag(1, 1, 1/rho^2), in
-    which the error of the object's twist is least, then onto the disc. Raises
-    ValueError unless ``rho`` [m] and ``load`` are > 0.
+    The wrench is about ``cop`` [m] in B. One contact gives only wrenches with
+    tau = (point - cop) x f and |f| <= friction load. Any other is projected: to the
+    nearest direction in the norm diag(1, 1, 1/rho^2), in which the error of the object's
+    twist is least, then onto the disc. A wrench that is not finite is "infeasible".
+    Raises ValueError unless ``rho`` [m] and ``load`` are > 0 and ``friction`` >= 0.
     """
-    if not (rho > 0.0 and load > 0.0):
-        raise ValueError(f"rho {rho} m, load {load} N; both must be > 0")
+    check_press(load, friction)
+    check_rho(rho)
     rx = point[0] - cop[0]
     ry = point[1] - cop[1]
     most = friction * load
@@ -37,6 +38,8 @@ def one_press_allocator(
         size = sqrt(fx * fx + fy * fy)
         if size <= most and abs(off) <= 1e-12 * most:
             return Allocation(((fx, fy),), (load,), most - size, "ok", (0.0, 0.0, off))
+        if not size + abs(tau) < inf:
+            return nothing((load,), (fx, fy, tau))
         # least squares of (f - F, (r x f - tau) / rho) over f
         k = off * inv * shrink
         gx = fx - k * ry

@@ -98,19 +98,22 @@ def forces(
 
 def least_drift(fx: float, fy: float, tau: float, d: float, friction: float) -> float:
     """Return the least b >= 0 [N] for which (fx + b, fy - b, tau) is possible: priority
-    of the moment.
+    of the moment. Inf where none is: for a moment without friction.
     """
     if friction > 1.0:
         return 0.0
+    if friction == 0.0 and tau != 0.0:
+        return math.inf
     p = fx
     q = -fy
     t = tau / d
     mu = friction
+    drift = max(0.0, -t - p, t - q)
+    if mu == 0.0:
+        return drift
     less, more, whole = _friction_factors(mu)
     return max(
-        0.0,
-        -t - p,
-        t - q,
+        drift,
         (whole * t - less * p - more * q) / (2.0 * mu),
         (-whole * t - more * p - less * q) / (2.0 * mu),
     )
@@ -152,7 +155,7 @@ def turning_corners(
     and K (-1/mu, -1).
     """
     k = rho * rho / d
-    far = k / friction
+    far = k / friction if friction > 0.0 else math.inf
     if left:
         return (k, far), (far, -k)
     return (k, -far), (-far, -k)
@@ -167,10 +170,12 @@ def can_turn_about(
     To the left: the segment between the two corners, moved anywhere into the quadrant
     x, y >= 0; to the right: its mirror image about y = -x. Both unbounded, disjoint,
     and joined only through infinity. With ``friction`` above 1 an object can be turned
-    about every point.
+    about every point, without friction about none.
     """
     if friction > 1.0:
         return True
+    if friction == 0.0:
+        return False
     x, y = center if left else (-center[1], -center[0])
     (ax, ay), (bx, by) = turning_corners(d, friction, rho, True)
     return x >= ax and y >= by and (ay - by) * (x - ax) + (bx - ax) * (y - ay) >= 0.0
@@ -178,8 +183,10 @@ def can_turn_about(
 
 def least_turning_radius(d: float, friction: float, rho: float) -> float:
     """Return the least distance [m] of a centre of turning to the CoM: K sqrt((1 +
-    1/mu^2) / 2), mu <= 1.
+    1/mu^2) / 2), mu <= 1; inf without friction.
     """
+    if friction == 0.0:
+        return math.inf
     return rho * rho / d * math.sqrt(0.5 * (1.0 + 1.0 / friction**2))
 
 
@@ -189,8 +196,10 @@ def translation_radii(d: float, friction: float, rho: float) -> tuple[float, flo
 
     With all friction at its limit: K (1 + mu^2) / (mu (1 + mu)) and K (1 + mu) / mu.
     Beside a force along +x both turn to the right, along -y to the left. The paper's
-    d_min and d_max stand for these.
+    d_min and d_max stand for these. Inf without friction.
     """
+    if friction == 0.0:
+        return math.inf, math.inf
     k = rho * rho / d
     mu = friction
     return k * (1.0 + mu * mu) / (mu * (1.0 + mu)), k * (1.0 + mu) / mu

@@ -12,8 +12,9 @@ from collections.abc import Callable
 from math import hypot, inf, sqrt
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.core.allocation import Allocation, AllocationStatus
+from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
 from pushpressslide.core.pose import Point, cross
+from pushpressslide.mechanics.checks import check_normal, check_press
 
 LEAST_LEVER = 1e-6  # [m]
 
@@ -33,15 +34,16 @@ def press_and_push_allocator(
     Of all forces inside cone and disc that realise it, the push is along its normal, or
     as near to that as can be. A wrench that the press cannot hold is scaled; where the
     push would have to pull, its moment is left out: status "projected" in both cases,
-    "infeasible" if nothing is left. Raises ValueError unless ``load`` is > 0 and the
-    push has a lever about the pressed point.
+    "infeasible" if nothing is left, and for a wrench that is not finite. Raises
+    ValueError unless ``load`` is > 0, ``friction`` >= 0, and the push has a lever about
+    the pressed point.
     """
     line = ContactLine(press, push)
     lever = line.length * cross(line.e, normal)
-    if not (load > 0.0 and abs(lever) > LEAST_LEVER):
-        raise ValueError(
-            f"load {load} N must be > 0, and lever {lever} m of the push not 0"
-        )
+    check_press(load, friction)
+    check_normal(normal)
+    if not abs(lever) > LEAST_LEVER:
+        raise ValueError(f"lever {lever} m of the push; must not be 0")
     about_press = (press[0] - cop[0], press[1] - cop[1])
     return _allocator(line.e, about_press, lever, load, normal, friction)
 
@@ -62,6 +64,8 @@ def _allocator(
     px, py = about_press
     nx, ny = normal
     most = friction * load
+    # the sides of a cone without friction do not tell a pull from a push
+    least = 0.0 if friction == 0.0 else -inf
     # a push a n + s e has the slacks friction a + slope s at the sides of its cone
     along = ex * nx + ey * ny
     left = nx * ey - ny * ex
@@ -69,6 +73,8 @@ def _allocator(
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         """Return the allocation of a wrench [N, N m]."""
+        if not abs(fx) + abs(fy) + abs(tau) < inf:
+            return nothing((load, 0.0), (fx, fy, tau))
         a = (tau - px * fy + py * fx) / lever
         low, high = _interval(friction * a, slopes)
         gx = fx - a * nx
@@ -76,7 +82,7 @@ def _allocator(
         status: AllocationStatus = "ok"
         scale = 1.0
         s = 0.0
-        if low > high:
+        if low > high or a < least:
             a = 0.0
             gx = fx
             gy = fy

@@ -2,10 +2,10 @@
 the least, and against a wall (docs/mechanics.md, section 7).
 
 The wrench that slides the object grows with the load, and the centre of pressure moves
-with the ratio, so that the loads for one twist are found in a few passes (tens of
-microseconds; milliseconds for the ratio that needs least), for planning; the loads for
-all twists are one formula. The height of the contacts, which moves the centre of
-pressure along the force, is left out.
+with the ratio. So the loads for one twist are found by steps, in a tenth of a
+millisecond to some milliseconds, for planning. For a centre of pressure they are exact
+(``cop_load``); the loads for all twists are one formula. The height of the contacts,
+which moves the centre of pressure along the force, is left out.
 """
 
 from __future__ import annotations
@@ -16,18 +16,22 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.cop_load import cop_friction, largest_enough
 from pushpressslide.allocation.presses import least_press, two_press_allocator
 from pushpressslide.core.allocation import AllocationStatus
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.checks import (
+    check_force,
+    check_friction,
+    check_rho,
+)
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 
 Side = Literal["balanced", "left", "right"]
 # part of the load that the lighter contact carries beyond the least for a turn on the
 # spot
 SPARE = 0.02
-# until the load for a centre of pressure beside the line of contacts stands still
-PASSES = 8
 EXACT = 1e-9  # part of the largest load to which the least is found
 TOPS = (1.0, 0.7, 0.5, 0.35, 0.25)  # parts of the largest load that are tried as enough
 RATIOS = 16
@@ -53,7 +57,8 @@ class PressLoads(NamedTuple):
 class TwoPresses:
     """Two top contacts on an object whose CoM is the origin of B.
 
-    Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where
+    Raises ValueError for friction or a weight < 0, rho or cap <= 0, and contacts in one
+    place. Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where
     ``weight`` is 0.
     """
 
@@ -65,11 +70,22 @@ class TwoPresses:
     rho: float  # [m] of the ellipsoid about the centre of pressure
     cap: float  # [N] most that one contact may press
 
+    def __post_init__(self) -> None:
+        check_friction(self.support_friction, "support_friction")
+        check_friction(self.contact_friction, "contact_friction")
+        check_rho(self.rho)
+        check_force(self.cap, "cap")
+        if not (self.weight >= 0.0 and math.isfinite(self.weight)):
+            raise ValueError(f"weight {self.weight} N; must be finite and >= 0")
+        ContactLine(self.left, self.right)
+
     @property
     def least_fraction(self) -> float:
         """Least N_i / N of each contact for a turn about the centre of pressure: (mu_s
-        / mu_a) rho / l.
+        / mu_a) rho / l; inf without friction at the contacts.
         """
+        if self.contact_friction == 0.0:
+            return math.inf
         return (
             self.support_friction
             / self.contact_friction
@@ -95,11 +111,10 @@ class TwoPresses:
     def at(
         self, normals: Point, twist: Twist, gravity: Point = (0.0, 0.0)
     ) -> PressLoads:
-        """Return what ``normals`` [N], not both zero, do for ``twist`` (of any body
-        point, in B).
-        """
+        """Return what ``normals`` [N] do for ``twist`` (of any body point, in B)."""
         cop, wrench = self._wrench(normals, twist, gravity)
-        share = normals[1] / (normals[0] + normals[1])
+        total = normals[0] + normals[1]
+        share = normals[1] / total if total > 0.0 else 0.5
         points = (self.left, self.right)
         mu = self.contact_friction
         needed = least_press(ContactLine(*points).parts(*wrench, cop), mu, share)
@@ -139,38 +154,48 @@ class TwoPresses:
     ) -> PressLoads:
         """Return the least loads for ``twist`` with the centre of pressure at
         ``fraction`` in (0, 1) of the way from the left to the right contact, along
-        their line.
+        their line. They are exact: no smaller loads within the cap do it.
 
         Where that needs more than the cap, or no press is enough, as in ``for_share``;
         without a weight that presses, the same as ``for_share``.
         """
         if self.weight == 0.0:
             return self.for_share(fraction, twist, gravity)
-        line = ContactLine(self.left, self.right)
-        lam = fraction
-        mu_a = self.contact_friction
-        mu_s = self.support_friction
-        # CoM from the left contact
-        along, offset = line.in_axes((-self.left[0], -self.left[1]))
-        lam_o = along / line.length
-        load = 2.0 * self.weight
-        for _ in range(PASSES if offset else 1):
-            dx, dy = line.in_body((lam * line.length, offset * self.weight / load))
-            cop = (self.left[0] + dx, self.left[1] + dy)
-            unit = EllipsoidLimitSurface(1.0, self.rho, cop).wrench(twist)
-            f_e, g_left, g_right = line.parts(unit.fx, unit.fy, unit.tau, cop)
-            right = mu_a * lam - mu_s * math.hypot(lam * f_e, g_right)
-            left = mu_a * (1.0 - lam) - mu_s * math.hypot((1.0 - lam) * f_e, g_left)
-            if not (right > 0.0 and left > 0.0):
-                return self._instead(twist, gravity)
-            load = mu_a * self.weight * max(lam_o / right, (1.0 - lam_o) / left)
-        normals = (
-            (1.0 - lam) * load - (1.0 - lam_o) * self.weight,
-            lam * load - lam_o * self.weight,
-        )
-        if max(normals) > self.cap:
+        normals = self._normals_for_cop(fraction, twist)
+        if normals is None:
             return self._instead(twist, gravity)
         return self.at(normals, twist)
+
+    def _normals_for_cop(self, fraction: float, twist: Twist) -> Point | None:
+        """Return the least normals [N] with the centre of pressure at ``fraction``.
+
+        None where no loads within the cap drive ``twist``.
+        """
+        if not all(map(math.isfinite, twist[:3])):
+            return None
+        line = ContactLine(self.left, self.right)
+        com = line.in_axes((-self.left[0], -self.left[1]))[0] / line.length
+        # each contact's part of the load, and of the weight
+        parts = ((1.0 - fraction, 1.0 - com), (fraction, com))
+        least = 0.0
+        most = 1.0
+        for of_load, of_weight in parts:
+            largest = self.cap + of_weight * self.weight
+            if not largest > 0.0:
+                return None
+            least = max(least, of_load * self.weight / largest)
+            if of_weight > 0.0:
+                most = min(most, of_load / of_weight)
+        frictions = (self.support_friction, self.contact_friction)
+        friction = cop_friction(line, self.left, fraction, twist, self.rho, frictions)
+        share = largest_enough(friction, least, most)
+        if share is None:
+            return None
+        load = self.weight / share
+        left, right = (
+            of_load * load - of_weight * self.weight for of_load, of_weight in parts
+        )
+        return (max(left, 0.0), max(right, 0.0))
 
     def for_least_press(self, twist: Twist, gravity: Point = (0.0, 0.0)) -> PressLoads:
         """Return the loads for ``twist`` in the ratio that needs least.
@@ -320,6 +345,7 @@ def wall_hold(weight: float, contact_friction: float, wall_friction: float) -> f
     """Return the least sum [N] of two equal normals that holds an object at rest on a
     wall.
 
-    Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w).
+    Both frictions carry the ``weight`` [N]: mg / (mu_a + mu_w); inf without friction.
     """
-    return weight / (contact_friction + wall_friction)
+    friction = contact_friction + wall_friction
+    return weight / friction if friction > 0.0 else math.inf

@@ -14,8 +14,9 @@ from math import hypot, inf, sqrt
 from typing import Protocol
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.core.allocation import Allocation, AllocationStatus
+from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
 from pushpressslide.core.pose import Point
+from pushpressslide.mechanics.checks import check_friction
 
 # of the discs' radii, allowed beyond them: what one contact alone can give may be asked
 # of it
@@ -47,9 +48,10 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 
     A wrench beyond the discs is scaled onto them, status "projected": its direction is
     kept, but below the limit surface nothing moves, so that this twist cannot be driven
-    at these normals. "infeasible" if nothing is left of it. Raises ValueError for
-    contacts that coincide.
+    at these normals. "infeasible" if nothing is left of it, or it is not finite. Raises ValueError for
+    contacts that coincide, or friction < 0.
     """
+    check_friction(friction)
     return _sharing(ContactLine(*points), friction)
 
 
@@ -123,11 +125,12 @@ class _Discs:
         rounding = ROUNDING * (most1 + most2)
         most1 = most1 + rounding
         most2 = most2 + rounding
+        size = abs(along) + abs(g1) + abs(g2)
+        if not size + normals[0] + normals[1] < inf:
+            return nothing(normals, (fx, fy, tau))
         scale = min(largest_scale(parts, (most1, most2)), 1.0)
-        if not (scale > NOTHING and normals[0] + normals[1] < inf):
-            return Allocation(
-                ((0.0, 0.0), (0.0, 0.0)), normals, 0.0, "infeasible", (fx, fy, tau)
-            )
+        if not scale > NOTHING:
+            return nothing(normals, (fx, fy, tau))
         g1 *= scale
         room1 = sqrt(max(most1 * most1 - g1 * g1, 0.0))
         room = room1 + sqrt(max(most2 * most2 - scale * g2 * scale * g2, 0.0))

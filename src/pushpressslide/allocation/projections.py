@@ -15,10 +15,14 @@ from itertools import combinations
 from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point, cross
+from pushpressslide.mechanics.checks import check_friction, check_normal, check_rho
 from pushpressslide.mechanics.friction import cone_edges
 
 Vector = tuple[float, float, float]
+# two edges, their product, and one over the square of their cross product
+Span = tuple[int, int, float, float]
 Projection = Literal["nearest", "force_priority", "torque_priority"]
+AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 FLAT = 1e-9  # sine of the angle below which two edge wrenches span no facet
 
 
@@ -48,6 +52,13 @@ class WrenchCone:
         friction: float,
         rho: float,
     ) -> None:
+        """Prepare the cone. Raises ValueError unless ``friction`` is >= 0, ``rho`` > 0
+        and both normals have unit length.
+        """
+        check_friction(friction)
+        check_rho(rho)
+        for normal in normals:
+            check_normal(normal)
         self._rho = rho
         self._rays = tuple(
             ray for normal in normals for ray in cone_edges(normal, friction)
@@ -58,28 +69,48 @@ class WrenchCone:
         )
         """Edge wrenches with the moment over rho, for a normal force of 1 N."""
         self._squares = tuple(_dot(edge, edge) for edge in self._edges)
-        pairs = []
-        facets: list[Vector] = []
-        for i, j in combinations(range(4), 2):
-            normal = _cross(self._edges[i], self._edges[j])
-            size = math.sqrt(_dot(normal, normal))
-            if size < FLAT * math.sqrt(self._squares[i] * self._squares[j]):
-                continue
-            pairs.append(
-                (i, j, _dot(self._edges[i], self._edges[j]), 1.0 / (size * size))
-            )
-            facets += self._facets(normal, size)
-        self._pairs = tuple(pairs)
-        self.facets: tuple[Vector, ...] = tuple(facets)
+        self._pairs, planes = self._spans()
+        if friction == 0.0:
+            planes += self._planes_across(planes)
+        self.facets: tuple[Vector, ...] = tuple(
+            facet for plane in planes for facet in self._facets(plane)
+        )
         """Rows (a, b, c): the cone is a fx + b fy + c tau >= 0 in all of them; none if
         it is all wrenches.
         """
         self._push = (normals[0][0] + normals[1][0], normals[0][1] + normals[1][1])
 
-    def _facets(self, normal: Vector, size: float) -> Iterator[Vector]:
-        """Yield the facets of the plane with a ``normal`` of some ``size``: none where
-        edges lie on both sides of it.
+    def _spans(self) -> tuple[tuple[Span, ...], list[Vector]]:
+        """Return the pairs of edges that span a plane, and the planes' normals."""
+        pairs = []
+        planes: list[Vector] = []
+        for i, j in combinations(range(4), 2):
+            plane = _cross(self._edges[i], self._edges[j])
+            square = _dot(plane, plane)
+            if square < FLAT * FLAT * self._squares[i] * self._squares[j]:
+                continue
+            product = _dot(self._edges[i], self._edges[j])
+            size = math.sqrt(square)
+            pairs.append((i, j, product, 1.0 / (size * size)))
+            planes.append(plane)
+        return tuple(pairs), planes
+
+    def _planes_across(self, planes: Sequence[Vector]) -> list[Vector]:
+        """Return normals of planes that bound a flat cone, which that of contacts
+        without friction is: those at right angles to its plane, or about its line.
         """
+        first = self._edges[0]
+        if planes:
+            return [_cross(planes[0], edge) for edge in self._edges]
+        least = min(range(3), key=lambda i: abs(first[i]))
+        aside = _cross(first, AXES[least])
+        return [aside, _cross(first, aside), first]
+
+    def _facets(self, normal: Vector) -> Iterator[Vector]:
+        """Yield the facets of the plane with a ``normal``: none where edges lie on both
+        sides of it.
+        """
+        size = math.sqrt(_dot(normal, normal))
         sides = [
             _dot(normal, edge) / (size * math.sqrt(square))
             for edge, square in zip(self._edges, self._squares, strict=True)

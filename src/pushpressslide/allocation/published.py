@@ -7,6 +7,7 @@ object, in B, moments about the CoM.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from pushpressslide.core.pose import Point
@@ -52,11 +53,14 @@ def least_bias(fx: float, fy: float, tau: float, d: float, friction: float) -> f
     """Return the least bias [N] that puts the forces of ``orthogonal_pushes`` into
     their cones.
 
-    Never smaller than ``orthogonal.least_drift``, the least that any split needs.
+    Never smaller than ``orthogonal.least_drift``, the least that any split needs; inf
+    for a moment without friction.
     """
     p = fx
     q = -fy
     t = tau / d
+    if friction == 0.0:
+        return math.inf if t else max(0.0, -p, -q)
     tilted = 0.5 * abs(t) / friction
     return max(0.0, tilted - 0.5 * t - p, tilted + 0.5 * t - q)
 
@@ -66,8 +70,10 @@ def unicycle_distances(d: float, friction: float, rho: float) -> tuple[float, fl
     left and one right.
 
     (1 -+ mu^2) K / mu^2. The centres they stand for are
-    ``orthogonal.translation_radii``; both turn the same way.
+    ``orthogonal.translation_radii``; both turn the same way. Inf without friction.
     """
+    if friction == 0.0:
+        return math.inf, math.inf
     k = rho * rho / d
     return k * (1.0 - friction**2) / friction**2, k * (1.0 + friction**2) / friction**2
 

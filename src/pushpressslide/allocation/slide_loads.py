@@ -18,7 +18,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Cop, Motion
+from pushpressslide.core.task import FORCE_ALLOWED, Cop, Motion
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.osculating import pressures, touching_ellipsoid
@@ -91,7 +91,7 @@ def _loads_at_limit(
         raise RefusedError(_cop_refusal(presses, cop, twist, pair.cap))
     normals = loads_with(pair, cop, pair.cap)
     utilisation = pair.at(normals, twist).needed / sum(normals)
-    limit = f"; limits.normal_force is {pair.cap:g} N"
+    limit = f"; allowed {pair.cap:g} N, 0.9 of limits.normal_force"
     return slip_refusal(normals, utilisation, limit), [normals]
 
 
@@ -121,7 +121,7 @@ def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Poi
     """
     normals = loads_with(presses, cop, given)
     if given > cap:
-        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         raise RefusedError(Refusal("normal_force", text, given, cap, "N"))
     if min(normals) < LEAST_PRESS:
         text = (
@@ -140,6 +140,6 @@ def _cop_refusal(presses: Presses, cop: float, twist: Twist, cap: float) -> Refu
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"
     text = (
         "a centre of pressure {figure:g} of the way from left to right needs a contact "
-        f"that does not press, or more than limits.normal_force of {cap:g} N, {span}"
+        f"that does not press, or more than {cap:g} N, 0.9 of limits.normal_force, {span}"
     )
     return Refusal("cop", text, cop)

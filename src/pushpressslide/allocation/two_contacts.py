@@ -22,8 +22,9 @@ from collections.abc import Sequence
 from pushpressslide.allocation.contact_line import ContactPair, Split
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection, WrenchCone
-from pushpressslide.core.allocation import Allocation, AllocationStatus
+from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
 from pushpressslide.core.pose import Point, cross
+from pushpressslide.mechanics.checks import check_caps, check_rho
 from pushpressslide.mechanics.friction import cone_margin
 
 Vector = tuple[float, float, float]
@@ -47,12 +48,17 @@ def two_contact_allocator(
     outside the cone is moved, in the norm of an ellipsoid of ``rho`` [m], as
     ``projection`` says; one that needs more normal force than ``caps`` [N] is scaled.
     Status "ok" if nothing had to be changed (to 1e-9 of the wrench), "projected" else,
-    "infeasible" if the best force is zero. Raises ValueError for contacts that
-    coincide, friction <= 0, and for "least_friction" where both normals lie along the
-    line of contacts.
+    "infeasible" if the best force is zero, and for a wrench that is not finite. Raises
+    ValueError for contacts that coincide, friction < 0, rho or caps <= 0, and for
+    "least_friction" where both normals lie along the line of contacts.
     """
+    check_rho(rho)
+    check_caps(caps)
     pair = ContactPair(points, normals, friction, split)
     elsewhere = _Elsewhere(pair, points, normals, friction, rho, caps, projection)
+    if friction == 0.0:
+        # a cone without width: every wrench is one that has to be moved onto it
+        return elsewhere.outside
     return _linear(pair, normals, friction, caps, elsewhere)
 
 
@@ -95,6 +101,8 @@ def _linear(
         if margin2 < margin:
             margin = margin2
         if not margin >= 0.0:
+            if not abs(fx) + abs(fy) + abs(tau) < inf:
+                return outside(fx, fy, tau)
             d1 = k1 * (friction * f1n - f1t)
             d2 = k2 * (friction * f1n + f1t)
             d3 = k3 * (friction * f2n - f2t)
@@ -215,6 +223,8 @@ class _Elsewhere:
         """Return the allocation of the wrench that one from outside the cone is moved
         to.
         """
+        if not abs(fx) + abs(fy) + abs(tau) < math.inf:
+            return nothing((0.0, 0.0), (fx, fy, tau))
         moved = (fx, fy, tau)
         if self._projection == "force_priority":
             moved = self._cone.with_force_kept(fx, fy, tau)

@@ -17,6 +17,8 @@ HEADINGS = {
     "bias": "paper's bias, wrench",
     "turned": "turned by rad",
     "drift": "drift / bias",
+    "right": "right, share",
+    "near": "wrong ones to their limit",
     "select_ms": "selection ms",
     "winner": "ranked first",
     "soonest": "soonest there",

@@ -205,7 +205,8 @@ def identify(options: IdentifyOptions) -> None:
     elif not options.quiet:
         from pushpressslide.cli.identification_table import lines
 
-        text = [*lines(identifications, result), str(folder / "report.html")]
+        text = [*lines(identifications, result), *result["notes"]]
+        text.append(str(folder / "report.html"))
         typer.echo("\n".join(text))
 
 
@@ -223,7 +224,8 @@ def bench(
 ) -> None:
     """Run the benchmarks beside the alternatives, as ratios.
 
-    Names: pushes, presses, tick, agreement, coverage, turning, select.
+    Names: pushes, presses, tick, agreement, coverage, turning, sticking,
+    select.
     """
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 

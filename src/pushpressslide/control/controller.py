@@ -14,6 +14,7 @@ contact force. It never raises; what went wrong is in ``state.failure``.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -69,6 +70,8 @@ POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 RETREAT = 0.06  # [m] drawn back on release
+LONGEST_STOP = 4.0  # [s] after a failure until the run ends, at rest or not
+AT_REST = 0.005  # [m/s] of a tip that counts as at rest
 REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
 # [m] of slid contact, and of path left, above which a tip lets go and touches the
 # planned place again
@@ -596,10 +599,18 @@ class Controller:
                 command = drawn_back(context, memory.start, distance)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
+        if failed and elapsed < LONGEST_STOP:
+            over = over and _at_rest(measurement, contacts)
         phase: Phase = "done" if over else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def _at_rest(measurement: Measurement, contacts: Sequence[Contact]) -> bool:
+    """Whether the tips of all contacts are at rest."""
+    speeds = [math.hypot(*measurement.tips[c.arm].velocity) for c in contacts]
+    return max(speeds) < AT_REST
 
 
 def pose_gain(sensing: Sensing) -> float:

@@ -256,7 +256,9 @@ def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleS
 
 def identified(state: ControllerState) -> Identified | None:
     """Return the virtual axle where it contradicts the plan."""
-    return None if state.identifier is None else state.identifier.identified(state.axle)
+    if state.identifier is None:
+        return None
+    return state.identifier.identified(state.axle)
 
 
 def control_log(

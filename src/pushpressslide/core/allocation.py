@@ -22,3 +22,14 @@ class Allocation(NamedTuple):
     status: AllocationStatus
     # wanted minus realised: fx, fy [N], tau [N m]
     residual: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+def nothing(
+    normals: tuple[float, ...], wrench: tuple[float, float, float]
+) -> Allocation:
+    """Return zero forces, "infeasible", for a ``wrench`` of which nothing can be given.
+
+    ``normals`` [N] are zero for pushes, and for presses those that they press with.
+    """
+    zeros = tuple((0.0, 0.0) for _ in normals)
+    return Allocation(zeros, normals, 0.0, "infeasible", wrench)

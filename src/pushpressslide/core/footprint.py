@@ -37,11 +37,9 @@ def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> f
         return -math.inf
     hull = rest.convex_hull
     place = Place(point)
-    return (
-        float(hull.boundary.distance(place))
-        if hull.covers(place)
-        else -float(hull.distance(place))
-    )
+    if hull.covers(place):
+        return float(hull.boundary.distance(place))
+    return -float(hull.distance(place))
 
 
 def around(

@@ -40,6 +40,11 @@ fraction in [0, 1] of the way from left to right contact.
 """
 
 
+PLANNED_SHARE = 0.9  # of limits.normal_force
+FORCE_ALLOWED = f"allowed {{allowed:Ng}}, {PLANNED_SHARE:g} of limits.normal_force"
+"""End of the text of a refusal for too large a normal force."""
+
+
 @dataclass(frozen=True, slots=True)
 class Tolerance:
     """When the goal counts as reached."""
@@ -84,6 +89,11 @@ class Limits:
     workspace: tuple[float, float, float, float] | None = setting(
         None, "region in which the origin of G stays; null: unbounded"
     )
+
+    @property
+    def planned_force(self) -> float:
+        """Normal force [N] that plans keep to: the rest is for the regulator's ripple."""
+        return PLANNED_SHARE * self.normal_force
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,12 +7,14 @@ Source: docs/mechanics.md, section 1; docs/identification.md.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.identification.fitting import least_squares
+from pushpressslide.identification.fitting import fitted
 from pushpressslide.identification.pairs import Pairs
 from pushpressslide.identification.sliding import slide
 from pushpressslide.mechanics.pressure import PressureSamples
@@ -20,9 +22,10 @@ from pushpressslide.mechanics.rho import rho_pole
 
 # [m] torsional radius of a pin; from 1 to 5 mm the predictions are alike
 PIN_RADIUS = 2e-3
-# scatter of a direction over that of a coefficient of the log pressure; 0.3 to 2 score
-# alike
-RIDGE = 0.5
+# scatter of a direction over that of a coefficient of the log pressure; tried in turn,
+# each from the fit before
+RIDGES = (4.0, 2.0, 1.0, 0.5)
+SURE = 1.5  # standard errors by which a fit must beat what statics expects
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +97,10 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
     ``pressure`` [N] is what statics expects. The pressure at rest is the expected one
     times the exponential of a quadratic polynomial in the position: of all
     distributions with the fitted first and second moments the nearest to the expected
-    one. Its five coefficients are fitted to the measured directions, with a ridge
-    toward zero. Friction is the median over the pushes.
+    one. Its five coefficients are fitted to the measured directions, with the ridge
+    toward zero that predicts each push best from the others. Where no ridge predicts
+    better than the expected pressure for sure, they are zero. Friction is the median
+    over the pushes.
     """
     expected = static_model(pressure)
     x, y = ((expected.points - pressure.cop) / rho_pole(pressure)).T
@@ -110,8 +115,28 @@ def fit_pressure(pairs: Pairs, pressure: PressureSamples) -> PressureModel:
         """Return the directions (n, 3) under the measured wrenches."""
         return model(coefficients).directions(pairs.wrenches, pairs.heights)
 
-    fitted = model(
-        least_squares(predict, pairs.directions, np.zeros(len(terms)), RIDGE)
-    )
-    levels = fitted.slides(pairs.wrenches, pairs.heights)[1]
-    return replace(fitted, friction=float(np.median(levels)) / fitted.weight)
+    found = model(_sure_coefficients(predict, pairs.directions, len(terms)))
+    levels = found.slides(pairs.wrenches, pairs.heights)[1]
+    return replace(found, friction=float(np.median(levels)) / found.weight)
+
+
+def _sure_coefficients(
+    predict: Callable[[Array], Array], measured: Array, count: int
+) -> Array:
+    """Return the coefficients (count,) of the ridge that gains most on pushes left out,
+    less ``SURE`` standard errors; zeros where none gains.
+    """
+    best = np.zeros(count)
+    coefficients = best
+    most = 0.0
+    expected = np.linalg.norm(predict(best) - measured, axis=1)
+    for ridge in RIDGES:
+        fit = fitted(predict, measured, coefficients, ridge)
+        coefficients = fit.parameters
+        gains = expected - fit.left_out()
+        error = gains.std(ddof=1) / math.sqrt(len(gains))
+        sure = float(gains.mean() - SURE * error)
+        if sure > most:
+            most = sure
+            best = coefficients
+    return best

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -22,6 +22,30 @@ class SlidingModel(Protocol):
         """
 
 
+class Fit(NamedTuple):
+    """Parameters that fit n measured directions."""
+
+    parameters: Array  # (p,)
+    errors: Array  # (n, 3) predicted less measured
+    jacobian: Array  # (n, 3, p) of the predicted directions
+    ridge: float
+
+    def left_out(self) -> Array:
+        """Return the chords (n,) by which each direction would be missed by a fit to
+        the others, to first order.
+
+        Each error is that of the fit times (I - H)^-1, H the part of the direction's
+        own measurement in its prediction.
+        """
+        j = self.jacobian
+        p = j.shape[2]
+        normal = np.einsum("nip,niq->pq", j, j) + self.ridge**2 * np.eye(p)
+        own = j @ np.linalg.solve(normal, j.transpose(0, 2, 1).reshape(-1, p, 3))
+        missed = np.linalg.solve(np.eye(3) - own, self.errors[:, :, None])[:, :, 0]
+        chords: Array = np.linalg.norm(missed, axis=1)
+        return chords
+
+
 def least_squares(
     predict: Callable[[Array], Array], measured: Array, start: Array, ridge: float
 ) -> Array:
@@ -32,13 +56,21 @@ def least_squares(
     squared parameters: the scatter of a measured direction over the scatter that a
     parameter is believed to have.
     """
+    return fitted(predict, measured, start, ridge).parameters
+
+
+def fitted(
+    predict: Callable[[Array], Array], measured: Array, start: Array, ridge: float
+) -> Fit:
+    """Return the fit of ``least_squares`` with its errors and their jacobian."""
     from scipy import optimize
 
     def residuals(parameters: Array) -> Array:
         """Return the chords and the ridge as one vector."""
         return np.append((predict(parameters) - measured).ravel(), ridge * parameters)
 
-    found: Array = optimize.least_squares(
-        residuals, start, diff_step=1e-5, max_nfev=40
-    ).x
-    return found
+    found = optimize.least_squares(residuals, start, diff_step=1e-5, max_nfev=40)
+    n = len(measured)
+    errors = found.fun[: 3 * n].reshape(n, 3)
+    jacobian = found.jac[: 3 * n].reshape(n, 3, len(start))
+    return Fit(found.x, errors, jacobian, ridge)

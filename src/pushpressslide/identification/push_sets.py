@@ -7,6 +7,7 @@ folder's name gives the pins that it stands on.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,8 @@ MASS = 1.5  # [kg] of the prism
 BASE = ((0.0, 0.0), (0.15, 0.0), (0.0, 0.15))
 CENTER_OF_MASS = (0.05, 0.05)  # [m] in the tracked frame
 LEAST_PUSHES = 4  # that fit and test need
+WHOLE_BASE = "patch"  # in the name of a folder: the object stands on its whole base
+NUMBERS = re.compile(r"(?<![\d.])\d+(?:\.\d+)?(?:_\d+(?:\.\d+)?)*(?![\d.])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +47,7 @@ class PushSet:
     pins: tuple[Point, ...]
     pairs: Pairs
     refused: tuple[str, ...]  # pushes that give no pair, and why
+    layout_note: str = ""  # what its name leaves open of where it stands
 
     @property
     def weight(self) -> float:
@@ -65,46 +69,68 @@ class PushSet:
 
     def uniform_pressure(self) -> PressureSamples | None:
         """Return the load at rest [N] in B, spread evenly; None on pins."""
-        return (
-            None
-            if self.pins
-            else polygon_pressure(self.base, self.weight, resolution=6)
-        )
+        if self.pins:
+            return None
+        return polygon_pressure(self.base, self.weight, resolution=6)
 
 
 def load_sets(
     data: Path, progress: Callable[[float, float], None] | None = None
-) -> tuple[list[PushSet], list[Path]]:
-    """Return one set for each folder with logs at or below ``data``, and the text files
-    that are no logs.
+) -> tuple[list[PushSet], list[str]]:
+    """Return one set for each folder with logs at or below ``data``, and a line for
+    each text file that was passed over: no log, or a log without a push.
 
-    Raises PushPressSlideError for a log that cannot be read, or a set with fewer than
-    ``LEAST_PUSHES``.
+    Raises PushPressSlideError for a log that cannot be read, a set with fewer than
+    ``LEAST_PUSHES``, and where no log holds a push.
     """
     logs, others = find_recordings(data)
     read: dict[Path, list[Recording]] = {}
+    passed_over = [f"{path.name}: not a log of pushes." for path in others]
     for done, path in enumerate(logs, 1):
-        read.setdefault(path.absolute().parent, []).append(read_recording(path))
+        recording = read_recording(path)
+        if recording.pushes:
+            read.setdefault(path.absolute().parent, []).append(recording)
+        else:
+            passed_over.append(
+                f"{path.name}: holds no push, announces {recording.announced}."
+            )
         if progress is not None:
             progress(done, len(logs))
+    if not read:
+        raise PushPressSlideError(f"{data}: holds no push; {passed_over[-1]}")
     names = _names(list(read))
-    return [
-        _push_set(names[folder], folder, found) for folder, found in read.items()
-    ], others
+    sets = [_push_set(names[folder], folder, found) for folder, found in read.items()]
+    return sets, passed_over
 
 
 def pins_of_name(name: str) -> tuple[Point, ...]:
     """Return the pins [m] in the tracked frame for x1_x2_x3_y1_y2_y3 [mm].
 
-    None for any other name.
+    Words may stand before and after them, also numbers before them; none where the name
+    holds no six numbers in a row.
     """
-    try:
-        numbers = [1e-3 * float(word) for word in name.split("_")]
-    except ValueError:
-        return ()
-    return (
-        tuple(zip(numbers[:3], numbers[3:], strict=True)) if len(numbers) == 6 else ()
-    )
+    for row in NUMBERS.findall(name):
+        numbers = [1e-3 * float(word) for word in row.split("_")][-6:]
+        if len(numbers) == 6:
+            return tuple(zip(numbers[:3], numbers[3:], strict=True))
+    return ()
+
+
+def layout_note(name: str) -> str:
+    """Return what a folder's name leaves open of where the object stands; nothing for
+    x1_x2_x3_y1_y2_y3 alone and for a name with ``WHOLE_BASE``.
+    """
+    pins = pins_of_name(name)
+    if not pins:
+        if WHOLE_BASE in name.lower():
+            return ""
+        return "its name gives no pins; the whole base is taken to touch."
+    numbers = [
+        f"{1e3 * v:.10g}" for v in (*(x for x, _ in pins), *(y for _, y in pins))
+    ]
+    if NUMBERS.fullmatch(name) and len(name.split("_")) == 6:
+        return ""
+    return f"its pins are taken to be {'_'.join(numbers)}."
 
 
 def _names(folders: Sequence[Path]) -> dict[Path, str]:
@@ -124,11 +150,12 @@ def _push_set(name: str, folder: Path, recordings: list[Recording]) -> PushSet:
             f"{folder}: {len(pairs)} of {len(pushes)} pushes can be used{why}; "
             f"at least {LEAST_PUSHES} are needed"
         )
+    note = layout_note(folder.name)
     pins = tuple(
         (x - CENTER_OF_MASS[0], y - CENTER_OF_MASS[1])
         for x, y in pins_of_name(folder.name)
     )
-    made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused))
+    made = PushSet(name, tuple(recordings), pins, pairs, tuple(refused), note)
     try:
         made.static_pressure()
     except ValueError as error:

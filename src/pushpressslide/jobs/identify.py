@@ -37,12 +37,12 @@ def identify(
     report.html and a plot of each set to ``out``. Raises PushPressSlideError for logs
     that cannot be read.
     """
-    sets, others = load_sets(data)
+    sets, passed_over = load_sets(data)
     identifications = []
     for done, push_set in enumerate(sets):
         moved = _overall(progress, done, len(sets))
         identifications.append(identified(push_set, fit_share, splits, seed, moved))
-    notes = _notes(identifications, others)
+    notes = _notes(identifications, passed_over)
     result = {
         "schema": SCHEMA,
         "data": str(data),
@@ -116,11 +116,13 @@ def _reductions(identifications: Sequence[Identification]) -> dict[str, float]:
 
 
 def _notes(
-    identifications: Sequence[Identification], others: Sequence[Path]
+    identifications: Sequence[Identification], passed_over: Sequence[str]
 ) -> list[str]:
-    """Say what was not used."""
+    """Say what was not used, and what a set's name leaves open."""
     notes = []
     for each in identifications:
+        if each.push_set.layout_note:
+            notes.append(f"{each.push_set.name}: {each.push_set.layout_note}")
         notes += [
             f"{each.push_set.name}: {line} (not used)."
             for line in each.push_set.refused
@@ -133,4 +135,4 @@ def _notes(
                     f"{recording.path.name}: announces {announced} pushes, holds "
                     f"{held}."
                 )
-    return notes + [f"{path.name}: not a log of pushes." for path in others]
+    return [*notes, *passed_over]

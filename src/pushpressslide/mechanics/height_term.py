@@ -17,6 +17,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.checks import check_force, check_rho
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +31,10 @@ class DraggedSurface:
     # [m] h mu_s >= 0, of forces that all act at one height h; a mean where they do not
     lift: float = 0.0
     center: Point = (0.0, 0.0)  # [m] in B: the centre of pressure without drag
+
+    def __post_init__(self) -> None:
+        check_force(self.max_force, "max_force")
+        check_rho(self.rho)
 
     def twist_direction(self, wrench: Wrench) -> Twist:
         """Return the direction of sliding under ``wrench``, put on the surface, as a

@@ -15,9 +15,11 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.checks import check_force, check_rho
 from pushpressslide.mechanics.pressure import PressureSamples
 
 # roundings of the surface's edges, from coarse to fine, for pressures with pins
+SLOWEST = 1e-3  # of a guessed twist: what counts of it along the wrench
 PIN_SOFTENINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
 
@@ -32,10 +34,8 @@ class EllipsoidLimitSurface:
     center: Point = (0.0, 0.0)  # [m] centre of pressure in B
 
     def __post_init__(self) -> None:
-        if not (self.max_force > 0.0 and math.isfinite(self.max_force)):
-            raise ValueError(f"max_force {self.max_force} N; must be finite and > 0")
-        if not (self.rho > 0.0 and math.isfinite(self.rho)):
-            raise ValueError(f"rho {self.rho} m; must be finite and > 0")
+        check_force(self.max_force, "max_force")
+        check_rho(self.rho)
 
     def level(self, wrench: Wrench) -> float:
         """Return H(W), any reference point: 1 on the surface, below 1 at rest."""
@@ -136,16 +136,18 @@ def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
 
 
 def exact_slide(
-    samples: PressureSamples, mu: float, wrench: Wrench
+    samples: PressureSamples, mu: float, wrench: Wrench, guess: Twist | None = None
 ) -> tuple[Twist, float]:
     """Return ``exact_twist_direction`` and ``exact_level`` at once, for the cost of
-    one.
+    one; for less with a ``guess`` of the twist.
     """
-    twist, factor = _slide(samples, wrench)
+    twist, factor = _slide(samples, wrench, guess)
     return twist, factor / mu
 
 
-def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
+def _slide(
+    samples: PressureSamples, wrench: Wrench, guess: Twist | None = None
+) -> tuple[Twist, float]:
     """Return the direction of sliding, and the wrench over mu times the surface's."""
     cop = samples.cop
     r = samples.points - np.array(cop)
@@ -169,6 +171,10 @@ def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
     power = _FrictionPower(share, x, y, (samples.radii / rho) ** 2, target, basis)
     extended = bool((samples.radii[samples.loads > 0.0] > 0.0).all())
     z = np.zeros(2)
+    if extended and guess is not None:
+        near = guess.moved_to(cop)
+        nu = np.array([near.vx, near.vy, rho * near.w])
+        z = basis.T @ nu / max(float(target @ nu), SLOWEST)
     for softening in (0.0,) if extended else PIN_SOFTENINGS:
         z = power.least(z, softening)
     value = power.value(z, 0.0)

@@ -14,6 +14,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.checks import check_point, check_press
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.rho import rho_straight
@@ -34,8 +35,8 @@ STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding i
 class Press:
     """A press on an object on a table.
 
-    Raises ValueError for no load, or a contact at the CoM, where the object only
-    translates.
+    Raises ValueError for no load, friction < 0, or a contact at the CoM, where the
+    object only translates.
     """
 
     body: ObjectModel
@@ -44,8 +45,8 @@ class Press:
     load: float  # [N] > 0
 
     def __post_init__(self) -> None:
-        if not self.load > 0.0:
-            raise ValueError(f"load {self.load} N; must be > 0")
+        check_press(self.load, self.friction)
+        check_point(self.contact, "contact")
         if self.contact == (0.0, 0.0):
             raise ValueError("the contact is at the CoM; the object only translates")
 

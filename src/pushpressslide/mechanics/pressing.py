@@ -12,6 +12,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import FORCE_ALLOWED
 from pushpressslide.mechanics.pressure import center_of_pressure
 
 # shares of the press's friction that a motion may take, the best first
@@ -33,7 +34,7 @@ def friction_use(
     It is (mu_s (N_o + N_a) + pushed) / (mu_a N_a), with ``pushed`` [N] the drag of a
     body that the object pushes.
     """
-    if load <= 0.0:
+    if load <= 0.0 or mu_contact <= 0.0:
         return math.inf
     return (mu_support * (weight + load) + pushed) / (mu_contact * load)
 
@@ -84,7 +85,7 @@ def press_loads(
             "press drags"
         )
         raise RefusedError(Refusal("friction", text, mu_contact, mu_support))
-    text = "needs a press of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+    text = f"needs a press of {{figure:N.1f}}, {FORCE_ALLOWED}"
     raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
 
 
@@ -98,11 +99,12 @@ def _check_press(
 ) -> None:
     """Raise RefusedError where a press of ``wanted`` [N] is too hard or slips."""
     if wanted > most:
-        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
     used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
     if used > MOST_USE:
-        needed = used * mu_contact / MOST_USE
+        drag = mu_support * (weight + wanted) + pushed
+        needed = drag / (wanted * MOST_USE)
         text = (
             f"pressed with {wanted:g} N the tip slips before the object: straight "
             "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "

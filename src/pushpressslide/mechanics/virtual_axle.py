@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
@@ -19,8 +21,12 @@ from pushpressslide.mechanics.rho import rho_straight
 # Below this force angle [rad] the limit of straight motion is used, which differs from
 # the exact one in second order.
 STRAIGHT_ANGLE = 1e-4
-STEPS = 6  # of the iteration for the force that slides
-CONVERGED = 1e-4  # of the force over the load
+# of the force over the load: by how much the force that slides may differ from the one
+# that has moved the centre of pressure
+SETTLED = 1e-7
+NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
+SECANTS = 8  # steps, after which the interval is halved
+EDGE = 1e-4  # of mu: how near to tipping the force is followed
 
 
 def axle_distance(rho: float, lever: float) -> float:
@@ -61,6 +67,16 @@ def exact_axle_distance(
     return (twist.vy * e[0] - twist.vx * e[1]) / twist.w
 
 
+class Slide(NamedTuple):
+    """How an object slides under one force."""
+
+    samples: PressureSamples  # the pressure that the force has moved
+    wrench: Wrench  # of a force of 1 N, about that pressure's centre
+    twist: Twist  # only the direction counts
+    # force that slides it less the force that has moved the pressure, over the load
+    surplus: float
+
+
 def sliding(
     pressure_at: Callable[[Point], PressureSamples],
     mu: float,
@@ -68,32 +84,95 @@ def sliding(
     contact: Point,
     height: float,
     direction: Point,
-) -> tuple[PressureSamples, Wrench, Twist]:
-    """Return the pressure under which a force along the unit vector ``direction``
-    slides the object, its wrench about that pressure's centre, of a force of 1 N, and
-    the twist, of which only the direction counts.
+) -> Slide:
+    """Return how a force along the unit vector ``direction`` slides the object.
 
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
-    the CoP from ``cop`` by h F / N; |F| is what slides, found by iteration.
-    ``pressure_at(p)`` gives the distribution (any total load) whose CoP is p; ``mu`` is
-    the friction of the pair object/support. Raises ValueError where the CoP leaves the
-    base: the object tips.
+    the CoP from ``cop`` by h F / N. ``pressure_at(p)`` gives the distribution (any total
+    load) whose CoP is p; ``mu`` is the friction of the pair object/support. The force
+    that slides is found by the secant method in an interval: it grows from zero until
+    what slides the object is no more than itself. Raises ValueError where the CoP leaves the base
+    before: the object tips.
     """
-    ratio = mu  # |F| / N
-    for _ in range(STEPS):
-        moved = (
-            cop[0] + height * ratio * direction[0],
-            cop[1] + height * ratio * direction[1],
-        )
+
+    def slide(ratio: float, guess: Twist | None = None) -> Slide:
+        """Return the slide under the pressure that a force over the load moves."""
+        shift = height * ratio
+        moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
         samples = pressure_at(moved)
         arm = (contact[0] - moved[0], contact[1] - moved[1])
         wrench = Wrench(*direction, cross(arm, direction), moved)
-        twist, level = exact_slide(samples, mu, wrench)
-        last = ratio
-        ratio = 1.0 / (level * samples.total_load)
-        if abs(ratio - last) < CONVERGED or height == 0.0:
-            break
-    return samples, wrench, twist
+        twist, level = exact_slide(samples, mu, wrench, guess)
+        surplus = 1.0 / (level * samples.total_load) - ratio
+        return Slide(samples, wrench, twist, surplus)
+
+    if height == 0.0:
+        return slide(0.0)
+    return _balanced(slide, mu)
+
+
+def _balanced(slide: Callable[[float, Twist | None], Slide], most: float) -> Slide:
+    """Return the slide without surplus, of a force over the load in [0, ``most``].
+
+    Raises the ValueError of ``slide`` where the surplus is positive as far as there is a
+    pressure.
+    """
+    interval = _Interval(0.0, most)
+    ratio = most
+    guess = None
+    while True:
+        try:
+            found = slide(ratio, guess)
+        except ValueError:
+            if interval.width < EDGE * most:
+                raise
+            interval.high = ratio
+            ratio = interval.middle
+        else:
+            if abs(found.surplus) < SETTLED or interval.width < NARROW:
+                return found
+            guess = found.twist
+            ratio = interval.next(ratio, found.surplus)
+
+
+@dataclass(slots=True)
+class _Interval:
+    """An interval at whose low end a function is positive, at its high end negative."""
+
+    low: float
+    high: float
+    steps: int = 0
+    place: float = 0.0  # of the value before
+    value: float = 0.0
+
+    @property
+    def width(self) -> float:
+        """Its length."""
+        return self.high - self.low
+
+    @property
+    def middle(self) -> float:
+        """The middle of it."""
+        return 0.5 * (self.low + self.high)
+
+    def next(self, place: float, value: float) -> float:
+        """Return where to look next: where the line through the last two values is
+        zero; at first where a slope of -1 leads.
+        """
+        if value > 0.0:
+            self.low = place
+        else:
+            self.high = place
+        slope = -1.0
+        if self.steps:
+            slope = (value - self.value) / (place - self.place)
+        self.steps += 1
+        self.place = place
+        self.value = value
+        root = place - value / slope if slope < 0.0 else self.low
+        if self.steps <= SECANTS and self.low < root < self.high:
+            return root
+        return self.middle
 
 
 def dragged_twist(
@@ -107,8 +186,8 @@ def dragged_twist(
     """Return the twist of B's origin under the force of ``sliding``, on the exact
     surface; only its direction counts.
     """
-    _, _, twist = sliding(pressure_at, mu, cop, contact, height, direction)
-    return twist.moved_to((0.0, 0.0))
+    slide = sliding(pressure_at, mu, cop, contact, height, direction)
+    return slide.twist.moved_to((0.0, 0.0))
 
 
 def axle_with_height(
@@ -131,14 +210,12 @@ def axle_with_height(
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    samples, wrench, twist = sliding(
-        pressure_at, mu, cop, contact, height, turned(e, force_angle)
-    )
+    slide = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
     if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
-        distance = rho_straight(samples, e) ** 2 / d
-        x, y = wrench.about
+        distance = rho_straight(slide.samples, e) ** 2 / d
+        x, y = slide.wrench.about
         return (x - distance * e[0], y - distance * e[1])
-    twist = twist.moved_to(cop)
+    twist = slide.twist.moved_to(cop)
     distance = (twist.vy * e[0] - twist.vx * e[1]) / twist.w
     return (cop[0] - distance * e[0], cop[1] - distance * e[1])
 

@@ -35,7 +35,9 @@ def lever(scene: Scene, load: float) -> float:
     Tips that carry it at the top, and the weight at the height of the CoM: (h - h_com)
     / N.
     """
-    return 0.5 * scene.body.shape.height / load if any(scene.weight_along) else 0.0
+    if not any(scene.weight_along):
+        return 0.0
+    return 0.5 * scene.body.shape.height / load
 
 
 def lean_press(scene: Scene) -> float:

@@ -92,7 +92,7 @@ class BimanualPressSlide(Mode):
             return [placed]
         scene = task.scene
         points = (placed.contacts[0].point, placed.contacts[1].point)
-        cap = task.limits.normal_force
+        cap = task.limits.planned_force
         try:
             refusal, loads = slide_loads(scene, task.motion, cap, points, path)
         except ValueError as error:
@@ -209,7 +209,9 @@ def _tracking_point(scene: Scene, contacts: Sequence[Contact], twist: Twist) -> 
     if not twist.w:
         return ORIGIN
     icr = (-twist.vy / twist.w, twist.vx / twist.w)
-    return resting_cop(scene, contacts) if inside_top(scene.body, icr, 0.0) else ORIGIN
+    if not inside_top(scene.body, icr, 0.0):
+        return ORIGIN
+    return resting_cop(scene, contacts)
 
 
 MODE = BimanualPressSlide()

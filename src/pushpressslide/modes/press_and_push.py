@@ -131,7 +131,7 @@ class PressAndPush(Mode):
         press, push = choice.contacts
         path = turn.path
         twist = path.initial_twist(turn.pin)
-        cap = task.limits.normal_force
+        cap = task.limits.planned_force
 
         @cache
         def dragged(load: float) -> PinnedDrag:

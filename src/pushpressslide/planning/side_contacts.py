@@ -13,7 +13,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Limits, Motion, ObjectModel
+from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, ObjectModel
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
@@ -96,9 +96,9 @@ def drag_refusal(
         )
         return Refusal("tipping", text, height, highest, "m")
     max_friction = scene.max_friction()
-    limit = limits.normal_force
+    limit = limits.planned_force
     if max_friction > limit:
-        text = "needs {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        text = f"needs {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, max_friction, limit, "N")
     return None
 
@@ -107,10 +107,10 @@ def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | 
     """Return what stands against a contact that pushes with up to ``push`` [N], beside
     another one, an object of ``max_friction`` [N]; None if nothing.
     """
-    limit = limits.normal_force
+    limit = limits.planned_force
     squeeze = SQUEEZE * max_friction
     if push > limit:
-        text = "pushed with up to {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        text = f"pushed with up to {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, push, limit, "N")
     if push > squeeze:
         text = (

@@ -119,6 +119,8 @@ def _outside_commanded(
     """Return at how many ticks in contact feed-forward and servo together lie outside
     the friction cone, of how many, and by how much at most [N].
     """
+    if "demanded_force" not in record.arrays:
+        return 0, 0, 0.0
     normals, tangents = series.contact_forces(plan, record, "demanded_force")
     asked = np.linalg.norm(tangents, axis=2)
     excess = (asked - plan.task.contact_friction * np.maximum(normals, 0.0))[touching]

@@ -121,7 +121,8 @@ def test_a_tick_is_counted_in_empty_calls(quick, monkeypatch, tmp_path):
 
 def test_an_unknown_benchmark_is_refused_with_the_names_there_are(tmp_path):
     with pytest.raises(
-        TaskError, match="pushes, presses, tick, agreement, coverage, turning, select"
+        TaskError,
+        match="pushes, presses, tick, agreement, coverage, turning, sticking, select",
     ):
         bench.bench(["speed"], out=tmp_path)
     result = CliRunner().invoke(app, ["bench", "speed", "--out", str(tmp_path / "out")])

@@ -11,6 +11,7 @@ from pushpressslide.studies.paper.corrections import (
     ROWS,
     corrections,
     html,
+    markdown,
     with_corrections,
 )
 
@@ -131,3 +132,14 @@ def test_the_html_has_a_group_for_each() -> None:
     assert text.count('class="claim"') == len(ROWS)
     assert "0.82 m" in text
     assert "0.52 m" in text
+
+
+def test_a_figure_says_which_rho_it_rests_on():
+    rho = {name: [f.rho for f in row.figures] for name, row in CORRECTIONS.items()}
+    assert rho["differential_drive"] == ["pole"]
+    assert rho["pivot_about_contact"][0] == "fit"
+    assert rho["mobility_of_shift"] == ["straight", "straight"]
+    assert rho["force_invariance"][:2] == ["exact surface", "exact surface"]
+    assert rho["bias_is_external"] == ["none"]
+    figure = CORRECTIONS["differential_drive"].figures[0]
+    assert f"| {figure.what} | pole |" in markdown(list(CORRECTIONS.values()))

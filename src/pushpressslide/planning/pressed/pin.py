@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import FORCE_ALLOWED, Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.held_twist import EDGE, tipping_refusal
@@ -48,7 +48,7 @@ def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
     utilisation = drag.friction_utilisation
     push = drag.forces.normals[1]
     if load > cap:
-        text = "motion.press_force of {figure:Ng}, limits.normal_force is {allowed:Ng}"
+        text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, load, cap, "N")
     if drag.forces.status != "ok" or utilisation > UTILISATION[-1]:
         text = (
@@ -58,7 +58,7 @@ def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
         )
         return Refusal("friction", text, utilisation, UTILISATION[-1])
     if push > cap:
-        text = "needs a push of {figure:N.1f}, limits.normal_force is {allowed:Ng}"
+        text = f"needs a push of {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, push, cap, "N")
     return tipping_refusal("drag tips the object", drag.tipping_margin)
 

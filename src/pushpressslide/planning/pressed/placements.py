@@ -40,7 +40,7 @@ def press_placements(task: Task) -> PressPlacements:
         task.scene.weight_on,
         belief.support_friction,
         belief.contact_friction,
-        task.limits.normal_force,
+        task.limits.planned_force,
         motion.press_force,
         tool_load(task, 0.0)[0],
     )

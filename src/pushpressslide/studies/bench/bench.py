@@ -29,6 +29,7 @@ Progress = Callable[[float, float], None]
 ROUNDS = 9
 CALLS = 2000  # of a tick in a round
 CASES = 10_000  # of each comparison
+PUSHES = 1000  # of a flat finger
 SAMPLES = 100_000  # of wrenches, for each friction
 TICKS = ("rear-push-rear", "rear-push-left")
 
@@ -218,7 +219,23 @@ def select(seed: int, out: Path) -> list[Row]:
     return study()
 
 
+def sticking(seed: int, out: Path) -> list[Row]:
+    """Push random boxes with a flat finger, on the planar engine and as predicted."""
+    from pushpressslide.studies.bench.sticking import scores
+
+    return scores(PUSHES, seed)
+
+
 BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
     benchmark.__name__: benchmark
-    for benchmark in (pushes, presses, tick, agreement, coverage, turning, select)
+    for benchmark in (
+        pushes,
+        presses,
+        tick,
+        agreement,
+        coverage,
+        turning,
+        sticking,
+        select,
+    )
 }

@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+Rho = Literal["none", "given", "c r0", "pole", "straight", "fit", "exact surface"]
+"""Which length rho a figure rests on: none; one given for the example; the paper's own;
+of turning on the spot (``rho_pole``); near straight motion (``rho_straight``); of the
+nearest ellipsoid (``rho_fit``); or no ellipsoid, but the exact surface.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,6 +21,7 @@ class Compared:
     holds: float
     unit: str = ""
     decimals: int = 2
+    rho: Rho = "none"  # of what holds
 
     def shown(self, value: float) -> str:
         """Return ``value``, one of the two, with its unit."""

@@ -15,7 +15,7 @@ from pathlib import Path
 from pushpressslide.report.page_tables import number_cells, table
 from pushpressslide.studies.paper import corrections_one_arm as one
 from pushpressslide.studies.paper import corrections_two_arms as two
-from pushpressslide.studies.paper.correction import Correction
+from pushpressslide.studies.paper.correction import Compared, Correction
 
 ROWS: tuple[Callable[[], Correction], ...] = (
     one.distance_from_com,
@@ -50,23 +50,29 @@ def html(rows: Sequence[Correction]) -> str:
     for row in rows:
         why = f'<span class="why">{escape(row.why)} Mechanics {escape(row.section)}.</span>'
         lines.append(
-            [f'<th colspan="3" scope="rowgroup">{escape(row.claim)}<br>{why}</th>']
+            [f'<th colspan="4" scope="rowgroup">{escape(row.claim)}<br>{why}</th>']
         )
         marks.append(' class="claim"')
         for figure in row.figures:
             cells = number_cells(map(figure.shown, (figure.paper, figure.holds)))
-            lines.append([f'<th scope="row">{escape(figure.what)}</th>', *cells])
+            rho = f"<td>{escape(_rho(figure))}</td>"
+            lines.append([f'<th scope="row">{escape(figure.what)}</th>', rho, *cells])
             marks.append("")
-    return table(("Claim and figure", "Paper", "Holds"), lines, marks, numbers=2)
+    return table(("Claim and figure", "Rho", "Paper", "Holds"), lines, marks, numbers=2)
+
+
+def _rho(figure: Compared) -> str:
+    """Return which rho a figure rests on, "-" where none enters."""
+    return "-" if figure.rho == "none" else figure.rho
 
 
 def markdown(rows: Sequence[Correction]) -> str:
     """Return the corrections as Markdown: a heading, a line and a table for each."""
     parts = []
     for row in rows:
-        lines = ["| figure | paper | holds |", "|---|---:|---:|"]
+        lines = ["| figure | rho | paper | holds |", "|---|---|---:|---:|"]
         lines += [
-            f"| {f.what} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
+            f"| {f.what} | {_rho(f)} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
             for f in row.figures
         ]
         why = f"{row.why} ([mechanics](mechanics.md), {row.section})"

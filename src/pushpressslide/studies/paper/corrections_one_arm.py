@@ -19,7 +19,7 @@ from pushpressslide.mechanics.limit_surface import (
 )
 from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
-from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.mechanics.pressure import PressureSamples, rectangle_pressure
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
 from pushpressslide.mechanics.virtual_axle import exact_axle_distance
 from pushpressslide.studies.paper.correction import Compared, Correction
@@ -53,6 +53,7 @@ def distance_from_com() -> Correction:
                 BAR.paper_printed(),
                 -BAR.paper_axle(),
                 "m",
+                rho="c r0",
             ),
         ),
     )
@@ -69,27 +70,22 @@ def pressure_constant() -> Correction:
         "c follows from the pressure, with r0 half the diagonal. Pressed at its end, "
         "the bar partly lifts.",
         (
-            Compared(
-                "uniform, turning on the spot", PAPER_C, rho_pole(UNIFORM) / r0, "", 3
-            ),
-            Compared(
-                "uniform, straight along the length",
-                PAPER_C,
-                rho_straight(UNIFORM) / r0,
-                "",
-                3,
-            ),
-            Compared(
-                "pressed, turning on the spot", seen, rho_pole(PRESSED) / r0, "", 3
-            ),
-            Compared(
-                "pressed, straight along the length",
-                seen,
-                rho_straight(PRESSED) / r0,
-                "",
-                3,
-            ),
+            *_constants("uniform", PAPER_C, UNIFORM),
+            *_constants("pressed", seen, PRESSED),
         ),
+    )
+
+
+def _constants(
+    what: str, paper: float, pressure: PressureSamples
+) -> tuple[Compared, Compared]:
+    """Return c of a pressure on the bar, on the spot and straight along it."""
+    pole = rho_pole(pressure) / BAR.half_diagonal
+    straight = rho_straight(pressure) / BAR.half_diagonal
+    along = f"{what}, straight along the length"
+    return (
+        Compared(f"{what}, turning on the spot", paper, pole, "", 3, "pole"),
+        Compared(along, paper, straight, "", 3, "straight"),
     )
 
 
@@ -120,14 +116,15 @@ def force_invariance() -> Correction:
         "It is invariant on the ellipsoid only. In addition, drag at the tip's height "
         "moves the load towards the force.",
         (
-            Compared(what + "pressed end", paper, pressed, "", 3),
-            Compared(what + "even load", paper, even, "", 3),
+            Compared(what + "pressed end", paper, pressed, "", 3, rho="exact surface"),
+            Compared(what + "even load", paper, even, "", 3, rho="exact surface"),
             Compared(
                 "axle from the CoM, pulled, tip 0.1 m high",
                 BAR.paper_axle(),
                 BAR.axle(0.0),
                 "m",
                 3,
+                rho="straight",
             ),
             Compared(
                 "axle from the CoM, pushed, tip 0.1 m high",
@@ -135,6 +132,7 @@ def force_invariance() -> Correction:
                 BAR.axle(math.pi),
                 "m",
                 3,
+                rho="straight",
             ),
         ),
     )
@@ -160,9 +158,15 @@ def mobility_of_shift() -> Correction:
                 shifted(0.1),
                 "m²",
                 4,
+                rho="straight",
             ),
             Compared(
-                "alpha/beta, the paper's press", centred, shifted(BAR.cop[0]), "m²", 4
+                "alpha/beta, the paper's press",
+                centred,
+                shifted(BAR.cop[0]),
+                "m²",
+                4,
+                rho="straight",
             ),
         ),
     )
@@ -263,6 +267,7 @@ def steering_of_pusher() -> Correction:
                 math.degrees(math.atan2(vy, vx)),
                 "°",
                 1,
+                rho="pole",
             ),
             Compared(
                 "the same, exact",
@@ -270,6 +275,7 @@ def steering_of_pusher() -> Correction:
                 math.degrees(math.atan2(exact.vy, exact.vx)),
                 "°",
                 1,
+                rho="exact surface",
             ),
         ),
     )

@@ -39,6 +39,7 @@ def moments_about_com() -> Correction:
                 abs(twist.w / twist.vx),
                 "rad/m",
                 2,
+                rho="given",
             ),
             Compared(
                 "distance of the pivot from that line, tip 0.1 m high",
@@ -46,6 +47,7 @@ def moments_about_com() -> Correction:
                 1e3 * abs(pivot[1]),
                 "mm",
                 0,
+                rho="exact surface",
             ),
         ),
     )
@@ -68,6 +70,7 @@ def differential_drive() -> Correction:
                 car.minimum_turning_radius,
                 "m",
                 3,
+                rho="pole",
             ),
         ),
     )
@@ -202,6 +205,7 @@ def pivot_about_contact() -> Correction:
                 presses.least_fraction,
                 "",
                 3,
+                rho="fit",
             ),
             Compared(
                 "distance of the centre of pressure from p_L, N_L = weight",
