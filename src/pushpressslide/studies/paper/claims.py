@@ -137,7 +137,7 @@ def _figure(
     runs = runs_of(experiment, variants, evidence)
     title = variants[0].title
     if len(variants) > 1:
-        title = experiment.title
+        title = "Every run"
     return _claim(
         experiment,
         f"{title}: {what}",
@@ -214,7 +214,7 @@ def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
         return
     yield _claim(
         experiment,
-        f"{experiment.title}: the goal is reached",
+        "Every run: the goal is reached",
         "",
         runs_of(experiment, variants, evidence),
         lambda result: bool(result["success"]),

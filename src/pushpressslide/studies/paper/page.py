@@ -31,7 +31,7 @@ from pushpressslide.studies.paper.experiment import Experiment, Variant, Verdict
 from pushpressslide.studies.paper.experiments import AXLE
 from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.pictures import CAPTION, NAME
-from pushpressslide.studies.paper.table import LEGEND, ending, findings, summary
+from pushpressslide.studies.paper.table import LEGEND, ending, findings, scope, summary
 
 TITLE = "The paper's experiments"
 # style of a verdict
@@ -82,10 +82,11 @@ def write_page(
     links = "".join(
         f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections
     )
+    counted = scope(experiments) + summary(judged)
     parts = [
         f"<h1>{TITLE}</h1>",
         f"<p>{escape(INTRODUCTION)}</p>",
-        f'<p class="verdict"><strong>{escape(summary(judged))}</strong></p>',
+        f'<p class="verdict"><strong>{escape(counted)}</strong></p>',
         f'<nav><ul class="contents">{links}</ul></nav>',
     ]
     parts += [

@@ -11,6 +11,7 @@ from pushpressslide.studies.paper.bands import RULES
 from pushpressslide.studies.paper.claim import Claim
 from pushpressslide.studies.paper.evidence import Evidence, Outcome, Result
 from pushpressslide.studies.paper.experiment import Comparison, Experiment, Verdict
+from pushpressslide.studies.paper.experiments import EXPERIMENTS
 from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.identified_rho import IdentifiedRho
 
@@ -39,8 +40,17 @@ def write_table(
     """Write figures and claims as a Markdown file and return its path."""
     parts = [f"{LEGEND}\n"]
     parts += [_experiment(experiment, evidence) for experiment in experiments]
-    parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rules()}\n\n{_claims(judged)}\n")
+    counted = scope(experiments) + summary(judged)
+    parts.append(f"## Claims\n\n{counted}\n\n{_rules()}\n\n{_claims(judged)}\n")
     return write_whole(path, "\n".join(parts))
+
+
+def scope(experiments: Sequence[Experiment]) -> str:
+    """Name the experiments where others were not run, to begin the summary with."""
+    if len(experiments) == len(EXPERIMENTS):
+        return ""
+    names = ", ".join(experiment.name for experiment in experiments)
+    return f"Run so far, of {len(EXPERIMENTS)} experiments: {names}. "
 
 
 def _rules() -> str:
