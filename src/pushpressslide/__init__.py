@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pushpressslide.mechanics.line_push import FlatFinger, push_sticks
     from pushpressslide.selection.planner import plan
     from pushpressslide.selection.select import select
-    from pushpressslide.taskfile.load import dump_task, load_task
+    from pushpressslide.taskfile.load import check_task, dump_task, load_task
 
     __version__: str
 
@@ -38,6 +38,7 @@ __all__ = [
     "SimulationError",
     "TaskError",
     "__version__",
+    "check_task",
     "dump_task",
     "load_task",
     "modes",
@@ -53,6 +54,7 @@ _HOMES = {
     "PushPressSlideError": "core.errors",
     "SimulationError": "core.errors",
     "TaskError": "core.errors",
+    "check_task": "taskfile.load",
     "dump_task": "taskfile.load",
     "load_task": "taskfile.load",
     "plan": "selection.planner",

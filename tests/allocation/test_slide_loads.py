@@ -78,8 +78,6 @@ def test_where_the_cap_is_too_low_the_tips_slip_at_it_with_their_utilisation() -
 
 
 def test_tips_that_are_no_rougher_than_the_support_drag_nothing() -> None:
-    smooth = replace(SCENE.belief, contact_friction=SCENE.belief.support_friction)
+    smooth = replace(SCENE, contact_friction=SCENE.support.friction)
     with pytest.raises(RefusedError, match="must exceed the support's"):
-        slide_loads(
-            replace(SCENE, belief=smooth), TASK.motion, CAP, POINTS, path(0.2, 0.0, 0.0)
-        )
+        slide_loads(smooth, TASK.motion, CAP, POINTS, path(0.2, 0.0, 0.0))

@@ -134,13 +134,22 @@ r.select = select
     check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
 
 
-def test_a_sweep_keeps_its_finished_samples_and_goes_on(tmp_path: Path) -> None:
-    patch = "import pushpressslide.jobs.sweep as s\ns.write_whole = pressed_after(s.write_whole)"
+@pytest.mark.parametrize("signal", ["SIGINT", "SIGTERM"])
+def test_a_sweep_keeps_its_finished_samples_and_goes_on(
+    signal: str, tmp_path: Path
+) -> None:
+    patch = (
+        "import pushpressslide.jobs.rows as r\n"
+        f"def press(): os.kill(os.getpid(), signal.{signal})\n"
+        "r.Rows.add = pressed_after(r.Rows.add)"
+    )
     out = tmp_path / "out"
     options = f"sweep rear-push-rear --samples 3 --engine planar --jobs 1 --out {out}"
     sweep = options.split()
     check(pps(tmp_path, patch, *sweep))
-    assert names(out) == {"00000.json"}
+    assert names(out) == {"rows.jsonl"}
+    assert len((out / "rows.jsonl").read_text().splitlines()) == 1
     done = pps(tmp_path, "", *sweep, "--json")
     assert done.returncode == 0
-    assert json.loads(done.stdout)["samples"] == 3
+    assert json.loads(done.stdout)["drawn"] == 3
+    assert len((out / "rows.jsonl").read_text().splitlines()) == 3

@@ -211,7 +211,7 @@ def test_allocated_forces_add_up_to_the_wrench_that_the_tracker_asked_for(
 ) -> None:
     rng = random.Random(1)
     for choice, made in planned(mode, 12):
-        friction = made.task.believed.contact_friction
+        friction = made.task.scene.contact_friction
         for _ in range(20):
             guidance, segment = guided(mode, made, rng)
             wanted = guidance.wrench
@@ -234,7 +234,7 @@ def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside
 ) -> None:
     rng = random.Random(2)
     for choice, made in planned(mode, 6):
-        friction = made.task.believed.contact_friction
+        friction = made.task.scene.contact_friction
         allocate = mode.allocator(choice.contacts, friction)
         for _ in range(200):
             wanted = (rng.gauss(0.0, 5.0), rng.gauss(0.0, 5.0), rng.gauss(0.0, 0.5))
@@ -264,7 +264,7 @@ def test_the_tracker_asks_for_a_wrench_on_the_limit_surface_and_inside_the_cone(
 ) -> None:
     rng = random.Random(3)
     for _, made in planned(mode, 12):
-        friction = made.task.believed.contact_friction
+        friction = made.task.scene.contact_friction
         for _ in range(20):
             guidance, segment = guided(mode, made, rng)
             wanted = guidance.wrench

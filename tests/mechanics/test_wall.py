@@ -63,5 +63,5 @@ def test_contacts_moved_by_the_lean_put_the_load_in_the_middle_at_the_goal() -> 
     assert (x, y) == pytest.approx((LEAN * 0.125, 0.0))
     moved_by_weight = lever(TASK.scene, 2.0 * press) * WEIGHT
     assert x == pytest.approx(moved_by_weight)
-    heavier = replace(TASK, object=replace(TASK.object, mass=4.0), belief=None)
+    heavier = replace(TASK, object=replace(TASK.object, mass=4.0))
     assert lean_press(heavier.scene) == pytest.approx(2.0 * press)

@@ -58,7 +58,7 @@ def allocations(made: Plan, count: int = 40):
     (segment,) = made.segments
     tracker = MODE.tracker(made.task, segment)
     drive = segment.drive
-    friction = made.task.believed.contact_friction
+    friction = made.task.scene.contact_friction
     allocate = MODE.allocator(segment.contacts, friction, drive.rho, drive.center)
     path = segment.path
     for i in range(count + 1):

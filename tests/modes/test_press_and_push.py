@@ -108,7 +108,7 @@ def side_force(made: Plan) -> float:
     drive = driven(made)
     assert isinstance(segment.path, TwistPath)
     wrench = drive.surface.wrench(segment.path.initial_twist(drive.pin))
-    mu = made.task.believed.contact_friction
+    mu = made.task.scene.contact_friction
     allocate = MODE.allocator(segment.contacts, mu, drive.rho, drive.center)
     return allocate(wrench.fx, wrench.fy, wrench.tau).normals[1]
 

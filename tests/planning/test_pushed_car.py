@@ -27,7 +27,7 @@ TOLD = replace(TASK, belief=replace(TASK.believed, rho=0.13))
 HEIGHT = TASK.motion.contact_height
 HALF = 0.09
 D = 0.2
-MU = TASK.believed.contact_friction
+MU = TASK.scene.contact_friction
 
 
 def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> (

@@ -1,6 +1,7 @@
 """Task files load to what they say, and a dumped task loads again to the same."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -22,10 +23,12 @@ from pushpressslide.core.task import (
     Tolerance,
     Vehicle,
 )
+from pushpressslide.jobs.run import run
 from pushpressslide.modes import MODES
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.taskfile.load import (
+    check_task,
     dump_task,
     load_task,
     shipped_tasks,
@@ -161,7 +164,8 @@ def test_what_a_file_leaves_out_has_the_defaults_of_the_task() -> None:
     assert task.support == Support()
     assert task.tolerance == Tolerance()
     assert task.start_error == Pose2()
-    assert task.belief == Belief(0.3, 0.6, 2.0)
+    assert task.belief == Belief()
+    assert task.believed == Belief(0.3, 0.6, 2.0, (0.0, 0.0))
     assert task.modes is None
     robot = task.robots[0]
     assert robot == type(robot)("panda", (0.0, 0.0, 0.0))
@@ -189,7 +193,7 @@ def test_belief_follows_a_changed_truth_unless_it_was_given(tmp_path: Path) -> N
         dump_task(task_from_data({**MINIMAL, "belief": {"mass": 3}}, "test"))
     )
     task = load_task(file, ["support.friction=0.4", "object.mass=5"])
-    assert task.believed == Belief(0.4, 0.6, 3.0)
+    assert task.believed == Belief(0.4, 0.6, 3.0, (0.0, 0.0))
 
 
 def test_touching_bodies_are_allowed() -> None:
@@ -253,3 +257,16 @@ def test_every_vehicle_of_a_tasks_modes_is_accepted_and_no_other(name: str) -> N
 def test_every_vehicle_is_one_of_some_mode() -> None:
     known = {vehicle for mode in MODES.values() for vehicle in mode.vehicles}
     assert known == set(get_args(Vehicle))
+
+
+def test_a_task_built_in_python_is_checked_as_one_of_a_file() -> None:
+    task = load_task("rear-push-rear")
+    check_task(task)
+    heavy = replace(task, object=replace(task.object, mass=-1.0))
+    with pytest.raises(TaskError, match=r"object\.mass: -1"):
+        check_task(heavy)
+    with pytest.raises(TaskError, match=r"object\.mass: -1"):
+        run(heavy, engine="planar")
+    outside = replace(task, belief=Belief(center_of_mass=(0.9, 0.0)))
+    with pytest.raises(TaskError, match=r"belief\.center_of_mass"):
+        check_task(outside)

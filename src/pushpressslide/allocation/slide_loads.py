@@ -47,11 +47,10 @@ def slide_loads(
 
     Raises RefusedError where no two tips can press so.
     """
-    belief = scene.belief
     cop: Cop = COP if motion.cop is None else motion.cop
     twist = path.initial_twist(ORIGIN)
-    mu_s = belief.support_friction
-    mu_a = belief.contact_friction
+    mu_s = scene.support.friction
+    mu_a = scene.contact_friction
     rho = touching_ellipsoid(pressures(scene)(ORIGIN), mu_s, twist).rho
 
     def presses(share: float = 1.0) -> TwoPresses:

@@ -20,6 +20,7 @@ from time import perf_counter
 
 from pushpressslide.control.correction import (
     Replanner,
+    press_creep,
     rest_of,
     side_slide,
     touched_points,
@@ -35,6 +36,7 @@ from pushpressslide.control.state import (
     by_arm,
     control_log,
     identified,
+    identified_rho,
     joint_progress,
     joint_reference,
     pressed,
@@ -77,6 +79,9 @@ REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
 # planned place again
 RETOUCH = 0.012
 RETOUCHES = 3
+# the same of one press, as a share of its distance from the CoM: a tip creeps along its
+# force, and pushed towards the CoM it ends where the drag tips the object
+CREPT = 0.2
 # measured friction utilisation beyond which the steering is eased
 GRIP_USE = 0.93
 GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
@@ -107,14 +112,15 @@ class Controller:
         self.segments = placements[number]
         self.planned = Timeline(self.segments)
         first = self.segments[0]
-        self.parts = plan.task.parts
+        told = plan.task.told
+        self.parts = told.parts
         task = self.parts[first.leg]
         motion = task.motion
         self.object = task.object
         self.X_GB = task.object.X_GB
         self.X_BG = self.X_GB.inverse()
         self.robots = task.robots
-        self.replanner = Replanner(plan.task)
+        self.replanner = Replanner(told)
         threshold = max(0.25, 4.0 * task.sensing.force_noise)
         regulator = NormalForceRegulator(f_max=task.limits.normal_force)
         self.touches = tuple(
@@ -129,7 +135,7 @@ class Controller:
         )
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         damping = motion.servo_damping if motion.velocity_servo else 0.0
-        friction = task.believed.contact_friction
+        friction = task.contact_friction
         noise = task.sensing.force_noise
         self.pose_gain = pose_gain(task.sensing)
         self.mover = TipMover(damping, friction, threshold, noise, regulator)
@@ -142,7 +148,7 @@ class Controller:
         self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
-        self.scene = plan.task.scene
+        self.scene = told.scene
         self.holds = final and not self.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
         self.lasting: frozenset[int] = frozenset()
@@ -171,7 +177,7 @@ class Controller:
             measurement.time,
             first,
             tuple(ahead),
-            MODES[first.mode].identifier(first),
+            MODES[first.mode].identifier(self.parts[first.leg], first),
         )
 
     def stop(
@@ -321,7 +327,7 @@ class Controller:
         rest = rest_of(state.binding.segment, state.progress)
         longest = TOUCH_DETOUR * rest.path.length + TOUCH_SLACK
         touched = touched_points(self.object, rest, X_WB, measurement.tips)
-        fresh = self.replanner.replan(
+        fresh = self.replanner.believing(state.rho).replan(
             (rest, *state.ahead), X_WB, touched, longest, identified(state)
         )
         moving = begin(state, "move", measurement)
@@ -459,21 +465,26 @@ class Controller:
         if state.lost is not None and time - state.lost > self.patience:
             return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
-        slid = side_slide(state.segment.contacts, touched)
-        if slid > RETOUCH and left > RETOUCH and state.retouches < RETOUCHES:
+        slid = side_slide(state.segment.contacts, touched) > RETOUCH
+        crept = press_creep(self.segments[0].contacts, touched) > CREPT
+        if (slid or crept) and left > RETOUCH and state.retouches < RETOUCHES:
             return self._touch_planned_place(state, measurement)
         if state.lost is not None:
             return state
+        state = replace(state, rho=identified_rho(state))
         return self._replanned(state, time, X_WB, touched, guidance)
 
     def _touch_planned_place(
         self, state: ControllerState, measurement: Measurement
     ) -> ControllerState:
         """Let go, and touch again where the segment was planned to be touched."""
-        planned = state.segment
-        segment = replace(
-            state.binding.segment, contacts=planned.contacts, drive=planned.drive
+        followed = state.binding.segment
+        planned = self.segments[0].contacts  # those of the whole placement
+        contacts = tuple(
+            replace(contact, point=at.point)
+            for contact, at in zip(followed.contacts, planned, strict=True)
         )
+        segment = replace(followed, contacts=contacts, drive=state.segment.drive)
         again = replace(state, binding=self._bound(segment))
         return replace(
             begin(again, "touch", measurement),
@@ -490,7 +501,7 @@ class Controller:
         guidance: Guidance,
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
-        better = self.replanner.onward(
+        better = self.replanner.believing(state.rho).onward(
             (state.binding.segment, *state.ahead),
             X_WB,
             touched,
@@ -540,7 +551,7 @@ class Controller:
             return ()
         segment = state.binding.segment
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
-        return self.replanner.again(segment, X_WB, touched)
+        return self.replanner.believing(state.rho).again(segment, X_WB, touched)
 
     def _next_segment(
         self,
@@ -553,15 +564,17 @@ class Controller:
         go.
         """
         planned = ahead[0]
+        part = self.parts[planned.leg]
         time = measurement.time
         touched = touched_points(self.object, planned, X_WB, measurement.tips)
         longest = TOUCH_DETOUR * planned.path.length + TOUCH_SLACK
-        fresh = self.replanner.replan(ahead, X_WB, touched, longest) or ahead
+        replanner = self.replanner.believing(state.rho)
+        fresh = replanner.replan(ahead, X_WB, touched, longest) or ahead
         return replace(
             state,
             segment=planned,
             ahead=fresh[1:],
-            identifier=MODES[planned.mode].identifier(planned),
+            identifier=MODES[planned.mode].identifier(part, planned),
             joint_start=joint_progress(state),
             retries=state.retries + (not state.ahead),
             axle=AxleState(),

@@ -46,7 +46,18 @@ class Replanner:
 
     def __init__(self, task: Task) -> None:
         """Hold the legs of ``task``."""
-        self._parts = task.parts
+        self._task = task.told
+        self._parts = self._task.parts
+
+    def believing(self, rho: float | None) -> Replanner:
+        """Return a replanner that believes ``rho`` [m] where another one was told;
+        None: itself.
+        """
+        belief = self._parts[0].belief
+        if rho is None or belief.rho is None:
+            return self
+        task = replace(self._task, belief=replace(belief, rho=rho))
+        return Replanner(task)
 
     def replan(
         self,
@@ -195,6 +206,17 @@ def side_slide(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
         (math.dist(p, contact.point) for p, contact in pairs if contact.kind == "side"),
         default=0.0,
     )
+
+
+def press_creep(contacts: Sequence[Contact], touched: Sequence[Point]) -> float:
+    """Return how far the only contact, on top, has slid from where it is planned, over
+    its planned distance from the CoM; 0 for other contacts, and for one at the CoM.
+    """
+    contact = contacts[0]
+    distance = math.hypot(*contact.point)
+    if len(contacts) > 1 or contact.kind == "side" or distance == 0.0:
+        return 0.0
+    return math.dist(contact.point, touched[0]) / distance
 
 
 def rest_of(segment: Segment, progress: float) -> Segment:

@@ -248,7 +248,7 @@ def tip_paths(
     paths: list[TipPath | None] = [None] * len(task.robots)
     if measurement is None:
         return paths
-    X_WB = task.start.compose(task.object.X_GB)
+    X_WB = task.start.compose(task.X_GB)
     for contact in placement.contacts:
         if held[contact.arm] is None:
             radius = task.robots[contact.arm].tip_radius

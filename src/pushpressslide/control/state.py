@@ -58,7 +58,7 @@ def bind(task: Task, segment: Segment) -> Binding:
         contact.tip_place(task.robots[contact.arm].tip_radius)[0]
         for contact in contacts
     )
-    allocate = mode.allocator_of(segment, task.believed.contact_friction)
+    allocate = mode.allocator_of(segment, task.contact_friction)
     return Binding(segment, mode.tracker(task, segment), allocate, tip_points)
 
 
@@ -116,6 +116,7 @@ class ControllerState:
     retries: int = 0
     # what is identified of the virtual axle in this segment
     axle: AxleState = AxleState()
+    rho: float | None = None  # [m] as last identified in this placement
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
     # of the object, as measured or, where the camera missed it, as predicted
@@ -259,6 +260,12 @@ def identified(state: ControllerState) -> Identified | None:
     if state.identifier is None:
         return None
     return state.identifier.identified(state.axle)
+
+
+def identified_rho(state: ControllerState) -> float | None:
+    """Return rho [m] as it is identified in this segment, or was before."""
+    found = identified(state)
+    return state.rho if found is None else found.rho
 
 
 def control_log(

@@ -40,6 +40,11 @@ class Contact:
         """Return whether the same arm touches the same place, however hard."""
         return replace(self, load=0.0) == replace(other, load=0.0)
 
+    def shifted(self, offset: Point) -> Contact:
+        """Return the contact with its point ``offset`` [m] further on."""
+        x, y = self.point
+        return replace(self, point=(x + offset[0], y + offset[1]))
+
     def direction(self, X_WB: Pose2) -> Vector3:
         """Return the unit vector from the tip into the object, in the support's frame."""
         if self.kind == "top":
@@ -190,7 +195,7 @@ class Plan:
 
     def object_pose(self, segment: Segment, s: float) -> Pose2:
         """Return the planned X_WG at arc length ``s`` [m] of a segment."""
-        return segment.body_pose(s).compose(self.task.object.X_GB.inverse())
+        return segment.body_pose(s).compose(self.task.X_GB.inverse())
 
     def chosen(self, choices: Sequence[Choice]) -> list[Choice]:
         """Return those of ``choices`` that the plan consists of."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
@@ -19,6 +19,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
 LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,45 +158,61 @@ class Obstacle:
         "friction coefficient between obstacle and support, if movable",
         within=FRICTIONS,
     )
+    believed_mass: float | None = setting(
+        None, "mass that the planner assumes; null: the true one", "kg", "(0, 1000]"
+    )
+    believed_friction: float | None = setting(
+        None, "friction that the planner assumes; null: the true one", within=FRICTIONS
+    )
+
+    @property
+    def told(self) -> Obstacle:
+        """The obstacle as planner and controller are told it."""
+        return replace(
+            self,
+            mass=assumption(self.believed_mass, self.mass),
+            friction=assumption(self.believed_friction, self.friction),
+            believed_mass=None,
+            believed_friction=None,
+        )
 
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """What planner and controller assume; once loaded, all of it is given."""
+    """What planner and controller assume; what is None is believed as it is true."""
 
-    support_friction: float = field(
-        metadata=entry(
-            "support.friction; null: the true one",
-            within=FRICTIONS,
-            default_in_file=None,
-        )
+    support_friction: float | None = setting(
+        None, "support.friction; null: the true one", within=FRICTIONS
     )
-    contact_friction: float = field(
-        metadata=entry(
-            "contact.friction; null: the true one",
-            within=FRICTIONS,
-            default_in_file=None,
-        )
+    contact_friction: float | None = setting(
+        None, "contact.friction; null: the true one", within=FRICTIONS
     )
-    mass: float = field(
-        metadata=entry(
-            "object.mass; null: the true one", "kg", "(0, 1000]", default_in_file=None
-        )
+    mass: float | None = setting(
+        None, "object.mass; null: the true one", "kg", "(0, 1000]"
+    )
+    center_of_mass: Point | None = setting(
+        None, "object.center_of_mass; null: the true one", "m", "[-5, 5]"
     )
     rho: float | None = setting(
         None, "rho of the limit surface; null: that of the shape", "m", "(0, 10]"
     )
 
 
+def assumption(believed: Value | None, true: Value) -> Value:
+    """Return what is believed; where that is None, what is true."""
+    return true if believed is None else believed
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What there is, and what follows from it whatever the motion."""
+    """What there is, as believed, and what follows from it whatever the motion."""
 
     body: ObjectModel
     support: Support
+    contact_friction: float  # of the pair tip/object
     robots: tuple[Robot, ...]
     obstacles: tuple[Obstacle, ...]
-    belief: Belief
+    rho: float | None = None  # [m] of the limit surface; None: that of the shape
 
     @property
     def weight(self) -> Point:
@@ -219,13 +236,13 @@ class Scene:
         """Return the friction of the support [N] against straight sliding under a
         ``press`` [N] on top.
         """
-        return self.belief.support_friction * (self.weight_on + press)
+        return self.support.friction * (self.weight_on + press)
 
     @property
     def rests(self) -> bool:
         """Whether the support's friction holds the object."""
         along, on = self.weight
-        return along <= self.belief.support_friction * on
+        return along <= self.support.friction * on
 
     @property
     def bases(self) -> tuple[tuple[float, float, float], ...]:
@@ -260,5 +277,5 @@ class Scene:
         return opening is not None and opening.holds(X_WG, self.body.shape)
 
     def _weight(self) -> tuple[float, float, float]:
-        weight = GRAVITY * self.belief.mass
+        weight = GRAVITY * self.body.mass
         return self.support.frame.components((0.0, 0.0, -weight))

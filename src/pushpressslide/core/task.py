@@ -23,6 +23,7 @@ from pushpressslide.core.scene import Opening as Opening
 from pushpressslide.core.scene import Robot as Robot
 from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
+from pushpressslide.core.scene import assumption as assumption
 from pushpressslide.core.shapes import Box as Box
 from pushpressslide.core.shapes import Cylinder as Cylinder
 from pushpressslide.core.shapes import Prism as Prism
@@ -331,9 +332,8 @@ class Task:
         default_in_file=None,
     )
     limits: Limits = setting(Limits(), "limits of the run")
-    # never None once loaded
-    belief: Belief | None = setting(
-        None,
+    belief: Belief = setting(
+        Belief(),
         "what planner and controller assume where it differs from the truth",
         default_in_file={},
     )
@@ -351,22 +351,69 @@ class Task:
 
     @property
     def believed(self) -> Belief:
-        """What planner and controller assume."""
-        if self.belief is not None:
-            return self.belief
-        return Belief(self.support.friction, self.contact_friction, self.object.mass)
+        """What planner and controller assume, with every field but rho given."""
+        told = self.told
+        return Belief(
+            told.support.friction,
+            told.contact_friction,
+            told.object.mass,
+            told.object.center_of_mass,
+            told.belief.rho,
+        )
+
+    @property
+    def told(self) -> Task:
+        """The task as planner and controller are told it: what is believed stands in
+        place of what is true.
+        """
+        belief = self.belief
+        body = self.object
+        support = self.support
+        mass = assumption(belief.mass, body.mass)
+        center = assumption(belief.center_of_mass, body.center_of_mass)
+        friction = assumption(belief.support_friction, support.friction)
+        return replace(
+            self,
+            object=replace(body, mass=mass, center_of_mass=center),
+            support=replace(support, friction=friction),
+            contact_friction=assumption(belief.contact_friction, self.contact_friction),
+            obstacles=tuple(obstacle.told for obstacle in self.obstacles),
+            belief=Belief(rho=belief.rho),
+            start_error=Pose2(),
+        )
 
     @property
     def scene(self) -> Scene:
         """The physical question, as believed."""
+        told = self.told
         return Scene(
-            self.object, self.support, self.robots, self.obstacles, self.believed
+            told.object,
+            told.support,
+            told.contact_friction,
+            told.robots,
+            told.obstacles,
+            told.belief.rho,
         )
+
+    @property
+    def X_GB(self) -> Pose2:
+        """Pose of the body frame B, in which contacts and drives are given, in the
+        shape's frame G: its origin is the centre of mass as believed.
+        """
+        x, y = assumption(self.belief.center_of_mass, self.object.center_of_mass)
+        return Pose2(x, y, 0.0)
+
+    @property
+    def center_error(self) -> Point:
+        """Where the centre of mass is believed to be, from where it is, in G [m]."""
+        x, y = self.object.center_of_mass
+        believed = self.X_GB
+        return (believed.x - x, believed.y - y)
 
     @property
     def body_ends(self) -> tuple[Pose2, Pose2]:
         """X_WB at start and goal."""
-        X_GB = self.object.X_GB
+        X_GB = self.X_GB
         return self.start.compose(X_GB), self.goal.compose(X_GB)
 
     @property

@@ -29,6 +29,7 @@ BOUND = 6.0  # factor about the prediction that the estimates stay within
 # surface's own change with the force's angle, which the prediction's user takes into
 # account, is less
 OFF = 0.5
+OFF_RHO = 0.1  # the same of an ellipsoid whose rho was told, which may be wrong
 
 
 class Identified(NamedTuple):
@@ -38,6 +39,7 @@ class Identified(NamedTuple):
     # [m] tan(force angle) per curvature, > 0; rho^2 / d on an ellipsoid
     effective_wheelbase: float
     drag: float  # [N] the force that slides the object straight, mu_s N
+    rho: float = math.nan  # [m] of the ellipsoid that turns as was seen
 
 
 class AxleState(NamedTuple):
@@ -52,6 +54,7 @@ class AxleState(NamedTuple):
     vw: float = 0.0
     fw: float = 0.0
     gg: float = 0.0
+    rw: float = 0.0  # of rho^2 w^2
     drag: float | None = None  # [N]
 
 
@@ -64,15 +67,21 @@ class AxleIdentifier:
         predicted: Identified,
         lever: float,
         stiffness: float | None = None,
+        cop: float = 0.0,
+        off: float = OFF,
     ) -> None:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
         ``lever`` [m] is the contact's signed distance ahead of the centre of pressure
-        along that axis. The force at an angle from it is drag / sqrt(1 + stiffness
-        sin^2); (d / rho)^2 if not given.
+        along that axis, ``cop`` [m] that centre's place on it. The force at an angle
+        from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given. ``off``:
+        share of the axle's distance by which it has to be off its prediction.
         """
         self._axis = (math.cos(yaw), math.sin(yaw))
         self._predicted = predicted
+        self._lever = lever
+        self._cop = cop
+        self._off = off
         self._sign = math.copysign(1.0, lever)
         self._stiffness = (
             abs(lever) / predicted.effective_wheelbase
@@ -105,6 +114,7 @@ class AxleIdentifier:
         vw = state.vw
         fw = state.fw
         gg = state.gg
+        rw = state.rw
         drag = state.drag
         size = math.hypot(sum_e, sum_t)
         if abs(w) > LEAST_TURN and size > 0.0:
@@ -114,22 +124,32 @@ class AxleIdentifier:
             turned = w * sum_e / size
             fw = keep * fw + self._sign * sum_t / size * along * turned
             gg = keep * gg + turned * turned
+            # rho^2 w = (moment about the centre of pressure) (its speed along the
+            # force) per force: it may be moved along the force, which changes neither
+            power = along * sum_e + (across + w * self._cop) * sum_t
+            moment = self._lever * sum_t
+            rw = keep * rw + w * moment * power / (size * size)
         if math.hypot(along, across) > LEAST_SPEED and size > 0.0:
             level = (
                 size / ticks * math.sqrt(1.0 + self._stiffness * (sum_t / size) ** 2)
             )
             drag = level if drag is None else keep * drag + (1.0 - keep) * level
-        return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, drag)
+        return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, rw, drag)
 
     def identified(self, state: AxleState) -> Identified | None:
         """Return the estimates, within bounds of the prediction.
 
         None while they do not contradict it, or rest on too little turning.
         """
-        axle, wheelbase, drag = self._predicted
+        axle, wheelbase, drag, _ = self._predicted
         seen = (state.vw + PRIOR * axle) / (state.ww + PRIOR)
-        if state.ww < ENOUGH or abs(seen - axle) < OFF * wheelbase:
+        if state.ww < ENOUGH or abs(seen - axle) < self._off * wheelbase:
             return None
+        square = wheelbase * abs(self._lever)
+        square = min(
+            max((state.rw + PRIOR * square) / (state.ww + PRIOR), square / BOUND),
+            square * BOUND,
+        )
         turning = (state.fw + PRIOR * wheelbase) / (state.gg + PRIOR)
         return Identified(
             min(max(seen, axle - BOUND * wheelbase), axle + BOUND * wheelbase),
@@ -137,4 +157,5 @@ class AxleIdentifier:
             drag
             if state.drag is None
             else min(max(state.drag, drag / BOUND), drag * BOUND),
+            math.sqrt(square),
         )

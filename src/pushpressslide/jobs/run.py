@@ -194,9 +194,13 @@ def run(
     """Run a plan, or select, plan and run a task, and return the record of what
     happened.
 
-    Raises InfeasibleTaskError before anything moves where it cannot be done.
+    Raises TaskError for a task that a file could not say, and InfeasibleTaskError
+    before anything moves where it cannot be done.
     """
     if isinstance(what, Task):
+        from pushpressslide.taskfile.load import check_task
+
+        check_task(what)
         monitor = Monitor(progress)
         _, record, _ = simulate(
             what, engine=engine, seed=seed, models=models, monitor=monitor

@@ -48,6 +48,7 @@ ONE_ARM_TURN = math.radians(50.0)  # of the object, either side
 ANY_ONE_ARM_TURN = math.radians(90.0)  # of draw "any"
 TOP_CONTACT_SHARE = 0.25  # of the pressed tasks; else the mode chooses the contact
 TOP_CONTACT_DISTANCE = (0.02, 0.1)  # [m] from the CoM
+TOP_CONTACT_TRIES = 1_000
 TOP_CONTACT_EDGE = 0.015  # [m] at least, to the edge of the object's top
 
 # [m] of the object's CoM from both bases, for two arms
@@ -153,7 +154,8 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
     if single:
         start, goal = _one_arm_poses(rng, base.robots[0], body, aim)
         if pressed and rng.random() < TOP_CONTACT_SHARE:
-            motion = replace(motion, contacts=(_top_contact(rng, body),))
+            place = _top_contact(rng, body)
+            motion = replace(motion, contacts=None if place is None else (place,))
     else:
         start, goal = _two_arm_poses(rng, base.robots, body, faces, aim)
     return replace(
@@ -394,14 +396,17 @@ def _one_arm_poses(
     return _first_within(draw, within)
 
 
-def _top_contact(rng: np.random.Generator, body: ObjectModel) -> Point:
-    """Draw a contact [m] in G on the object's top, near its CoM."""
-    place = (math.inf, math.inf)
-    while not inside_top(body, place, TOP_CONTACT_EDGE):
+def _top_contact(rng: np.random.Generator, body: ObjectModel) -> Point | None:
+    """Draw a contact [m] in G on the object's top, near its CoM; None for a top that is
+    too small for one.
+    """
+    x, y = body.center_of_mass
+    for _ in range(TOP_CONTACT_TRIES):
         r = rng.uniform(*TOP_CONTACT_DISTANCE)
         place = _polar(r, rng.uniform(-math.pi, math.pi))
-    x, y = body.center_of_mass
-    return (x + place[0], y + place[1])
+        if inside_top(body, place, TOP_CONTACT_EDGE):
+            return (x + place[0], y + place[1])
+    return None
 
 
 def _two_arm_poses(

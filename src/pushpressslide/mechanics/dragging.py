@@ -46,6 +46,27 @@ class Dragged:
     shares: Array  # (m,) the force's size over mu N
 
 
+@dataclass(frozen=True, slots=True)
+class DraggedEllipsoid:
+    """A base whose limit surface is the ellipsoid of one rho, wherever the centre of
+    pressure is.
+    """
+
+    rho: float  # [m]
+    shift: float  # [m] as of DraggedBase
+
+    def slide(self, cops: Array, contacts: Array, directions: Array) -> Dragged:
+        """Return the motion under forces, as DraggedBase, in closed form."""
+        x, y = (contacts - cops).T
+        fx, fy = directions.T
+        # the drag moves the centre of pressure along the force, which has no moment
+        moments = x * fy - y * fx
+        shares = 1.0 / np.hypot(1.0, moments / self.rho)
+        w = moments / self.rho**2
+        cx, cy = (cops + self.shift * shares[:, None] * directions).T
+        return Dragged(np.stack([fx + w * cy, fy - w * cx, w], axis=1), shares)
+
+
 class DraggedBase:
     """The base of one object."""
 

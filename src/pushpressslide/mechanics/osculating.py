@@ -40,7 +40,7 @@ def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
     object tips.
     """
     body = scene.body
-    rho = scene.belief.rho
+    rho = scene.rho
 
     def pressure_at(cop: Point) -> PressureSamples:
         """Return the pressure whose centre is ``cop`` [m] in B."""

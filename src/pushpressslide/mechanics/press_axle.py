@@ -10,11 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.checks import check_point, check_press
+from pushpressslide.mechanics.dragging import DraggedEllipsoid
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.rho import rho_straight
@@ -43,6 +46,8 @@ class Press:
     friction: float  # of the pair object/support
     contact: Point  # [m] in B
     load: float  # [N] > 0
+    # [m] of the ellipsoid that stands for the exact surface; None: the exact one
+    rho: float | None = None
 
     def __post_init__(self) -> None:
         check_press(self.load, self.friction)
@@ -107,8 +112,11 @@ class Press:
         """Return the twist of B's origin under a force at ``angle`` [rad], on the exact
         surface.
 
-        Only its direction counts. Raises ValueError where the object tips.
+        With ``rho`` on the ellipsoid. Only its direction counts. Raises ValueError
+        where the object tips.
         """
+        if self.rho is not None:
+            return self._ellipsoid_twist(self.rho, angle)
         height = self.body.shape.height
         return dragged_twist(
             self._coarse,
@@ -118,6 +126,13 @@ class Press:
             height,
             self.along(angle),
         )
+
+    def _ellipsoid_twist(self, rho: float, angle: float) -> Twist:
+        if self.room(angle) < 0.0:
+            raise ValueError("the centre of pressure leaves the base: the object tips")
+        one = (np.array([p]) for p in (self.cop, self.contact, self.along(angle)))
+        vx, vy, w = DraggedEllipsoid(rho, self.shift).slide(*one).twists[0]
+        return Twist(float(vx), float(vy), float(w))
 
     def _coarse(self, cop: Point) -> PressureSamples:
         return self.pressure(cop, PLANNED)
@@ -151,7 +166,10 @@ class Press:
             e = self.axis
             shift = sign * self.shift
             at = (self.cop[0] + shift * e[0], self.cop[1] + shift * e[1])
-            effective_wheelbase = rho_straight(self._coarse(at), e) ** 2 / self.lever
+            rho = self.rho
+            if rho is None:
+                rho = rho_straight(self._coarse(at), e)
+            effective_wheelbase = rho**2 / self.lever
             return shift - effective_wheelbase, effective_wheelbase
         ex, ey = self.axis
         ahead = 0.0

@@ -130,6 +130,5 @@ def press_utilisation(scene: Scene, load: float, pushed: float = 0.0) -> float:
     """Return the friction utilisation of a press of ``load`` [N] that slides the object
     straight, as believed; ``pushed`` [N] as in ``friction_use``.
     """
-    belief = scene.belief
-    mu_s = belief.support_friction
-    return friction_use(load, scene.weight_on, mu_s, belief.contact_friction, pushed)
+    mu_s = scene.support.friction
+    return friction_use(load, scene.weight_on, mu_s, scene.contact_friction, pushed)

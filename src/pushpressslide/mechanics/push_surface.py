@@ -22,14 +22,13 @@ def push_surface(scene: Scene, height: float, twist: Twist) -> DraggedSurface:
     it (docs/mechanics.md, section 1.2). Raises ValueError for a zero twist, and where
     the object tips.
     """
-    belief = scene.belief
     load = scene.weight_on
 
     def shift(wrench: Wrench) -> Point:
         """Return how far [m] a push moves the centre of pressure."""
         return (height * wrench.fx / load, height * wrench.fy / load)
 
-    mu = belief.support_friction
+    mu = scene.support.friction
     surface, _ = dragged_ellipsoid(pressures(scene), mu, load, (0.0, 0.0), twist, shift)
     dx, dy = shift(surface.wrench(twist))
     (x, y) = surface.center

@@ -176,7 +176,7 @@ class Mode(ABC):
         """
         return self.replan(task, (segment,), X_WB, touched, math.inf)
 
-    def identifier(self, segment: Segment) -> AxleIdentifier | None:
+    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the mode's virtual axle on the way; None where nothing
         is identified.
         """

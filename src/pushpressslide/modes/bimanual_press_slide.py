@@ -134,7 +134,7 @@ class BimanualPressSlide(Mode):
         drive = HeldDrive(
             drag.surface, path.radius, point, lever(scene, load), utilisation
         )
-        margin = utilisation_margin(scene.belief.contact_friction, utilisation)
+        margin = utilisation_margin(scene.contact_friction, utilisation)
         piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
             f"{left:.1f} and {right:.1f} N, path {path.length:.3f} m, centre of "
@@ -155,7 +155,7 @@ class BimanualPressSlide(Mode):
         """Return what dragging ``point`` along its path is like. Raises ValueError
         where the object tips.
         """
-        mu = scene.belief.contact_friction
+        mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
         return held_drag(scene, contacts, path, point, allocator)
 
@@ -166,7 +166,7 @@ class BimanualPressSlide(Mode):
         law = CarriedTracker(
             drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, DECAY
         )
-        friction = task.believed.contact_friction
+        friction = task.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(

@@ -115,7 +115,7 @@ class OrthogonalPush(TwistPushes):
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:
             return [none.refused(refusal_of(error, "tipping"))]
-        mu = scene.belief.contact_friction
+        mu = scene.contact_friction
         cones = [TwistCone(contacts, mu, surface) for contacts in placements]
         return self._by_twists(task, names, cone_goal, cones)
 
@@ -153,7 +153,7 @@ class OrthogonalPush(TwistPushes):
         """Return the choice of a path in a cone, its contacts not yet given to arms."""
         places = describe_points(contact.point for contact in cone.contacts)
         placed = Choice(self.name, f"{names} at {places}", cone.contacts)
-        push = self._push(path, cone, task.believed.contact_friction)
+        push = self._push(path, cone, task.scene.contact_friction)
         driven = driven_by_twists(task, placed, path, cone, push)
         merits = f"{driven.merits}, pushed with up to {push:.1f} N"
         refusal = push_refusal(push, task.limits, cone.surface.max_force)

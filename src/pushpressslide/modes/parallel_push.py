@@ -149,7 +149,7 @@ class ParallelPush(TwistPushes):
         curvature = task.motion.curvature_margin * car.tightest
         path = car_path((start, goal), curvature)
         tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
-        mu = task.believed.contact_friction
+        mu = task.scene.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * tightest)
         drive = CarDrive(car, task.scene.max_friction(), curvature)
         piece = segment(
@@ -167,7 +167,7 @@ class ParallelPush(TwistPushes):
         cone_goal = ConeGoal.from_task(task, LOOP_RATIO, SLACK)
         height = choice.contacts[0].height
         surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
-        cone = TwistCone(choice.contacts, task.believed.contact_friction, surface)
+        cone = TwistCone(choice.contacts, task.scene.contact_friction, surface)
         path = cone_goal.path(cone)
         if path is not None:
             return driven_by_twists(task, choice, path, cone)

@@ -144,7 +144,7 @@ class PressAndPush(Mode):
         drag = dragged(load)
         contacts = (replace(press, load=load), push)
         utilisation = drag.friction_utilisation
-        margin = utilisation_margin(scene.belief.contact_friction, utilisation)
+        margin = utilisation_margin(scene.contact_friction, utilisation)
         drive = _drive(drag, path.radius, contacts)
         piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
@@ -166,7 +166,7 @@ class PressAndPush(Mode):
         """Return what dragging with ``twist`` is like. Raises ValueError where the
         object tips.
         """
-        mu = scene.belief.contact_friction
+        mu = scene.contact_friction
         allocator = partial(self.allocator, contacts, mu, None)
         return pinned_drag(scene, contacts, twist, allocator)
 
@@ -175,7 +175,7 @@ class PressAndPush(Mode):
         drive = segment.drive
         assert isinstance(drive, PinnedDrive)
         law = HolonomicTracker(drive.X_BV, drive.surface, decay=DECAY)
-        friction = task.believed.contact_friction
+        friction = task.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))
 
     def allocator(

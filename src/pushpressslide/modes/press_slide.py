@@ -22,7 +22,12 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.identification.online import (
+    OFF,
+    OFF_RHO,
+    AxleIdentifier,
+    Identified,
+)
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
@@ -86,27 +91,8 @@ class PressSlide(Mode):
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first.
 
-        Alternatives are evaluated in order until one has a feasible choice. Where a
-        believed rho leads every path out of bounds, that of the object's shape is
-        planned with.
+        Alternatives are evaluated in order until one has a feasible choice.
         """
-        judged = self._judged(task, enough)
-        rho = task.believed.rho
-        if rho is None or any(choice.feasible for choice in judged):
-            return judged
-        belief = replace(task.believed, rho=None)
-        note = (
-            f"; planned with the shape's rho, belief.rho {rho:g} m leads out of bounds"
-        )
-        of_shape = self._judged(replace(task, belief=belief), enough)
-        return [
-            replace(choice, merits=choice.merits + note)
-            for choice in of_shape
-            if choice.feasible
-        ] or judged
-
-    def _judged(self, task: Task, enough: int) -> list[Choice]:
-        """Return the choices of all alternatives up to the first feasible one."""
         try:
             placements = press_placements(task)
         except RefusedError as error:
@@ -171,7 +157,7 @@ class PressSlide(Mode):
             rho = 0.5 * max(math.hypot(*contact.point), EDGE)
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
-    def identifier(self, segment: Segment) -> AxleIdentifier:
+    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier:
         """Return what identifies the virtual axle on the way."""
         drive = segment.drive
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
@@ -180,7 +166,10 @@ class PressSlide(Mode):
             car.axle, abs(car.effective_wheelbase), drive.max_friction
         )
         stiffness = None if isinstance(drive, SpinDrive) else drive.stiffness
-        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness)
+        ex, ey = car.axis
+        cop = car.cop[0] * ex + car.cop[1] * ey
+        off = OFF if task.scene.rho is None else OFF_RHO
+        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness, cop, off)
 
     def again(
         self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
@@ -192,7 +181,7 @@ class PressSlide(Mode):
         if isinstance(drive, SpinDrive):
             return ()
         assert isinstance(drive, SteeredDrive)
-        here = replace(task, start=X_WB.compose(task.object.X_GB.inverse()))
+        here = replace(task, start=X_WB.compose(task.X_GB.inverse()))
         contact = replace(segment.contacts[0], point=touched[0])
         if isinstance(drive, UnicycleDrive):
             choice = driven_again(here, self.name, contact, drive)
@@ -211,10 +200,35 @@ class PressSlide(Mode):
         if contact.point == ORIGIN:
             return ()
         drive = segments[0].drive
+        if isinstance(drive, SpinDrive):
+            spun = self._spun(task, segments, measured)
+            if spun:
+                return spun
         if isinstance(drive, TurnDrive) and not drive.last:
             turns = turns_onward(task.scene, segments, measured.X_WB, contact)
             return turns if turns[0].path.length <= measured.longest else ()
         return super().onward(task, segments, measured)
+
+    def _spun(
+        self, task: Task, segments: Sequence[Segment], measured: Measured
+    ) -> tuple[Segment, ...]:
+        """Return a manoeuvre to the goal of a turn on the spot, whose pivot turns out to
+        be elsewhere: none where the turn still leads there.
+        """
+        first, *others = segments
+        drive = first.drive
+        assert isinstance(drive, SpinDrive)
+        X_BV = _pivot(drive, measured.identified)
+        start, goal = ends_onward(task.object, first, measured.X_WB, X_BV)
+        if math.dist(start.position, goal.position) <= task.tolerance.position:
+            return ()
+        X_WB = measured.X_WB
+        there = replace(task, goal=first.goal)
+        manoeuvres = pressed_manoeuvres(there, X_WB, measured.contacts)
+        if not manoeuvres:
+            return ()
+        pieces = manoeuvres[0].choice(there, self.name).segments
+        return (*(replace(piece, leg=first.leg) for piece in pieces), *others)
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contact, with the axle as it was seen to be."""
@@ -227,10 +241,13 @@ class PressSlide(Mode):
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
-            ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-            radius = math.dist(contact.point, drive.X_BV.position)
+            X_BV = _pivot(drive, measured.identified)
+            ends = ends_onward(task.object, segment, measured.X_WB, X_BV)
+            radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
-            return Course((contact,), replace(drive, car=car), spin)
+            return Course((contact,), replace(drive, car=car, X_BV=X_BV), spin)
+        if isinstance(drive, UnicycleDrive) and task.scene.rho is not None:
+            car = replace(car, rho=task.scene.rho)
         steered = _steered_by(drive, car, measured.identified)
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
         path = steered_path(ends, steered, measured.longest)
@@ -254,6 +271,17 @@ def _steered(
         else choice
         for i, choice in enumerate(straight)
     ]
+
+
+def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:
+    """Return X_BV at the pivot, moved along the heading axis to the axle that was
+    identified.
+    """
+    if identified is None:
+        return drive.X_BV
+    X_BV = drive.X_BV
+    planned = X_BV.x * math.cos(X_BV.yaw) + X_BV.y * math.sin(X_BV.yaw)
+    return X_BV.compose(Pose2(identified.axle - planned, 0.0, 0.0))
 
 
 def _steered_by(

@@ -54,7 +54,7 @@ def replay_data(plan: Plan, record: Record) -> dict[str, Any]:
     frames = _frames(time)
     pose = arrays["object_pose"][frames]
     axles = [
-        task.object.X_GB.compose(Pose2(*map(float, row)))
+        task.X_GB.compose(Pose2(*map(float, row)))
         for row in arrays["vehicle_frame"][frames]
     ]
     tips = np.moveaxis(arrays["tip_position"][frames][:, :, :2], 1, 0)

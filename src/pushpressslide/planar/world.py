@@ -97,12 +97,14 @@ class World:
         )
         self.weight = (wx, wy)
         self.own_load = -press  # [N] in the plane, and on the support
-        self.task, self.contacts, self.dt = task, tuple(contacts), dt
+        self.task = task
+        self.dt = dt
+        # from the believed centre of mass to the true one, the origin of B here
+        self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
         self.support = Support(task.object.shape, task.object.center_of_mass)
-        radii = [task.robots[c.arm].tip_radius for c in contacts]
         self.faces = [
-            face_of(task.object, self.support, c, r)
-            for c, r in zip(contacts, radii, strict=True)
+            face_of(task.object, self.support, c, task.robots[c.arm].tip_radius)
+            for c in self.contacts
         ]
 
     def start(self, X_WG: Pose2, planned: Pose2, gap: float) -> WorldState:

@@ -46,14 +46,13 @@ def pushed_cars(
     ``motion.curvature_margin`` of the force's way to its limits; the tightest curves
     are no tighter than the object's. Raises ValueError where the object tips.
     """
-    belief = scene.belief
-    if belief.rho is not None:
-        shift = contact_height(scene, motion) * belief.support_friction
-        fits = [_Fit(belief.rho, shift, math.inf, math.inf) for _ in places]
+    if scene.rho is not None:
+        shift = contact_height(scene, motion) * scene.support.friction
+        fits = [_Fit(scene.rho, shift, math.inf, math.inf) for _ in places]
     else:
         fits = _fits(scene, motion, places, synchronised)
     return [
-        _car(face, half_width, belief.contact_friction, fit, synchronised)
+        _car(face, half_width, scene.contact_friction, fit, synchronised)
         for (face, half_width), fit in zip(places, fits, strict=True)
     ]
 
@@ -77,9 +76,8 @@ def _fits(
     """Return rho and shift of the exact surface, at ``curvature_margin`` of the force's
     way to its limits.
     """
-    belief = scene.belief
     use = motion.curvature_margin
-    mu_a = belief.contact_friction
+    mu_a = scene.contact_friction
     pushes = []
     for face, half_width in places:
         for share in (-use, use, -1.0, 1.0):
@@ -88,7 +86,7 @@ def _fits(
                 off = (0.0, share * mu_a)
             pushes.append(Push(face, *off))
     height = contact_height(scene, motion)
-    turned = turnings(scene.body, belief.support_friction, height, pushes)
+    turned = turnings(scene.body, scene.support.friction, height, pushes)
     out = []
     for i, (face, half_width) in enumerate(places):
         right, left, rightmost, leftmost = turned[4 * i : 4 * i + 4]

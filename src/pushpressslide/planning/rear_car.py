@@ -55,7 +55,7 @@ class Route(NamedTuple):
 
 def planned_angles(scene: Scene, motion: Motion) -> tuple[float, float]:
     """Force angles [rad]: at which the path turns, and at the cone's edge."""
-    edge = math.atan(scene.belief.contact_friction)
+    edge = math.atan(scene.contact_friction)
     return motion.curvature_margin * edge, edge
 
 
@@ -69,7 +69,7 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
         for x, y in (face.foot for face in pushed)
         for angle in planned_angles(scene, motion)
     ]
-    lift = contact_height(scene, motion) * scene.belief.support_friction
+    lift = contact_height(scene, motion) * scene.support.friction
     base = DraggedBase(scene.body, lift, RESOLUTION)
     slid = base.slide(np.zeros_like(feet), feet, np.array(axes))
     return slid.twists.reshape(-1, 2, 3)
@@ -81,7 +81,7 @@ def contact_refusal(
     """Return what stands against one push on a face at ``height`` [m]: the contact's
     place, tipping, the force; None if nothing.
     """
-    allowed = scene.belief.contact_friction * face.depth
+    allowed = scene.contact_friction * face.depth
     offset = abs(face.offset)
     if offset >= allowed:
         text = (
@@ -105,12 +105,11 @@ def fitted_car(
     edge, so that its tightest curve is the object's. Raises RefusedError where the
     object tips.
     """
-    belief = scene.belief
-    mu = belief.contact_friction
+    mu = scene.contact_friction
     height = contact_height(scene, motion)
-    shift = height * belief.support_friction
-    if belief.rho is not None:
-        return RearSteerCar(face.foot, face.normal, ORIGIN, belief.rho, mu), shift
+    shift = height * scene.support.friction
+    if scene.rho is not None:
+        return RearSteerCar(face.foot, face.normal, ORIGIN, scene.rho, mu), shift
     if np.isnan(twists).any():
         text = "a push at {figure:mm.0f} tips the object"
         raise RefusedError(Refusal("tipping", text, height, unit="m"))

@@ -88,7 +88,7 @@ def drag_refusal(
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
     ahead = min(room_ahead(scene.body, face) for face in pushed)
-    highest = TIPPING_SHARE * ahead / scene.belief.support_friction
+    highest = TIPPING_SHARE * ahead / scene.support.friction
     if height > highest:
         text = (
             "touched at {figure:mm.1f}, allowed up to {allowed:mm.1f}, "

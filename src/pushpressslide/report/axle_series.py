@@ -53,7 +53,7 @@ class PressedMotion:
 
 def axle_series(plan: Plan, record: Record) -> AxleSeries:
     """Return the virtual axles of a run with one top press."""
-    (contact,) = plan.contacts
+    contact = _contact(plan)
     ex, ey = _axis(contact)
     time = record.arrays["time"]
     width = max(1, round(WINDOW / float(time[1] - time[0])))
@@ -77,16 +77,21 @@ def axle_series(plan: Plan, record: Record) -> AxleSeries:
     return AxleSeries(measured, time[ticks], *axles)
 
 
+def _contact(plan: Plan) -> Contact:
+    """The only contact, its point from the true CoM."""
+    (contact,) = plan.contacts
+    return contact.shifted(plan.task.center_error)
+
+
 def _axis(contact: Contact) -> Point:
-    """Unit vector in B from the CoM to the contact."""
+    """Unit vector in B from the true CoM to the contact."""
     size = math.hypot(*contact.point)
     return (contact.point[0] / size, contact.point[1] / size)
 
 
 def _pressed_motion(plan: Plan, record: Record, width: int) -> PressedMotion:
     """Velocity of the CoM and force of the tip in B, averaged over ``width`` ticks."""
-    (contact,) = plan.contacts
-    ex, ey = _axis(contact)
+    ex, ey = _axis(_contact(plan))
     yaw = record.arrays["object_pose"][:, 2]
     twist = record.arrays["object_twist"]
     c = np.cos(yaw)

@@ -162,7 +162,7 @@ def pivots(placements: Sequence[tuple[Plan, Record]]) -> list[dict[str, Any]]:
     out = []
     for placement, record in placements:
         drive = placement.segments[0].drive
-        X_GB = placement.task.object.X_GB
+        X_GB = placement.task.X_GB
         at = np.flatnonzero(series.contact_phase(record))
         if not isinstance(drive, PinnedDrive) or len(at) == 0:
             continue

@@ -38,7 +38,7 @@ def motion_figures(
 
     ``placements`` are the plan and the record of each placement that was begun.
     """
-    body = placements[0][0].task.object
+    body = placements[0][0].task.told.object
     time = record.arrays["time"]
     pose = record.arrays["object_pose"]
     tips = [
@@ -97,7 +97,7 @@ def _tip_errors(task: Task, contact: Contact, record: Record) -> Array:
     move = series.in_phase(record, "move")
     point, _ = contact.tip_place(task.robots[contact.arm].tip_radius)
     reference = series.compose(
-        arrays["reference_pose"], task.object.X_GB.compose(Pose2(*point))
+        arrays["reference_pose"], task.X_GB.compose(Pose2(*point))
     )
     tip = arrays["tip_position"][move, contact.arm, :2]
     distance: Array = np.linalg.norm(tip - reference[move, :2], axis=1)

@@ -57,13 +57,13 @@ def plan_figure(plan: Plan) -> Figure:
     _footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
     _footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
     _planned_paths(ax, [segment.path for segment in segments])
-    center = task.start.apply(task.object.center_of_mass)
+    center = task.start.apply(task.X_GB.position)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
     _contacts(
         ax,
         [
-            (placement, placement.task.start.compose(task.object.X_GB))
+            (placement, placement.task.start.compose(task.X_GB))
             for placement in plan.by_placement
         ],
     )
@@ -107,11 +107,11 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     _footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
     _footprint(ax, shape, last, style.ORANGE, "end")
     _other_bodies(ax, record)
-    tracked = series.tracked_poses(task.object, record)[:, :2]
+    tracked = series.tracked_poses(task.told.object, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
     largest = _forces(ax, plan, record, picks[1:-1])
     placements = [
-        (placement, _first_pose(part).compose(task.object.X_GB))
+        (placement, _first_pose(part).compose(task.X_GB))
         for placement, part in series.by_placement(plan, record)
     ]
     _contacts(ax, placements)
@@ -170,7 +170,7 @@ def _forces(ax: Axes, plan: Plan, record: Record, picks: Sequence[int]) -> float
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
-        X_WB = _pose_at(record, tick).compose(plan.task.object.X_GB)
+        X_WB = _pose_at(record, tick).compose(plan.task.X_GB)
         for contact in contacts[int(leg[tick])]:
             x, y = X_WB.apply(contact.point)
             fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])

@@ -248,7 +248,7 @@ def speeds_figure(plan: Plan, record: Record) -> Figure:
     made, (top, bottom) = style.figure(2, 4.4)
     time = record.arrays["time"]
     vx, vy, w = record.arrays["object_twist"].T
-    tracked = series.tracked_poses(plan.task.object, record)[:, :2]
+    tracked = series.tracked_poses(plan.task.told.object, record)[:, :2]
     x, y = (tracked - record.arrays["object_pose"][:, :2]).T
     speed = np.hypot(vx - w * y, vy + w * x)
     planned = _by_segment(plan, record, _cruise)

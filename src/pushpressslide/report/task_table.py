@@ -42,13 +42,13 @@ def task_table(task: Task, result: Mapping[str, Any]) -> str:
 
 
 def _mass(task: Task) -> str:
-    return _with_belief(task.object.mass, task.believed.mass, " kg")
+    return _with_belief(task.object.mass, task.told.object.mass, " kg")
 
 
 def _frictions(task: Task) -> str:
-    belief = task.believed
-    support = _with_belief(task.support.friction, belief.support_friction)
-    tip = _with_belief(task.contact_friction, belief.contact_friction)
+    told = task.told
+    support = _with_belief(task.support.friction, told.support.friction)
+    tip = _with_belief(task.contact_friction, told.contact_friction)
     return f"{task.support.kind} {support}, end effector {tip}"
 
 

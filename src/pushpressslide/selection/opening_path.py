@@ -39,7 +39,7 @@ def opening_refusal(
     for X_WG in poses:
         if task.enters and wide.holds(X_WG, shape):
             return None
-        X_WB = X_WG.compose(task.object.X_GB)
+        X_WB = X_WG.compose(task.X_GB)
         wx, wy = X_WB.unrotate(task.scene.weight_along)
         depth = depth_beside(
             shape, X_WG, opening, X_WB.apply((cop[0] - lever * wx, cop[1] - lever * wy))

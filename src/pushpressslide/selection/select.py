@@ -38,9 +38,10 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
 def placements(task: Task, enough: int = 1) -> list[list[Choice]]:
     """Return the choices for each placement of the arms, best first.
 
-    A leg for which the arms can keep their contacts is one more segment of the leg
-    before it.
+    They are made by what is believed. A leg for which the arms can keep their contacts
+    is one more segment of the leg before it.
     """
+    task = task.told
     parts = task.parts
     if _share_modes(parts):
         # the next leg may need contacts other than the quickest ones

@@ -16,7 +16,7 @@ from pushpressslide.taskfile.schema import SCHEMA
 
 def task_data(task: Task) -> dict[str, Any]:
     """Return the task as plain data in the layout and units of the file."""
-    values = {**attributes(task), "belief": task.believed, "legs": task.legs or None}
+    values = {**attributes(task), "legs": task.legs or None}
     tool = values.pop("tool")
     if tool is not None:
         values["tool"] = tool
@@ -25,15 +25,6 @@ def task_data(task: Task) -> dict[str, Any]:
         plain["goal"] = {**POSE.encode(tool.goal), "body": tool.body}
     if task.legs:
         plain["legs"][-1]["pose"] = None  # the goal
-    # only what differs, so that a truth that is changed in the file is also believed
-    truth = {
-        "support_friction": task.support.friction,
-        "contact_friction": task.contact_friction,
-        "mass": task.object.mass,
-    }
-    for name, true in truth.items():
-        if plain["belief"][name] == true:
-            plain["belief"][name] = None
     return plain
 
 

@@ -12,10 +12,10 @@ from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Belief, ObjectModel, Obstacle, Robot, Task
+from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import MODELS, check, wall_faults
-from pushpressslide.taskfile.dump import dump_task
+from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
@@ -23,7 +23,13 @@ from pushpressslide.taskfile.shapes import shape_faults
 from pushpressslide.taskfile.supports import support_faults
 from pushpressslide.taskfile.yaml_text import apply_overrides, read_yaml
 
-__all__ = ["dump_task", "load_task", "shipped_tasks", "task_from_data"]
+__all__ = [
+    "check_task",
+    "dump_task",
+    "load_task",
+    "shipped_tasks",
+    "task_from_data",
+]
 
 _SHIPPED = Path(__file__).parent.parent / "tasks"
 
@@ -62,6 +68,15 @@ def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
     return task_from_data(data, str(path))
 
 
+def check_task(task: Task) -> None:
+    """Check a task that was built or changed in Python as one that is read from a file.
+
+    Raises:
+        TaskError: as :func:`load_task`.
+    """
+    task_from_data(task_data(task), task.source or task.name)
+
+
 def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     """Return the checked task of plain data in the file's layout and units.
 
@@ -75,7 +90,8 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     values = SCHEMA.decode(plain)
     body = values["object"]
     obstacles = values["obstacles"]
-    refuse(source, _body_faults(plain["object"]["center_of_mass"], body, obstacles))
+    centers = {name: plain[name]["center_of_mass"] for name in ("object", "belief")}
+    refuse(source, _body_faults(centers, body, obstacles))
     tool, goal = tool_use(plain, body, obstacles, source)
     folder = Path(source).parent
     for i, robot in enumerate(values["robots"]):
@@ -88,7 +104,6 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         "tool": tool,
         "robots": tuple(_located(robot, folder) for robot in values["robots"]),
         "legs": legs_to(goal, values["legs"]),
-        "belief": _belief(values),
         "description": " ".join(values["description"].split()),
         "source": source,
     }
@@ -100,12 +115,17 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
 
 
 def _body_faults(
-    given: Point | None, body: ObjectModel, obstacles: Sequence[Obstacle]
+    centers: Mapping[str, Point | None],
+    body: ObjectModel,
+    obstacles: Sequence[Obstacle],
 ) -> Iterator[Fault]:
-    depth = body.shape.depth(body.center_of_mass)
-    if given is not None and depth <= 0.0:
-        allowed = f"a point inside the footprint, here {-depth:.4g} m outside"
-        yield "object.center_of_mass", list(given), f"allowed: {allowed}"
+    for section, center in centers.items():
+        if center is None:
+            continue
+        depth = body.shape.depth(center)
+        if depth <= 0.0:
+            allowed = f"a point inside the footprint, here {-depth:.4g} m outside"
+            yield f"{section}.center_of_mass", list(center), f"allowed: {allowed}"
     names = ["object"]
     for i, obstacle in enumerate(obstacles):
         if obstacle.name in names:
@@ -142,15 +162,3 @@ def _workspace_faults(region: Mapping[str, Any]) -> Iterator[Fault]:
         if not lower < upper:
             allowed = "allowed: [lower, upper] with lower < upper"
             yield f"limits.workspace.{axis}", [lower, upper], allowed
-
-
-def _belief(values: Mapping[str, Any]) -> Belief:
-    """Return what is believed: the truth, where the file says nothing else."""
-    belief: Belief = values["belief"]
-    truth = {
-        "support_friction": values["support"].friction,
-        "contact_friction": values["contact_friction"],
-        "mass": values["object"].mass,
-    }
-    unsaid = {k: true for k, true in truth.items() if getattr(belief, k) is None}
-    return replace(belief, **unsaid)

@@ -34,7 +34,7 @@ class TwistPushes(Mode):
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
-        friction = CORRECTION_SHARE * task.believed.contact_friction
+        friction = CORRECTION_SHARE * task.scene.contact_friction
         cone = TwistCone(segment.contacts, friction, drive.surface)
         return HolonomicTracker(drive.X_BV, cone.surface, cone.nearest)
 
@@ -43,7 +43,7 @@ class TwistPushes(Mode):
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
         contacts = measured.contacts
-        cone = TwistCone(contacts, task.believed.contact_friction, drive.surface)
+        cone = TwistCone(contacts, task.scene.contact_friction, drive.surface)
         start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
         path = path_in_cone(
             start, goal, cone, REPLAN_MARGIN, drive.radius, measured.longest

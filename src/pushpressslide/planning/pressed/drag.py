@@ -53,19 +53,18 @@ def held_drag(
     """Return what dragging ``point`` [m] in B along its path by two presses is like.
     Raises ValueError where the object tips.
     """
-    belief = scene.belief
     height = scene.body.shape.height
     twist = path.initial_twist(point)
     load = scene.weight_on + sum(contact.load for contact in contacts)
     surface, cop = dragged_ellipsoid(
         pressures(scene),
-        belief.support_friction,
+        scene.support.friction,
         load,
         resting_cop(scene, contacts),
         twist,
         lambda wrench: (height * wrench.fx / load, height * wrench.fy / load),
     )
-    mu = belief.contact_friction
+    mu = scene.contact_friction
     raised = lever(scene, load)
     x, y = surface.center
     most = 0.0
@@ -91,7 +90,6 @@ def pinned_drag(
     """Return what dragging with ``twist`` by a press and a push is like. Raises
     ValueError where the object tips.
     """
-    belief = scene.belief
     press, push = contacts
     load = scene.weight_on + press.load
 
@@ -108,10 +106,10 @@ def pinned_drag(
 
     resting = resting_cop(scene, [press])
     surface, cop = dragged_ellipsoid(
-        pressures(scene), belief.support_friction, load, resting, twist, shift
+        pressures(scene), scene.support.friction, load, resting, twist, shift
     )
     allocation = forces(surface.wrench(twist))
-    utilisation = _utilisation([press], belief.contact_friction, allocation, surface)
+    utilisation = _utilisation([press], scene.contact_friction, allocation, surface)
     margin = room_inside(scene.body, cop)
     return PinnedDrag(surface, utilisation, margin, allocation, cop)
 

@@ -92,7 +92,7 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     except ValueError as error:
         return choice.refused(refusal_of(error, "tipping"))
     utilisation = press_utilisation(task.scene, contact.load, pushed)
-    margin = utilisation_margin(task.believed.contact_friction, utilisation)
+    margin = utilisation_margin(task.scene.contact_friction, utilisation)
     segments = tuple(replace(piece, cone_margin=margin) for piece in segments)
     last = segments[-1]
     distance = math.dist(vehicle.X_BV.position, vehicle.car.cop)
@@ -117,7 +117,7 @@ def _driven_segments(
         pushed = _tool_drag(task, vehicle)
         return pushed, (_spin(task, mode, press.contact, vehicle),)
     # where it cannot go back there is no retry: only with a long run-in
-    returns = way_back(task.scene, vehicle.press, not press.backward) is not None
+    returns = way_back(vehicle.press, not press.backward) is not None
     pushed = _tool_drag(task, vehicle)
     return pushed, _drive(task, mode, press, vehicle, returns)
 
@@ -233,7 +233,7 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
     a unicycle by less than ``least`` [rad] only.
     """
     drive = draft.segments[-1].drive
-    if task.believed.rho is not None or not isinstance(drive, UnicycleDrive):
+    if not isinstance(drive, UnicycleDrive):
         return draft
     (contact,) = draft.contacts
     backward = drive.car.backward

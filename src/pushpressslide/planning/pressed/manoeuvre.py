@@ -142,9 +142,9 @@ class Manoeuvre:
         scene = task.scene
         contact = self.contact
         utilisation = press_utilisation(scene, contact.load)
-        margin = utilisation_margin(scene.belief.contact_friction, utilisation)
+        margin = utilisation_margin(scene.contact_friction, utilisation)
         max_friction = scene.max_friction(contact.load)
-        X_BG = task.object.X_GB.inverse()
+        X_BG = task.X_GB.inverse()
         driven_turns = self.driven_turns
         run_in = driven_turns[-1]
         segments = []

@@ -34,19 +34,19 @@ class PressPlacements:
 
 def press_placements(task: Task) -> PressPlacements:
     """Return where and how hard to press. Raises RefusedError where no press holds."""
-    belief = task.believed
     motion = task.motion
+    scene = task.scene
     loads = press_loads(
-        task.scene.weight_on,
-        belief.support_friction,
-        belief.contact_friction,
+        scene.weight_on,
+        scene.support.friction,
+        scene.contact_friction,
         task.limits.planned_force,
         motion.press_force,
         tool_load(task, 0.0)[0],
     )
     places: Sequence[Point] = top_places(task.object, EDGE)
     if motion.contacts:
-        places = [task.object.X_GB.unapply(motion.contacts[0])]
+        places = [task.X_GB.unapply(motion.contacts[0])]
     height = task.object.shape.height
     contacts = tuple(
         Contact(arm, "top", place, ORIGIN, height)

@@ -22,7 +22,11 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
-from pushpressslide.mechanics.dragging import RESOLUTION, DraggedBase
+from pushpressslide.mechanics.dragging import (
+    RESOLUTION,
+    DraggedBase,
+    DraggedEllipsoid,
+)
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
@@ -142,7 +146,10 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     moved = cops[:, None] + shift * forces
     rooms = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
     rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
-    base = DraggedBase(body, shift, resolution)
+    rho = presses[0].rho
+    base: DraggedBase | DraggedEllipsoid = DraggedBase(body, shift, resolution)
+    if rho is not None:
+        base = DraggedEllipsoid(rho, shift)
     slid = base.slide(cops[rows], contacts[rows], forces[rows, columns])
     vx, vy, w = slid.twists.T
     vx = vx - w * cops[rows, 1]

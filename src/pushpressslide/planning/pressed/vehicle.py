@@ -53,20 +53,15 @@ class PressedVehicle:
 
 def press_of(scene: Scene, contact: Contact) -> Press:
     """Return the press of a contact, as believed; raises ValueError for one at the CoM."""
-    belief = scene.belief
-    body = replace(scene.body, mass=belief.mass)
-    return Press(body, belief.support_friction, contact.point, contact.load)
+    mu = scene.support.friction
+    return Press(scene.body, mu, contact.point, contact.load, scene.rho)
 
 
-def steered(scene: Scene, press: Press, backward: bool, angle: float) -> Unicycle:
-    """Return the vehicle that turns by a force at ``angle`` [rad] from the motion, as
-    believed.
+def steered(press: Press, backward: bool, angle: float) -> Unicycle:
+    """Return the vehicle that turns by a force at ``angle`` [rad] from the motion.
 
     Raises ValueError where it tips.
     """
-    rho = scene.belief.rho
-    if rho is not None:
-        return Unicycle(press.contact, press.cop, rho, backward, press.shift)
     ahead, reach = press.steered(angle, backward)
     shift = ahead + reach
     if backward:
@@ -107,18 +102,18 @@ def pressed_vehicle(
         return PressedVehicle(press, car, Pose2(*pivot, car.X_BV.yaw), steepest, least)
     if kind in ("car", "forklift"):
         steepest = min(steepest, CAR_ANGLE)
-    car = steered(task.scene, press, backward, angle)
+    car = steered(press, backward, angle)
     return PressedVehicle(press, car, car.X_BV, steepest, least)
 
 
-def way_back(scene: Scene, press: Press, backward: bool) -> Unicycle | None:
+def way_back(press: Press, backward: bool) -> Unicycle | None:
     """Return the vehicle for a short straight way; None where the object would tip, or
     cannot be steered since the drag moves the centre of pressure by more than the
     vehicle is long.
     """
     if _room(press, STEEPEST[0], backward) < TIPPING_ROOM:
         return None
-    car = steered(scene, press, backward, 0.0)
+    car = steered(press, backward, 0.0)
     if car.length <= car.shift:
         return None
     return car
@@ -184,13 +179,13 @@ def backing_up(
     """Return the segment to drive ``distance`` [m] straight the other way before
     ``then``, which a vehicle drives.
     """
-    car = way_back(task.scene, vehicle.press, not vehicle.car.backward)
+    car = way_back(vehicle.press, not vehicle.car.backward)
     planned = then.drive
     assert car is not None
     assert isinstance(planned, UnicycleDrive)
     start = task.body_ends[0].compose(car.X_BV)
     path = ArcPath(start, ((0.0, distance),))
-    end = path.end.compose(car.X_BV.inverse()).compose(task.object.X_GB.inverse())
+    end = path.end.compose(car.X_BV.inverse()).compose(task.X_GB.inverse())
     drive = replace(
         planned,
         car=car,

@@ -175,6 +175,6 @@ def object_path(plan: Plan) -> ObjectPath:
         lengths += [done + float(s) for s in grid]
         bodies += [segment.path.pose(float(s)).compose(X_VB) for s in grid]
         done += length
-    X_BG = plan.task.object.X_GB.inverse()
+    X_BG = plan.task.X_GB.inverse()
     shapes = [X.compose(X_BG) for X in bodies]
     return ObjectPath(np.array(lengths), bodies, shapes)

@@ -60,5 +60,5 @@ def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
     index = contacts.index(contact)
     load = max(segment.contacts[index].load for segment in plan.segments)
     presses = math.fsum(c.load for c in contacts)
-    grip = plan.task.believed.contact_friction * load
+    grip = plan.task.scene.contact_friction * load
     return load, min(grip, drag * contact.load / presses)

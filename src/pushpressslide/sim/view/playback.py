@@ -130,7 +130,7 @@ class Playback:
         """Return X_WV at ``tick``: tracking point and heading of the current segment."""
         X_BV = Pose2(*(float(v) for v in self.record.arrays["vehicle_frame"][tick]))
         X_WG = planar_pose(self.object_pose(tick), self.task.support.frame)
-        return X_WG.compose(self.task.object.X_GB).compose(X_BV)
+        return X_WG.compose(self.task.X_GB).compose(X_BV)
 
     def ticks_at(self, times: Array) -> list[int]:
         """Return the first recorded tick not before each of ``times`` [s]."""

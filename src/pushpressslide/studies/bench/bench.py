@@ -160,7 +160,7 @@ def track_and_allocate(name: str) -> Callable[[], object]:
     mode = MODES[segment.mode]
     path = segment.path
     tracker = mode.tracker(task, segment)
-    friction = task.believed.contact_friction
+    friction = task.scene.contact_friction
     allocate = mode.allocator(segment.contacts, friction, segment.drive.rho)
     s = 0.3 * path.length
     off_path = path.pose(s).compose(Pose2(0.0, 0.002, 0.02))

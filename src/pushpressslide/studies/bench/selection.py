@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from time import process_time
 from typing import Any, NamedTuple
 
@@ -319,7 +318,6 @@ def _run(task: Task, choice: Choice) -> tuple[float, bool]:
     from pushpressslide.planar.engine import run
     from pushpressslide.report.metrics import result
 
-    task = replace(task, belief=task.believed)
     plan = plan_of(task, [choice])
     record = run(plan)
     return float(record.arrays["time"][-1]), bool(result(task, plan, record)["success"])

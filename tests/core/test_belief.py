@@ -1,0 +1,67 @@
+"""What planner and controller are told: the belief where it is given, else the truth."""
+
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import (
+    Belief,
+    Box,
+    ObjectModel,
+    Obstacle,
+    Support,
+    Task,
+)
+
+TASK = Task(
+    "t",
+    ObjectModel(Box((0.4, 0.2, 0.1)), 2.0, (0.01, 0.0)),
+    Pose2(0.5, 0.0, 0.0),
+    Pose2(0.6, 0.0, 0.0),
+    (),
+    support=Support(friction=0.3),
+    obstacles=(Obstacle("post", (0.1, 0.1, 0.1), Pose2(1.0, 0.0), True, 0.5, 0.4),),
+    start_error=Pose2(0.01, 0.0, 0.1),
+)
+WRONG = Belief(0.5, 0.7, 3.0, (0.0, 0.02), 0.11)
+
+
+def test_without_a_belief_the_truth_is_told_but_for_the_error_of_the_start() -> None:
+    assert TASK.told == replace(TASK, start_error=Pose2())
+
+
+def test_what_is_believed_is_told_in_place_of_the_truth() -> None:
+    told = replace(TASK, belief=WRONG).told
+    assert told.support.friction == 0.5
+    assert told.contact_friction == 0.7
+    assert told.object.mass == 3.0
+    assert told.object.center_of_mass == (0.0, 0.02)
+    assert told.scene.rho == 0.11
+    assert told.start_error == Pose2()
+    assert told.told == told
+
+
+def test_a_changed_truth_is_believed_unless_a_belief_was_given() -> None:
+    heavy = replace(TASK, object=replace(TASK.object, mass=5.0))
+    assert heavy.told.object.mass == 5.0
+    assert heavy.scene.weight_on == pytest.approx(5.0 * 9.81)
+    assert replace(heavy, belief=WRONG).told.object.mass == 3.0
+
+
+def test_masses_and_frictions_of_other_bodies_are_believed() -> None:
+    (post,) = TASK.obstacles
+    other = replace(post, believed_mass=0.8, believed_friction=0.6)
+    task = replace(TASK, obstacles=(other,))
+    (told,) = task.told.obstacles
+    assert (told.mass, told.friction) == (0.8, 0.6)
+    assert task.obstacles[0].mass == 0.5
+
+
+def test_the_body_frame_has_its_origin_where_the_centre_of_mass_is_believed() -> None:
+    task = replace(TASK, belief=WRONG)
+    frame = task.X_GB
+    assert frame == Pose2(0.0, 0.02, 0.0)
+    assert frame == task.told.object.X_GB
+    assert task.center_error == pytest.approx((-0.01, 0.02))
+    assert task.body_ends[0] == task.start.compose(task.X_GB)

@@ -1,0 +1,139 @@
+"""The planar engine with a centre of mass that is not where it is believed to be."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Belief, Robot, Task
+from pushpressslide.planar.plant import PlanarPlant
+from pushpressslide.planning.pressed.vehicle import press_of
+from pushpressslide.report.metrics import result
+from pushpressslide.rom.drives import SpinDrive
+
+OFF = 0.01  # [m]
+ERRORS = [(OFF, 0.0), (0.0, OFF), (0.0, -OFF)]
+
+
+def mistaken(task: Task, error: tuple[float, float]) -> Task:
+    """Return ``task`` with its true centre of mass ``error`` [m] from the believed one."""
+    x, y = task.object.center_of_mass
+    there = (x + error[0], y + error[1])
+    return replace(
+        task,
+        object=replace(task.object, center_of_mass=there),
+        belief=Belief(center_of_mass=(x, y)),
+    )
+
+
+def handled(name: str) -> Task:
+    task = pps.load_task(name)
+    hands = tuple(Robot("hand", robot.base) for robot in task.robots)
+    return replace(task, robots=hands)
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_the_plan_knows_nothing_of_the_error(error: tuple[float, float]) -> None:
+    task = handled("rear-push-rear")
+    assert pps.plan(mistaken(task, error)).segments == pps.plan(task).segments
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_tips_touch_the_object_where_they_are_planned_to(
+    error: tuple[float, float],
+) -> None:
+    task = handled("rear-push-rear")
+    tips = [
+        PlanarPlant(pps.plan(each)).measure().tips[0].position
+        for each in (task, mistaken(task, error))
+    ]
+    assert tips[0] == pytest.approx(tips[1])
+
+
+def test_a_push_through_the_believed_centre_turns_the_object_about_the_true_one() -> (
+    None
+):
+    task = handled("rear-push-rear")
+    ahead = task.start.compose(Pose2(0.15, 0.0, 0.0))
+    task = replace(task, goal=ahead)
+    turns = []
+    for error in ((0.0, OFF), (0.0, -OFF)):
+        record = pps.run(pps.plan(mistaken(task, error)), engine="planar")
+        yaw = record.arrays["object_pose"][:, 2]
+        move = record.arrays["phase"] == 2
+        turns.append(yaw[move][60] - yaw[move][0])
+    # a centre to the left is turned to the left: the push passes on its right
+    assert turns[0] > math.radians(0.05)
+    assert turns[1] < -math.radians(0.05)
+
+
+def run(task: Task) -> dict[str, Any]:
+    """Return the result of a planar run."""
+    plan = pps.plan(task)
+    return result(task, plan, pps.run(plan, engine="planar"), {})
+
+
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("rear-push-rear", (OFF, 0.0)),
+        ("press-slide", (OFF, 0.0)),
+        ("press-slide", (0.0, OFF)),
+        ("parallel-push", (0.0, -OFF)),
+    ],
+)
+def test_the_goal_is_reached_all_the_same(
+    name: str, error: tuple[float, float]
+) -> None:
+    found = run(mistaken(handled(name), error))
+    assert found["final_position_error"] < 0.01
+    assert found["final_yaw_error"] < math.radians(2.0)
+
+
+def test_one_push_with_the_centre_aside_says_how_far_it_misses() -> None:
+    found = run(mistaken(handled("rear-push-rear"), (0.0, OFF)))
+    assert found["reason"]["code"] == "goal_missed"
+    assert 0.01 < found["final_position_error"] < 0.02
+
+
+def spun(wrong: float) -> tuple[Task, float]:
+    """Return a turn of 90 degrees about the pivot that follows from ``wrong`` times the
+    true rho, and how far the true pivot is from there [m].
+    """
+    task = handled("press-slide-pivot")
+    (contact,) = pps.plan(task).contacts
+    press = press_of(task.scene, contact)
+    there = press.pivot(left=True)
+    rho = wrong * math.sqrt(math.dist(there, press.cop) * press.lever)
+    believed = replace(press, rho=rho).pivot(left=True)
+    pivot = Pose2(*believed, 0.0)
+    goal = task.start.compose(pivot).compose(Pose2(0.0, 0.0, 0.5 * math.pi))
+    goal = goal.compose(pivot.inverse())
+    told = replace(task, goal=goal, belief=Belief(rho=rho))
+    return told, math.dist(believed, there)
+
+
+@pytest.mark.parametrize("wrong", [0.7, 1.3])
+def test_a_turn_on_the_spot_with_a_wrong_rho_finds_it_out_and_ends_at_its_goal(
+    wrong: float,
+) -> None:
+    task, off = spun(wrong)
+    (planned,) = pps.plan(task).segments
+    assert isinstance(planned.drive, SpinDrive)
+    assert off > 0.07
+    assert run(task)["final_position_error"] < 0.015
+
+
+@pytest.mark.parametrize("rho", [0.075, 0.15])
+def test_a_wrong_rho_of_a_press_is_found_out_on_the_way(rho: float) -> None:
+    known = handled("press-slide")
+    task = replace(known, belief=Belief(rho=rho))
+    axles = [pps.plan(each).segments[-1].X_BV for each in (task, known)]
+    # the first plan has it wrong
+    assert math.dist(axles[0].position, axles[1].position) > 0.015
+    found = run(task)
+    assert found["final_position_error"] < 0.005
+    assert found["final_yaw_error"] < math.radians(1.0)
