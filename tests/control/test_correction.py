@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.correction import Replanner, rest_of
+from pushpressslide.control.correction import Replanner, press_creep, rest_of
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Obstacle, Robot, Task
+from pushpressslide.core.task import Belief, Obstacle, Robot, Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.modes import MODES
 
@@ -151,3 +151,21 @@ def test_a_replan_keeps_a_tool_straight_that_is_not_askew_already(
     monkeypatch.setattr(MODES[segment.mode], "replan", lambda *_: (fresh,))
     replanned = Replanner(task).replan((rest,), Pose2(), (), 1.0)
     assert bool(replanned) == free
+
+
+def test_the_creep_of_one_press_is_measured_by_its_distance_from_the_centre() -> None:
+    press = Contact(0, "top", (0.03, 0.04), (0.0, 0.0), 0.1, 20.0)
+    push = Contact(0, "side", (0.03, 0.04), (-1.0, 0.0), 0.1)
+    crept = [(0.03, 0.03)]
+    assert press_creep([press], [press.point]) == 0.0
+    assert press_creep([press], crept) == pytest.approx(0.2)
+    assert press_creep([push], crept) == 0.0
+    assert press_creep([press, press], crept * 2) == 0.0
+    assert press_creep([replace(press, point=(0.0, 0.0))], crept) == 0.0
+
+
+def test_an_identified_rho_takes_the_place_of_a_believed_one_only() -> None:
+    told = replace(TASK, belief=Belief(rho=0.1))
+    assert Replanner(told).believing(0.2).task.belief.rho == 0.2
+    assert Replanner(TASK).believing(0.2).task.belief.rho is None
+    assert Replanner(told).believing(None).task.belief.rho == 0.1

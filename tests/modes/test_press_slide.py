@@ -6,7 +6,7 @@ from dataclasses import replace
 from pushpressslide import load_task
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, ObjectModel, Task
+from pushpressslide.core.task import Box, ObjectModel, PLANNED_SHARE, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
@@ -18,14 +18,14 @@ BASE = load_task("press-slide")
 
 
 def bar(most: float) -> Task:
-    """A low bar that is to go forward, pressed with up to ``most`` [N]."""
+    """A low bar that is to go forward, planned to be pressed with up to ``most`` [N]."""
     return replace(
         BASE,
         object=ObjectModel(Box((0.5, 0.16, 0.02)), 0.5, (0.0, 0.0)),
         contact_friction=0.9,
         start=Pose2(0.45, -0.2, 0.5 * math.pi),
         goal=Pose2(0.45, 0.2, 0.5 * math.pi),
-        limits=replace(BASE.limits, normal_force=most),
+        limits=replace(BASE.limits, normal_force=most / PLANNED_SHARE),
         motion=replace(BASE.motion, contacts=((0.12, 0.0),), press_force=None),
     )
 
@@ -34,7 +34,7 @@ def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed(
     None
 ):
     load = least_load(0.5 * GRAVITY, 0.3, 0.9, MOST_USE)
-    choices = MODE.choices(bar(1.0001 * max(load, 2.0)))
+    choices = MODE.choices(bar(1.0001 * max(load, 2.0) / PLANNED_SHARE))
     assert choices[0].feasible
     assert not any("pushed body" in choice.reason for choice in choices)
 

@@ -46,8 +46,8 @@ class Replanner:
 
     def __init__(self, task: Task) -> None:
         """Hold the legs of ``task``."""
-        self._task = task.told
-        self._parts = self._task.parts
+        self.task = task.told
+        self._parts = self.task.parts
 
     def believing(self, rho: float | None) -> Replanner:
         """Return a replanner that believes ``rho`` [m] where another one was told;
@@ -56,7 +56,7 @@ class Replanner:
         belief = self._parts[0].belief
         if rho is None or belief.rho is None:
             return self
-        task = replace(self._task, belief=replace(belief, rho=rho))
+        task = replace(self.task, belief=replace(belief, rho=rho))
         return Replanner(task)
 
     def replan(

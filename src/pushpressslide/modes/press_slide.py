@@ -200,7 +200,7 @@ class PressSlide(Mode):
         if contact.point == ORIGIN:
             return ()
         drive = segments[0].drive
-        if isinstance(drive, SpinDrive):
+        if isinstance(drive, SpinDrive) and measured.identified is not None:
             spun = self._spun(task, segments, measured)
             if spun:
                 return spun
