@@ -6,7 +6,7 @@ from dataclasses import replace
 from pushpressslide import load_task
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, ObjectModel, PLANNED_SHARE, Task
+from pushpressslide.core.task import PLANNED_SHARE, Box, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
