@@ -12,7 +12,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
 QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
-.PHONY: demo test test-all test-newest quick lint lock clean
+.PHONY: demo test test-all test-newest quick lint results picture lock clean
 
 demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
@@ -32,6 +32,16 @@ ifeq ($(NEWEST),)
 else
 	$(MAKE) quick PYTHON=$(NEWEST) VENV=.venv-newest
 endif
+
+# The paper's experiments, and the documents that show their figures.
+results: $(READY)
+	$(BIN)/pps reproduce --out runs/results --force
+	$(BIN)/python -m pushpressslide.studies.paper.documents \
+	  runs/results/table.md docs/results.md README.md
+
+picture: $(READY)
+	$(BIN)/pps reproduce --only rear-push --out runs/picture --force
+	cp runs/picture/rear-push/left/pictures.png docs/figures/rear-push-left.png
 
 lint: $(READY)
 	$(BIN)/ruff check .

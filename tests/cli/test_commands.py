@@ -1,13 +1,15 @@
 """What the commands print, leave behind and exit with."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import pytest
 from typer.testing import CliRunner, Result
 
-from pushpressslide.cli import app
+from pushpressslide.cli import app, shell
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.jobs.interrupt import Interrupted
 from pushpressslide.jobs.run import Monitor, Output
@@ -47,7 +49,7 @@ def run_with(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
             monitor.progress(1.0, 2.0)
             if isinstance(answer, BaseException):
                 raise answer
-            out.folder.mkdir(parents=True)
+            out.folder.mkdir(parents=True, exist_ok=True)
             (out.folder / "report.html").write_text("")
             return dict(answer)
 
@@ -155,6 +157,36 @@ def test_results_go_to_a_new_folder_below_runs(run_with: Any) -> None:
     assert first.parent == Path("runs")
     assert first.name.startswith("rear-push-rear-2")
     assert run_with.seen["out"] != first
+
+
+def test_two_commands_in_one_second_get_two_folders(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    class Clock:
+        @staticmethod
+        def now() -> datetime:
+            return datetime(2026, 1, 2, 3, 4, 5)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shell, "datetime", Clock)
+    with ThreadPoolExecutor(8) as pool:
+        folders = list(
+            pool.map(lambda _: shell.results_folder(None, "run", False), range(8))
+        )
+    assert len(set(folders)) == 8
+    assert Path("runs/run-20260102-030405") in folders
+    assert all(folder.is_dir() for folder in folders)
+
+
+def test_a_command_that_fails_leaves_no_folder(run_with: Any, tmp_path: Path) -> None:
+    run_with(InfeasibleTaskError("no mode can do it"))
+    assert list((tmp_path / "runs").iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["select", "plan"])
+def test_a_choice_without_joint_paths_says_so(command: str, tmp_path: Path) -> None:
+    shown = invoke(command, "rear-push-rear", "--out", str(tmp_path)).stdout
+    assert "Joint paths were not looked at" in " ".join(shown.split())
 
 
 def test_tasks_are_listed_one_a_line_with_a_description() -> None:

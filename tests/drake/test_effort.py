@@ -20,6 +20,6 @@ def share(overrides: list[str]) -> float:
 
 def test_a_heavy_press_takes_more_than_a_wrist_has() -> None:
     few = share([])
-    many = share(["motion.press_force=75", "object.mass=3.0"])
+    many = share(["motion.press_force=72", "object.mass=3.0"])
     assert 0.2 < few < 0.5
     assert many > few + 0.2

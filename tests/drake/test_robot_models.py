@@ -17,7 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.facts import MODELS, TIP_MASS, load_facts
+from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, load_facts
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.robot_models import (
@@ -270,6 +270,18 @@ def test_a_urdf_without_transmissions_is_driven_all_the_same(tmp_path):
     np.testing.assert_array_equal(
         plant.GetEffortUpperLimits(), load_facts("iiwa7").effort_limit
     )
+
+
+def test_links_and_joints_of_a_robot_may_be_called_tip(tmp_path):
+    def named_tip(text):
+        named = text.replace('"iiwa_link_7"', '"tip"')
+        return named.replace('"iiwa_joint_7"', '"tip_joint"')
+
+    robot = Robot(arm_file(tmp_path, named_tip), (0.1, 0.2, 0.3), tip_frame="tcp")
+    assert "tip" in Path(robot.model).read_text()
+    assert_kinematics_agree(robot)
+    poses = arm_kinematics(robot).link_poses(arm_kinematics(robot).facts.home)
+    assert not np.allclose(poses["tip"][1], poses[TIP][1])
 
 
 @needs_copy

@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from pushpressslide.cli import app
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
+from pushpressslide.studies.paper.documents import renewed, summary_of
 from pushpressslide.taskfile.load import task_from_data
 
 ROOT = Path(__file__).parents[2]
@@ -159,3 +161,27 @@ def test_the_example_of_adding_a_mode_reaches_its_goal(monkeypatch) -> None:
     assert {choice.refusal.code for choice in others} == {"detour"}
     record = pushpressslide.run(pushpressslide.plan(task, best), engine="planar")
     assert record.reason == "goal_reached"
+
+
+def test_the_paper_is_named_with_its_authors() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (paper,) = citation["references"]
+    assert paper["title"] in " ".join(README.split())
+    for author in paper["authors"]:
+        assert f"{author['given-names']} {author['family-names']}" in README
+
+
+def test_the_citation_agrees_with_the_project() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    named = project["project"]
+    assert citation["title"] == named["name"]
+    assert citation["version"] == named["version"]
+    assert citation["license"] == named["license"]
+    assert citation["authors"] == named["authors"]
+
+
+def test_the_readme_counts_what_the_results_count() -> None:
+    results = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    table = results.partition("results: begin (generated) -->")[2]
+    assert renewed(README, "results", summary_of(table)) == README

@@ -148,3 +148,7 @@ def test_a_shape_is_asked_and_not_inspected(path: Path) -> None:
         & {part.strip() for part in re.split(r"\W", ast.unparse(node.args[1]))}
     ]
     assert bool(asked) == (place in MAY_ASK_FOR_THE_KIND), f"{place}: core/shapes.py"
+
+
+def test_the_package_says_that_it_is_typed() -> None:
+    assert (ROOT / "src" / "pushpressslide" / "py.typed").is_file()

@@ -212,7 +212,7 @@ def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that
         assert 0.0 < low < 0.5 < high < 1.0
         assert not low <= cop <= high
     assert best(task, round(low + 0.02, 2)).feasible
-    assert "allowed from 4 N" in refusal(replace_press(task, 60.0), 0.02)
+    assert "allowed from 4 N" in refusal(replace_press(task, 54.0), 0.02)
 
 
 def test_the_strategy_of_the_task_file_is_the_one_that_is_planned() -> None:

@@ -227,7 +227,7 @@ def test_forces_beyond_the_limit_are_refused() -> None:
     )
     task = big_box(20.0, None, 0.3, 0.7)
     tight = replace(task, limits=replace(task.limits, normal_force=30.0))
-    assert "allowed 27 N, 0.9 of limits.normal_force" in refusal(tight)
+    assert "a press of 27 N, 0.9 of limits.normal_force" in refusal(tight)
 
 
 def test_no_lever_no_pivot() -> None:

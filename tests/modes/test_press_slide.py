@@ -18,14 +18,14 @@ BASE = load_task("press-slide")
 
 
 def bar(most: float) -> Task:
-    """A low bar that is to go forward, pressed with up to ``most`` [N]."""
+    """A low bar that is to go forward, planned to be pressed with up to ``most`` [N]."""
     return replace(
         BASE,
         object=ObjectModel(Box((0.5, 0.16, 0.02)), 0.5, (0.0, 0.0)),
         contact_friction=0.9,
         start=Pose2(0.45, -0.2, 0.5 * math.pi),
         goal=Pose2(0.45, 0.2, 0.5 * math.pi),
-        limits=replace(BASE.limits, normal_force=most),
+        limits=replace(BASE.limits, normal_force=most / PLANNED_SHARE),
         motion=replace(BASE.motion, contacts=((0.12, 0.0),), press_force=None),
     )
 

@@ -11,7 +11,9 @@ import pytest
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.jobs.run import Output, write_pages
 from pushpressslide.planar.replay import write_replay
+from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
 from pushpressslide.report.page import write_report
@@ -196,3 +198,31 @@ def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
     assert "Choice of mode" not in write_report([tmp_path]).read_text()
     again = save(run, tmp_path / "with")
     assert "Choice of mode" in write_report([again]).read_text()
+
+
+def broken(run, tick):
+    """Return a run whose state is NaN from a tick on, as of a simulator that failed."""
+    arrays = {name: run.record.arrays[name].copy() for name in series.STATE[:3]}
+    for values in arrays.values():
+        values[tick:] = np.nan
+    return run.with_arrays(**arrays).with_record(reason="diverged", reason_text="")
+
+
+@pytest.mark.parametrize("tick", [0, 1, 200, -1])
+def test_a_record_with_nan_has_pages_that_say_so(run, tick, tmp_path):
+    made = broken(run, tick)
+    folder = save(made, tmp_path / "run")
+    out = Output(folder)
+    write_pages(out, made.plan, made.record, [made.choice])
+    text = write_report([folder]).read_text()
+    when = "from the start"
+    if tick:
+        last = made.record.arrays["time"][:tick][-1]
+        when = f"after {last:.3f} s"
+    assert f"The state is not a number {when}." in text
+    assert "the last pose is not a number" in text
+    assert (folder / "replay.html").is_file()
+
+
+def test_a_whole_record_is_not_cut(run):
+    assert series.finite_part(run.record) is run.record

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.facts import MODELS, load_facts
+from pushpressslide.robots.facts import MODELS, TIP, load_facts
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 
@@ -85,12 +85,12 @@ def test_a_longer_rod_moves_the_tip_along_the_tool():
 def test_link_poses_end_at_the_tip():
     kin = ArmKinematics(load_facts("panda"), (0.1, 0.0, 0.2), 0.3)
     poses = kin.link_poses(kin.facts.home)
-    assert set(poses) == {link.name for link in kin.facts.links} | {"tip"}
-    np.testing.assert_allclose(poses["tip"][1], kin.tip_pose(kin.facts.home)[1])
+    assert set(poses) == {link.name for link in kin.facts.links} | {TIP}
+    np.testing.assert_allclose(poses[TIP][1], kin.tip_pose(kin.facts.home)[1])
     np.testing.assert_allclose(poses["panda_link1"][1], [0.1, 0.0, 0.533], atol=1e-15)
     R, p = poses["panda_link8"]
     np.testing.assert_allclose(
-        p + R @ [0, 0, kin.tip_length], poses["tip"][1], atol=1e-15
+        p + R @ [0, 0, kin.tip_length], poses[TIP][1], atol=1e-15
     )
 
 

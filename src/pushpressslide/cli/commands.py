@@ -70,7 +70,10 @@ def select(
     as_json: Json = False,
     force: Force = False,
 ) -> int:
-    """Rank the contact modes for a task, with reasons."""
+    """Rank the contact modes for a task, with reasons.
+
+    Joint paths are not looked at.
+    """
     from pushpressslide.cli import tables
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
@@ -85,7 +88,14 @@ def select(
     rows = tables.choice_rows(choices)
     write_whole(
         folder / "select.json",
-        to_json({"schema": 1, "task": loaded.name, "choices": rows}),
+        to_json(
+            {
+                "schema": 1,
+                "task": loaded.name,
+                "joint_paths": None,  # not looked at
+                "choices": rows,
+            }
+        ),
     )
     print_json(rows) if as_json else tables.print_choices(choices)
     if any(choice.feasible for choice in choices):
@@ -103,7 +113,11 @@ def plan(
     as_json: Json = False,
     force: Force = False,
 ) -> None:
-    """Plan only; writes plan.json and plan.png."""
+    """Plan only; writes plan.json and plan.png.
+
+    Joint paths are not looked at.
+    """
+    from pushpressslide.cli.tables import JOINT_PATHS
     from pushpressslide.report.plan_files import plan_to_dict, write_plan
     from pushpressslide.selection.planner import plan as make_plan
     from pushpressslide.selection.planner import refusal
@@ -125,6 +139,7 @@ def plan(
         typer.echo(f"{choice.mode}: {choice.reason}")
     length = sum(segment.path.length for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
+    typer.echo(JOINT_PATHS)
     typer.echo(folder / "plan.png")
 
 

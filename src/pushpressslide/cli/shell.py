@@ -8,9 +8,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime
 from functools import partial
+from itertools import count
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -26,6 +27,8 @@ WRONG_INPUT = 2
 INTERNAL_ERROR = 3
 INTERRUPTED = 130
 """Exit statuses."""
+
+_made: list[Path] = []  # folders of this command, which are removed if left empty
 
 
 class Interruption(Exception):
@@ -58,6 +61,7 @@ class Commands(TyperGroup):
         presses: list[int] = []
         restore = _note_interrupts(presses)
         status = _status_of(call, presses, "--json" in words)
+        _remove_empty_folders()
         restore()
         if not standalone_mode:
             return status
@@ -137,18 +141,15 @@ def results_folder(
     force: bool,
     results: tuple[str, ...] = ("result.json",),
 ) -> Path:
-    """Return the folder for results, which is not made yet.
+    """Return the folder for results.
 
-    Raises PushPressSlideError if it cannot be made, or holds one of ``results`` without
+    Without ``out`` it is a new one below runs/, made here so that no other command
+    takes it, and removed after the command if it is still empty. Raises
+    PushPressSlideError if it cannot be made, or holds one of ``results`` without
     ``force``.
     """
     if out is None:
-        stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-        out = Path("runs") / stamp
-        n = 1
-        while out.exists():
-            n += 1
-            out = Path("runs") / f"{stamp}-{n}"
+        return _new_folder(name)
     present = [result for result in results if (out / result).exists()]
     if present and not force:
         raise PushPressSlideError(
@@ -157,10 +158,39 @@ def results_folder(
         )
     above = next(path for path in (out, *out.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
-        raise PushPressSlideError(
-            f"--out: {str(out)!r} is not allowed; allowed: a folder that can be written"
-        )
+        raise _not_writable(out)
     return out
+
+
+def _new_folder(name: str) -> Path:
+    """Make a folder below runs/ that was not there, and return it."""
+    runs = Path("runs")
+    stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
+    for n in count(1):
+        folder = runs / (stamp if n == 1 else f"{stamp}-{n}")
+        try:
+            folder.mkdir(parents=True)
+            break
+        except FileExistsError:
+            if not runs.is_dir():
+                raise _not_writable(folder) from None
+        except OSError:
+            raise _not_writable(folder) from None
+    _made.append(folder)
+    return folder
+
+
+def _remove_empty_folders() -> None:
+    """Remove the folders that a command made and left empty."""
+    while _made:
+        with suppress(OSError):
+            _made.pop().rmdir()
+
+
+def _not_writable(folder: Path) -> PushPressSlideError:
+    return PushPressSlideError(
+        f"--out: {str(folder)!r} is not allowed; allowed: a folder that can be written"
+    )
 
 
 @contextmanager

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice
     from pushpressslide.modes.base import Mode
 
+JOINT_PATHS = "Joint paths were not looked at; `pps run` looks for them."
+"""Of choices that were ranked without an engine."""
+
 MISSING = "-"
 """Shown for a figure that does not apply."""
 
@@ -99,6 +102,7 @@ def print_choices(choices: Sequence[Choice]) -> None:
         )
         console.print(row.format(choice.mode, choice.verdict, *figures))
         console.print(Padding(reason, (0, 0, 0, 4)))
+    console.print(JOINT_PATHS)
 
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:

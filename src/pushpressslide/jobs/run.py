@@ -292,9 +292,11 @@ def write_pages(
     try:
         from pushpressslide.report.page import write_report
         from pushpressslide.report.plan_files import write_plan
+        from pushpressslide.report.series import finite_part
 
         write_plan(plan, folder, choices)
-        engine.write_replay(plan, record, folder, ArmOptions(models, video=out.video))
+        arms = ArmOptions(models, video=out.video)
+        engine.write_replay(plan, finite_part(record), folder, arms)
         write_report([folder])
     except KeyboardInterrupt:
         raise Interrupted(

@@ -227,7 +227,8 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
 def _pushed_faces(base: Task, rng: np.random.Generator) -> int:
     """Return how many faces are pushed, 0 if the object is pressed.
 
-    That of the mode that ``base`` names; drawn where it leaves the mode open.
+    That of the mode that ``base`` names; drawn where it leaves the mode open. One arm
+    pushes one face for a mode that no tasks are drawn for.
     """
     drawn = {
         name: mode.pushed_faces
@@ -236,6 +237,8 @@ def _pushed_faces(base: Task, rng: np.random.Generator) -> int:
     }
     names = base.modes or tuple(drawn)
     faces = sorted({drawn[name] for name in names if name in drawn})
+    if not faces and len(base.robots) == 1:
+        return 1
     if not faces:
         allowed = f"allowed where tasks are drawn: {', '.join(drawn)}"
         raise TaskError(base.source or base.name, "modes", list(names), allowed)

@@ -140,9 +140,10 @@ def _commanded(parts: Sequence[tuple[int, int, float]]) -> dict[str, float] | No
 
 
 def _largest(values: Array) -> float | None:
-    if not values.size:
+    known = values[~np.isnan(values)]
+    if not known.size:
         return None
-    return float(np.nanmax(values))
+    return float(known.max())
 
 
 def _mean(values: Array) -> float | None:

@@ -153,6 +153,8 @@ def _final_place(task: Task, record: Record, error: GoalError) -> str:
             f"engine {record.engine} does not move {task.tool.body!r}: where it ends "
             "is not known"
         )
+    if math.isnan(error.position):
+        return "where it ends is not known: the last pose is not a number"
     allowed = task.tolerance
     place = (
         f"ended {1e3 * error.position:.1f} mm and {math.degrees(error.yaw):.2f} deg "

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.report import style
+from pushpressslide.report import series, style
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page_tables import (
     comparison_table,
@@ -101,7 +102,10 @@ def _labels(runs: Sequence[Run]) -> list[str]:
 
 
 def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
-    curves = [(name, run.record) for name, run in zip(names, runs, strict=True)]
+    curves = [
+        (name, series.finite_part(run.record))
+        for name, run in zip(names, runs, strict=True)
+    ]
     return (
         "<section><h2>Side by side</h2>"
         + comparison_table(names, [run.result for run in runs])
@@ -113,7 +117,8 @@ def _comparison(runs: Sequence[Run], names: Sequence[str]) -> str:
 def _run_section(run: Run, page: Path, name: str) -> str:
     """Return the section of one run; writes its plots/*.png."""
     plots = []
-    for key, made in figures(run.plan, run.record).items():
+    shown = series.finite_part(run.record)
+    for key, made in figures(run.plan, shown).items():
         png = style.png(made)
         write_whole(run.folder / "plots" / f"{key}.png", png)
         plots.append(image(png, key, _caption(key)))
@@ -122,6 +127,7 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
         _verdict(run.result),
+        _warning(run.record),
         f"<p>{escape(text)}</p>" if text else "",
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
@@ -149,6 +155,20 @@ def _verdict(result: Mapping[str, Any]) -> str:
     return (
         f'<p class="verdict {css}"><strong>{words}</strong> '
         f"<code>{escape(str(reason['code']))}</code> {escape(str(reason['text']))}</p>"
+    )
+
+
+def _warning(record: Record) -> str:
+    """Say from when on the record holds values that are not numbers, if it does."""
+    count = series.finite_ticks(record)
+    if count == series.ticks(record):
+        return ""
+    when = "from the start"
+    if count:
+        when = f"after {record.arrays['time'][count - 1]:.3f} s"
+    return (
+        f"<p><strong>The state is not a number {when}.</strong> Plots and replay end "
+        "there; figures that need the rest are missing.</p>"
     )
 
 

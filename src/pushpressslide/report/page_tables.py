@@ -139,6 +139,7 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
             Row("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
             Row("All of a tick, median", "tick_us.total.median", 1.0, "µs", 1),
             Row("All of a tick, 99th percentile", "tick_us.total.p99", 1.0, "µs", 1),
+            Row("All of a tick, 99.9th percentile", "tick_us.total.p999", 1.0, "µs", 1),
         ),
     ),
 )

@@ -24,6 +24,9 @@ Mask = NDArray[np.bool_]
 CONTACT_FORCE = 0.1
 """[N] measured normal force below which a tip counts as not in contact."""
 
+STATE = ("object_pose", "object_twist", "tip_position", "time")
+"""What is a number at every tick unless the engine has failed."""
+
 SLIP_PLAY = 1e-4
 """[m] by which a tip may wander on the surface before it counts as slip."""
 
@@ -56,6 +59,30 @@ def planar_poses(positions: Array) -> Array:
 def ticks(record: Record) -> int:
     """Return the number of ticks that were recorded."""
     return len(record.arrays.get("time", ()))
+
+
+def finite_ticks(record: Record) -> int:
+    """Return the number of ticks before the first whose state holds NaN or infinity."""
+    count = ticks(record)
+    for name in STATE:
+        values = record.arrays.get(name)
+        if values is None:
+            continue
+        finite = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+        count = min(count, int(np.argmin(np.append(finite, False))))
+    return count
+
+
+def finite_part(record: Record) -> Record:
+    """Return the record up to the first tick whose state holds NaN or infinity."""
+    count = finite_ticks(record)
+    if count == ticks(record):
+        return record
+    arrays = {
+        name: values if name.startswith("plan_") else values[:count]
+        for name, values in record.arrays.items()
+    }
+    return replace(record, arrays=arrays)
 
 
 def in_phase(record: Record, *names: str) -> Mask:

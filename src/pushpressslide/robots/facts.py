@@ -20,6 +20,8 @@ JointKind = Literal["revolute", "prismatic", "fixed"]
 MODELS: tuple[str, ...] = ("panda", "iiwa7", "hand")
 """Names of the robots that the package describes itself."""
 
+# name of our tip's body: no link of a given robot may have it
+TIP = "pushpressslide_tip"
 TIP_MASS = 0.15
 """[kg] of the rod and the sphere that touch the object."""
 

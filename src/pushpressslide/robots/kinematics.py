@@ -17,6 +17,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import (
     MODELS,
+    TIP,
     RobotFacts,
     load_facts,
     rotation_from_rpy,
@@ -168,7 +169,7 @@ class ArmKinematics:
 
     def link_poses(self, q: Array) -> dict[str, tuple[Array, Array]]:
         """Return rotation (..., 3, 3) and origin (..., 3) of every link from base to
-        flange, and of "tip".
+        flange, and of ``TIP``.
         """
         q = np.asarray(q, dtype=np.float64)
         lead = q.shape[:-1]
@@ -186,7 +187,7 @@ class ArmKinematics:
                 )
             else:
                 out[joint.child] = next(moved)
-        out["tip"] = next(moved)
+        out[TIP] = next(moved)
         return out
 
     def tool_yaw(self, q: Array, attitude: ToolAttitude = UPRIGHT) -> Array:

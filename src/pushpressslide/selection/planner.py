@@ -14,7 +14,8 @@ from pushpressslide.selection.select import placements
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
     """Return the plan for ``choice``, by default the best one.
 
-    Of a task with legs, the best choice does every placement but that one.
+    Joint paths are not looked at: ``jobs.run.run`` looks for them. Of a task with
+    legs, the best choice does every placement but that one.
     ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
     InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
     """

@@ -25,6 +25,8 @@ ENDS = Refusal("no_continuation", "no way on with its contacts")
 def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, the quickest feasible one first; never empty.
 
+    Joint paths are not looked at: ``jobs.run.run`` looks for them.
+
     A choice that cannot do the task has a refusal with the number that decides; or it
     was skipped because ``enough`` choices of its mode are feasible and at least as
     fast. With legs, choices are grouped by placement, in order; ``leg`` says which leg

@@ -283,6 +283,8 @@ class DrakePlant:
         try:
             self._station.simulator.AdvanceTo(self._ticks * self._period)
         except RuntimeError as error:
+            if _raised_in_python(error):
+                raise
             self._failure = str(error).splitlines()[0]
 
     def row(self) -> PlantRow:
@@ -323,6 +325,15 @@ class DrakePlant:
         )
         for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
             arm.follow(placement.task, path, attitude)
+
+
+def _raised_in_python(error: BaseException) -> bool:
+    """Return whether Python code below the handler raised ``error``, not the simulator.
+
+    The simulator calls systems that are written in Python.
+    """
+    here = error.__traceback__
+    return here is not None and here.tb_next is not None
 
 
 def _longest_approach(paths: tuple[ArmPath, ...]) -> float:

@@ -31,7 +31,7 @@ from pydrake.multibody.tree import (
 from pushpressslide.core.errors import PushPressSlideError, TaskError
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
-from pushpressslide.robots.facts import MODELS, TIP_MASS, RobotFacts, load_facts
+from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts, load_facts
 from pushpressslide.robots.urdf import urdf_text
 
 DRAKE_MODELS_VARIABLE = "PUSHPRESSSLIDE_DRAKE_MODELS"
@@ -44,7 +44,7 @@ DRAKE_MODELS = {
     "iiwa7": "package://drake_models/iiwa_description/sdf/iiwa7_no_collision.sdf",
 }
 ROD_RADIUS = 0.008  # [m] of the steel rod between flange and sphere
-TIP_JOINT = "tip_joint"
+TIP_JOINT = f"{TIP}_joint"
 STEEL = (0.55, 0.57, 0.60, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
 PEDESTAL = (0.35, 0.37, 0.40, 1.0)
@@ -275,7 +275,7 @@ def _add_tip(
     """Weld the tip's body to the flange, ``length`` [m] before it."""
     flange, X_FlangeF = _flange(plant, instance, facts)
     X_FT = X_FlangeF @ RigidTransform([0.0, 0.0, length])
-    tip = plant.AddRigidBody("tip", instance, inertia)
+    tip = plant.AddRigidBody(TIP, instance, inertia)
     plant.AddJoint(WeldJoint(TIP_JOINT, flange, tip.body_frame(), X_FT))
     return tip
 

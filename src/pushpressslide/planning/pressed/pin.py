@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.task import FORCE_ALLOWED, Task
+from pushpressslide.core.task import FORCE_ALLOWED, PLANNED_SHARE, Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.held_twist import EDGE, tipping_refusal
@@ -53,8 +53,8 @@ def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
     if drag.forces.status != "ok" or utilisation > UTILISATION[-1]:
         text = (
             f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
-            "{figure:.2f} of its friction, allowed {allowed:g}; limits.normal_force is "
-            f"{cap:g} N"
+            "{figure:.2f} of its friction, allowed {allowed:g}; allowed a press of "
+            f"{cap:g} N, {PLANNED_SHARE:g} of limits.normal_force"
         )
         return Refusal("friction", text, utilisation, UTILISATION[-1])
     if push > cap:

@@ -1,29 +1,27 @@
 """What the paper claims of its experiments, and whether the runs reproduced it.
 
-Every error and time that the paper gives, and every statement of its experiments. What
-it derives is judged in ``corrections``.
+Every error and time that the paper gives, and every statement of its experiments,
+judged by the rules of ``bands``. What it derives is judged in ``corrections``.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from pushpressslide.studies.paper.corrections_one_arm import BAR
-from pushpressslide.studies.paper.evidence import Evidence, Result
-from pushpressslide.studies.paper.experiment import Experiment, Variant
+from pushpressslide.studies.paper.axle_claims import axle_claims
+from pushpressslide.studies.paper.bands import PERIOD, reproduced
+from pushpressslide.studies.paper.claim import Claim, verdict
+from pushpressslide.studies.paper.evidence import Evidence, Outcome, Result
+from pushpressslide.studies.paper.experiment import (
+    Experiment,
+    PaperFigure,
+    Variant,
+    Verdict,
+)
 from pushpressslide.studies.paper.figures import figure_of, paper_figure
 
-# of friction, in JOINT_TRACKING
-FORCES = (("97 %", "less"), ("100 %", "force"), ("103 %", "more"))
-FASTER = 100.0 / 30.0
-TIGHTER = 0.095 / 0.085  # factors that the paper has between its two runs
-RHO_WITHIN = 0.1  # share of the exact rho
-SEEN = -0.2  # [m] virtual axle from the CoM, in the paper's simulation
-SEEN_C = 0.43
-STEADY = 0.005  # [m] within which an axle has to stay to be called steady
-AXLE = "Virtual axle"
+# what is judged together
 KINDS = (
     ("time", ("motion_duration",)),
     (
@@ -32,295 +30,307 @@ KINDS = (
     ),
     ("distance from the goal", ("final_position_error", "final_yaw_error")),
 )
-
-
-STATUS = {
-    (True, True): "met or beaten",
-    (True, False): "missed",
-    (False, True): "reproduced",
-    (False, False): "not reproduced",
-}
-"""In words, of a (figure, reproduced) claim."""
+ENDS = KINDS[2][1]
+# pushes by a force, as shares of friction: without and with the joint term
+JUDGED_FORCE = ("force", "force-joint")
+OTHER_FORCES = (
+    ("3 % less", "less", "less-joint"),
+    ("3 % more", "more", "more-joint"),
+)
+FASTER = 100.0 / 30.0
+TIGHTER = 0.095 / 0.085  # gains of the paper's run with the term
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
-    """A claim, and what was measured of it."""
+class Runs:
+    """The runs that bear on one claim, each motion once."""
 
-    source: str
-    words: str
-    paper: str  # its figure, with unit; "" for none
-    measured: str  # "" where it could not be measured
-    reproduced: bool | None  # None: nothing measured
-    why: str = ""
-    # whether it is a figure of the paper, to be met or beaten, or a statement
-    figure: bool = False
+    variants: tuple[Variant, ...]
+    results: tuple[Result, ...]
+    repeated: int  # runs of a motion that another run had already
+    failures: tuple[str, ...]  # of runs that could not be made
+    missing: int  # runs that nobody asked for
 
     @property
-    def status(self) -> str:
-        """What came of it, in words."""
-        if self.reproduced is None:
-            return "not run"
-        return STATUS[self.figure, self.reproduced]
+    def count(self) -> str:
+        """How many runs there are, in words."""
+        words = f"{len(self.results)} runs"
+        if self.repeated:
+            words += f" ({self.repeated} more like them)"
+        return words
 
 
 def claims(experiments: Sequence[Experiment], evidence: Evidence) -> list[Claim]:
     """Return the claims on the given experiments and the virtual axle, judged."""
     out: list[Claim] = []
     for experiment in experiments:
-        for variant in experiment.variants:
-            result = evidence.result(experiment.name, variant.name)
-            out += _figures(experiment, variant, result)
-        judge = STATEMENTS.get(experiment.name, _reached)
+        if experiment.ours:
+            continue
+        out += _figures(experiment, evidence)
+        judge = STATEMENTS.get(experiment.name, _goals)
         out += judge(experiment, evidence)
+        out += _settled(experiment)
     if evidence.axle is not None:
-        out += _axle(evidence.axle)
+        out += axle_claims(evidence.axle)
     timed = [o.result for o in evidence.outcomes.values() if o.result is not None]
     return [*out, *_real_time(timed)]
 
 
-def _title(experiment: Experiment, variant: Variant) -> str:
-    return variant.title if len(experiment.variants) > 1 else experiment.title
+def runs_of(
+    experiment: Experiment, variants: Sequence[Variant], evidence: Evidence
+) -> Runs:
+    """Return the runs of some variants of an experiment."""
+    results: list[Result] = []
+    distinct: list[Variant] = []
+    failures = []
+    digests: set[str] = set()
+    missing = 0
+    repeated = 0
+    for variant in variants:
+        outcome = evidence.outcomes.get((experiment.name, variant.name))
+        if outcome is None:
+            missing += 1
+        elif outcome.result is None:
+            failures.append(f"{variant.title} could not be run: {outcome.failure}")
+        elif _seen(outcome, digests):
+            repeated += 1
+        else:
+            distinct.append(variant)
+            results.append(outcome.result)
+    return Runs(tuple(distinct), tuple(results), repeated, tuple(failures), missing)
 
 
-def _figures(
-    experiment: Experiment, variant: Variant, result: Result | None
-) -> Iterator[Claim]:
-    """Judge the figures that the paper gives for a variant, each kind as one claim."""
-    title = _title(experiment, variant)
+def _seen(outcome: Outcome, digests: set[str]) -> bool:
+    """Return whether another run had the same motion; note this one's."""
+    if outcome.digest in digests:
+        return True
+    if outcome.digest:
+        digests.add(outcome.digest)
+    return False
+
+
+def _figures(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
+    """Judge the figures of an experiment, each kind as one claim.
+
+    Variants with the same figures are one claim, and each of them has to give it.
+    """
     for what, keys in KINDS:
-        given = [key for key in keys if key in variant.paper]
-        if not given:
-            continue
-        paper = ", ".join(paper_figure(variant.paper, key) for key in given)
-        words = f"{title}: {what}"
-        if result is None:
-            yield Claim(
-                experiment.title, words, paper, "", None, variant.why, figure=True
-            )
-            continue
-        measured = ", ".join(figure_of(result, key) for key in given)
-        met = all(result[key] <= variant.paper[key].value for key in given)
-        why = _why(variant, result, met)
-        yield Claim(experiment.title, words, paper, measured, met, why, figure=True)
+        alike: dict[tuple[PaperFigure, ...], list[Variant]] = {}
+        for variant in experiment.variants:
+            given = tuple(variant.paper[key] for key in keys if key in variant.paper)
+            if given:
+                alike.setdefault(given, []).append(variant)
+        for variants in alike.values():
+            yield _figure(experiment, what, variants, keys, evidence)
 
 
-def _why(variant: Variant, result: Result, good: bool) -> str:
-    """Say why a variant does as it does, or how its run ended."""
-    if good:
-        return variant.why
-    return str(result["reason"]["text"])
+def _figure(
+    experiment: Experiment,
+    what: str,
+    variants: Sequence[Variant],
+    keys: Sequence[str],
+    evidence: Evidence,
+) -> Claim:
+    """Judge one kind of figure, that all of the variants have to give."""
+    paper = variants[0].paper
+    given = [key for key in keys if key in paper]
+    runs = runs_of(experiment, variants, evidence)
+    title = variants[0].title
+    if len(variants) > 1:
+        title = "Every run"
+    return _claim(
+        experiment,
+        f"{title}: {what}",
+        ", ".join(paper_figure(paper, key) for key in given),
+        runs,
+        lambda result: all(reproduced(paper[key], key, result) for key in given),
+        lambda results: _worst(results, given, paper),
+    )
 
 
-def _reached(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge experiments without figures by whether they reach their goals."""
-    for variant in experiment.variants:
-        if variant.paper:
-            continue
-        title = _title(experiment, variant)
-        words = f"{title}: the goal is reached"
-        result = evidence.result(experiment.name, variant.name)
-        if result is None:
-            outcome = evidence.outcomes.get((experiment.name, variant.name))
-            why = "Not run." if outcome is None else outcome.failure
-            yield Claim(experiment.title, words, "", "", None, why)
-            continue
-        measured = f"{figure_of(result, 'final_position_error')}, {figure_of(result, 'final_yaw_error')}"
-        good = bool(result["success"])
-        why = _why(variant, result, good)
-        yield Claim(experiment.title, words, "", measured, good, why)
+def _claim(
+    experiment: Experiment,
+    words: str,
+    paper: str,
+    runs: Runs,
+    good: Callable[[Result], bool],
+    shown: Callable[[Sequence[Result]], str],
+) -> Claim:
+    """Judge a claim that each of some runs has to show.
+
+    A run that could not be made does not show it.
+    """
+    figure = bool(paper)
+    if runs.missing or not (runs.results or runs.failures):
+        return Claim(experiment.title, words, paper, "", Verdict.not_run, figure=figure)
+    measured = shown(runs.results)
+    if len(runs.results) > 1:
+        measured = f"{runs.count}, at worst {measured}"
+    bad = [
+        _ending(variant, result)
+        for variant, result in zip(runs.variants, runs.results, strict=True)
+        if not good(result)
+    ]
+    bad += runs.failures
+    why = "; ".join(bad) or " ".join(dict.fromkeys(v.why for v in runs.variants))
+    return Claim(
+        experiment.title, words, paper, measured, verdict(not bad), why, figure
+    )
+
+
+def _ending(variant: Variant, result: Result) -> str:
+    """Say why a run did not show what it should, if anything is known."""
+    if result["success"]:
+        return variant.why or f"{variant.title}: it reaches its goal"
+    return f"{variant.title}: {result['reason']['text']}"
+
+
+def _worst(
+    results: Sequence[Result],
+    keys: Sequence[str],
+    paper: Mapping[str, PaperFigure],
+) -> str:
+    """Return the figures that are farthest from being reproduced."""
+    parts = []
+    for key in keys:
+        about = paper[key].about if key in paper else ""
+        parts.append(figure_of(_worst_by(results, key, about), key))
+    return ", ".join(parts)
+
+
+def _worst_by(results: Sequence[Result], key: str, about: str) -> Result:
+    """Return the result with the largest figure, or the least of a lower bound."""
+    known = [result for result in results if result[key] is not None]
+    known.sort(key=lambda result: float(result[key]))
+    if not known:
+        return {}
+    return known[0] if about == "over" else known[-1]
+
+
+def _goals(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
+    """Judge an experiment without figures by whether its runs reach their goals."""
+    variants = [variant for variant in experiment.variants if not variant.paper]
+    if not variants:
+        return
+    yield _claim(
+        experiment,
+        "Every run: the goal is reached",
+        "",
+        runs_of(experiment, variants, evidence),
+        lambda result: bool(result["success"]),
+        lambda results: _worst(results, ENDS, {}),
+    )
+
+
+def _settled(experiment: Experiment) -> Iterator[Claim]:
+    """Return the statements that no run of ours decides."""
+    for known in experiment.settled:
+        yield Claim(experiment.title, known.words, "", "", known.verdict, known.why)
 
 
 def _joint_term(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
     """Judge whether the joint term makes a push by force faster and tighter."""
-    for key, words, factor in (
+    for key, words, gain in (
         ("motion_duration", "is faster", FASTER),
         ("rms_position_error", "keeps the box closer to its reference", TIGHTER),
     ):
-        pairs = []
-        ratios = []
-        for share, name in FORCES:
-            alone, joined = (
-                evidence.result(experiment.name, n) for n in (name, f"{name}-joint")
-            )
-            if alone is None or joined is None or not alone[key] or not joined[key]:
-                continue
-            before = figure_of(alone, key)
-            pairs.append(f"{share}: {before} to {figure_of(joined, key)}")
-            ratios.append(alone[key] / joined[key])
-        why = (
-            "So it is where the force falls short of friction; where it equals or "
-            "exceeds it, the force "
-            "alone can be as good. The paper does not say by how much its force "
-            "differs from friction."
-        )
+        words = f"With the joint term a push {words}"
+        paper = f"{gain:.2f} times"
+        pair = _pair(experiment, evidence, JUDGED_FORCE)
+        if pair is None:
+            yield Claim(experiment.title, words, paper, "", Verdict.not_run)
+            continue
+        gained = _gain(pair, key)
         yield Claim(
             experiment.title,
-            f"With the joint term a push {words}",
-            f"{factor:.2f} times",
-            "; ".join(pairs),
-            max(ratios) >= factor if ratios else None,
-            why,
+            words,
+            paper,
+            f"{_change(pair, key)} ({gained:.2f} times)",
+            verdict(bool(pair[1]["success"]) and gained >= gain),
+            _by_other_forces(experiment, evidence, key),
         )
 
 
-def _rho(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
-    """Judge rho as identified on the way."""
-    outcome = evidence.outcomes.get((experiment.name, experiment.variants[0].name))
-    rho = None if outcome is None else outcome.rho
-    words = "rho identified on the way is within 10 % of the exact model's (ours, the paper reads off c)"
-    if rho is None:
-        yield Claim(experiment.title, words, "", "", None)
-        return
-    measured = (
-        f"{1e3 * rho.identified:.1f} mm, exact {1e3 * rho.exact:.1f} mm "
-        f"({100.0 * (rho.identified / rho.exact - 1.0):+.1f} %)"
-    )
-    why = (
-        f"Planned with {1e3 * rho.predicted:.0f} mm; force at "
-        f"{math.degrees(rho.force_angle):.0f}° for "
-        f"{rho.time:.1f} s. Axle {1e3 * rho.axle:.0f} mm from the CoM, exact "
-        f"{1e3 * rho.exact_axle:.0f} mm."
-    )
-    good = abs(rho.identified / rho.exact - 1.0) <= RHO_WITHIN
-    yield Claim(experiment.title, words, "", measured, good, why)
+def _pair(
+    experiment: Experiment, evidence: Evidence, names: tuple[str, str]
+) -> tuple[Result, Result] | None:
+    """Return the runs without and with the joint term, or None if one is missing."""
+    alone = evidence.result(experiment.name, names[0])
+    joined = evidence.result(experiment.name, names[1])
+    if alone is None or joined is None:
+        return None
+    return alone, joined
+
+
+def _by_other_forces(experiment: Experiment, evidence: Evidence, key: str) -> str:
+    """Say what the joint term does at forces that are not judged."""
+    parts = ["At a force equal to friction"]
+    for share, *names in OTHER_FORCES:
+        pair = _pair(experiment, evidence, (names[0], names[1]))
+        if pair is not None:
+            parts.append(f"with {share}: {_change(pair, key)}")
+    return f"{'; '.join(parts)}."
+
+
+def _gain(pair: tuple[Result, Result], key: str) -> float:
+    """Return how many times less a figure is with the joint term; 0 if unknown."""
+    alone, joined = pair
+    if not alone[key] or not joined[key]:
+        return 0.0
+    return float(alone[key]) / float(joined[key])
+
+
+def _change(pair: tuple[Result, Result], key: str) -> str:
+    """Return a figure without and with the joint term, and how the runs ended."""
+    alone, joined = pair
+    return f"{_figure_and_end(alone, key)} to {_figure_and_end(joined, key)}"
+
+
+def _figure_and_end(result: Result, key: str) -> str:
+    text = figure_of(result, key)
+    if result["success"]:
+        return text
+    code = str(result["reason"]["code"]).replace("_", " ")
+    return f"{text} ({code})"
 
 
 def _fixed_target(experiment: Experiment, evidence: Evidence) -> Iterator[Claim]:
     """Judge the literal reading of the paper's virtual target by the paper's figures."""
-    result = evidence.result(experiment.name, "fixed-target")
-    asked = experiment.variants[0].paper
-    words = "A virtual target fixed beyond the goal aligns the object"
-    paper = ", ".join(paper_figure(asked, key) for key in asked)
-    if result is None:
-        yield Claim(experiment.title, words, paper, "", None)
-        return
-    measured = ", ".join(figure_of(result, key) for key in asked)
-    good = all(result[key] <= figure.value for key, figure in asked.items())
-    why = "It leaves part of the lateral error; one that slides along the path, as in the rows above, none."
-    yield Claim(experiment.title, words, paper, measured, good, why)
+    paper = experiment.variants[0].paper
+    variants = [v for v in experiment.variants if v.name == "fixed-target"]
+    given = tuple(paper)
+    yield _claim(
+        experiment,
+        "A virtual target fixed beyond the goal aligns the object",
+        ", ".join(paper_figure(paper, key) for key in given),
+        runs_of(experiment, variants, evidence),
+        lambda result: all(reproduced(paper[key], key, result) for key in given),
+        lambda results: _worst(results, given, paper),
+    )
 
 
 STATEMENTS: dict[str, Callable[[Experiment, Evidence], Iterator[Claim]]] = {
     "joint-tracking": _joint_term,
     "press-slide": _fixed_target,
-    "identified-rho": _rho,
 }
-
-
-def _axle(result: Result) -> list[Claim]:
-    """Judge what the paper says of the virtual axle, by the axles measured.
-
-    The rows are those of the paper's press at its height.
-    """
-    rows = [row for row in result["rows"] if row["measured"] is not None]
-    high = max((row["height"] for row in rows), default=0.0)
-    ours = [row for row in rows if row["height"] == high]
-    if not ours:
-        return []
-    return [*_axle_places(result, ours, high), *_axle_steadiness(result, ours)]
-
-
-def _axle_places(result: Result, rows: Sequence[Result], height: float) -> list[Claim]:
-    """Judge where the axle is, by the force that pulls most and that pushes most."""
-    pulled = min(rows, key=lambda row: row["angle"])
-    pushed = max(rows, key=lambda row: row["angle"])
-    axle = pushed["measured"]
-    both = f"{1e3 * pulled['measured']:+.0f} mm pulled, {1e3 * axle:+.0f} mm pushed"
-    shift = result["support_friction"] * height
-    cs = [_c_of(pulled["measured"], shift), _c_of(axle, -shift)]
-    tolerance = result["tolerance"]
-    return [
-        Claim(
-            AXLE,
-            "Axle from the CoM by the paper's formula",
-            "0.82 m",
-            both,
-            abs(abs(axle) - 0.82) <= tolerance,
-            f"By its own formula {1e3 * pulled['paper']:+.0f} mm; and c = 0.6 is not "
-            "the pressed bar's.",
-        ),
-        Claim(
-            AXLE,
-            "Axle from the CoM as seen in simulation",
-            f"{abs(SEEN):g} m",
-            both,
-            abs(axle - SEEN) <= tolerance,
-            "So it is when pushed; pulled, drag at the tip's height moves the load the "
-            "other way.",
-        ),
-        Claim(
-            AXLE,
-            "c falls from 0.6 to 0.43 under the arm's force",
-            f"{SEEN_C:g}",
-            f"{cs[0]:.2f} pulled, {cs[1]:.2f} pushed",
-            all(abs(c - SEEN_C) <= 0.03 for c in cs),
-            "From the measured axles and the moved centres of pressure: there is no "
-            "single c.",
-        ),
-    ]
-
-
-def _c_of(axle: float, shift: float) -> float:
-    """Return c = rho / r0 of the bar that turns about ``axle`` [m] from the CoM.
-
-    ``shift`` [m] is how far the drag moves the centre of pressure.
-    """
-    square = (BAR.cop[0] + shift - axle) * BAR.lever
-    return math.sqrt(max(square, 0.0)) / BAR.half_diagonal
-
-
-def _axle_steadiness(result: Result, rows: Sequence[Result]) -> list[Claim]:
-    """Judge whether the axle moves over time, with the force, and off its prediction."""
-    bands = [row["measured_axle_band"] for row in rows]
-    band = max(high - low for low, high in bands)
-    axles = [row["measured"] for row in rows]
-    spread = max(axles) - min(axles)
-    worst = result["summary"]["predicted"]["max"]
-    return [
-        Claim(
-            AXLE,
-            "The axle remains stable",
-            "",
-            f"within {1e3 * band:.1f} mm over time",
-            band <= STEADY,
-            "For a force of constant direction in the body, 5th to 95th percentile.",
-        ),
-        Claim(
-            AXLE,
-            "The axle is invariant to the force's direction",
-            "0 mm",
-            f"moves by {1e3 * spread:.0f} mm",
-            spread <= STEADY,
-            "It moves with the direction through the exact surface's shape and the "
-            "tip's height.",
-        ),
-        Claim(
-            AXLE,
-            "The abstraction is valid: the object turns about a predictable axle",
-            "",
-            f"predicted within {1e3 * worst:.1f} mm",
-            worst <= result["tolerance"],
-            "With the exact surface and the height of the contact, in every probe.",
-        ),
-    ]
 
 
 def _real_time(results: Sequence[Result]) -> Iterator[Claim]:
     """Judge whether the closed forms keep up with the control period."""
     ticks = [r["tick_us"] for r in results if r.get("tick_us")]
-    if not ticks:
+    totals = [t["total"] for t in ticks if t["total"]]
+    if not totals:
         return
-    slowest = max(t["total"]["median"] for t in ticks)
-    allocate = max(t["allocate"]["median"] for t in ticks)
-    worst = max(t["total"]["p99"] for t in ticks)
+    worst = 1e-6 * max(total["p999"] for total in totals)
+    median = 1e-6 * max(total["median"] for total in totals)
+    late = sum(1e-6 * total["p999"] >= PERIOD for total in totals)
     yield Claim(
         "All experiments",
         "Optimization-free, in real time",
         "",
-        f"a tick {slowest / 1e3:.2f} ms, its allocation {allocate:.0f} µs",
-        slowest < 4e3,
-        "The slowest run's medians, period 4 ms. Plans made anew on the way take "
-        "longer: 99th percentile "
-        f"{worst / 1e3:.1f} ms.",
+        f"99.9th percentile {1e3 * worst:.1f} ms, median {1e3 * median:.2f} ms, "
+        "of the slowest runs",
+        verdict(late == 0),
+        f"Of {len(totals)} runs {late} exceed {1e3 * PERIOD:g} ms. A tick that "
+        "replans takes longest. Times depend on the machine.",
     )

@@ -16,6 +16,7 @@ from pushpressslide.report.page_tables import number_cells, table
 from pushpressslide.studies.paper import corrections_one_arm as one
 from pushpressslide.studies.paper import corrections_two_arms as two
 from pushpressslide.studies.paper.correction import Compared, Correction
+from pushpressslide.studies.paper.documents import renewed
 
 ROWS: tuple[Callable[[], Correction], ...] = (
     one.distance_from_com,
@@ -34,8 +35,6 @@ ROWS: tuple[Callable[[], Correction], ...] = (
     one.virtual_target,
     one.one_friction,
 )
-BEGIN = "<!-- corrections: begin (generated) -->"
-END = "<!-- corrections: end -->"
 
 
 def corrections() -> tuple[Correction, ...]:
@@ -85,11 +84,7 @@ def with_corrections(page: str) -> str:
 
     Raises ValueError for a page without the two marks.
     """
-    head, begin, rest = page.partition(BEGIN)
-    _, end, tail = rest.partition(END)
-    if not begin or not end:
-        raise ValueError(f"the page lacks {BEGIN!r} or {END!r}")
-    return f"{head}{BEGIN}\n\n{markdown(corrections())}\n\n{END}{tail}"
+    return renewed(page, "corrections", markdown(corrections()))
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ class Outcome:
     result: Result | None  # contents of its result.json; None where it could not be run
     failure: str = ""
     rho: IdentifiedRho | None = None  # where the run was for it
+    digest: str = ""  # of the object's motion: equal for two runs of the same motion
 
 
 @dataclass(frozen=True, slots=True)

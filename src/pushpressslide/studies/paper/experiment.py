@@ -4,6 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
+
+
+class Verdict(StrEnum):
+    """What became of a claim."""
+
+    reproduced = "reproduced"
+    not_reproduced = "not reproduced"
+    unstated = "cannot be judged"  # the paper does not say what it would take
+    not_run = "not run"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +47,15 @@ class Comparison:
 
 
 @dataclass(frozen=True, slots=True)
+class Settled:
+    """A statement of the paper whose verdict does not depend on the runs."""
+
+    words: str
+    verdict: Verdict
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class Experiment:
     """Several runs that belong to one claim of the paper."""
 
@@ -51,3 +70,5 @@ class Experiment:
     # variants whose errors are plotted over time; None for all
     plotted: tuple[str, ...] | None = None
     axle: str = ""  # variant whose virtual axle is plotted over time
+    settled: tuple[Settled, ...] = ()
+    ours: bool = False  # the paper claims nothing that the runs could show

@@ -23,16 +23,19 @@ from pushpressslide.report.plane import path_figure
 from pushpressslide.report.plots import comparison_plot
 from pushpressslide.report.virtual_axle import page_body, write_virtual_axle
 from pushpressslide.studies.paper import corrections
-from pushpressslide.studies.paper.claims import Claim
+from pushpressslide.studies.paper.bands import RULES
+from pushpressslide.studies.paper.claim import Claim
 from pushpressslide.studies.paper.correction import Correction
 from pushpressslide.studies.paper.evidence import Evidence, Outcome
-from pushpressslide.studies.paper.experiment import Experiment, Variant
+from pushpressslide.studies.paper.experiment import Experiment, Variant, Verdict
 from pushpressslide.studies.paper.experiments import AXLE
 from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.pictures import CAPTION, NAME
-from pushpressslide.studies.paper.table import LEGEND, ending, findings, summary
+from pushpressslide.studies.paper.table import LEGEND, ending, findings, scope, summary
 
 TITLE = "The paper's experiments"
+# style of a verdict
+MARKS = {Verdict.reproduced: "ok", Verdict.not_reproduced: "no"}
 INTRODUCTION = (
     "Push, Press, Slide: Mode-Aware Planar Contact Manipulation via Reduced-Order "
     "Models. Every experiment "
@@ -79,10 +82,11 @@ def write_page(
     links = "".join(
         f'<li><a href="#{name}">{escape(title)}</a></li>' for name, title, _ in sections
     )
+    counted = scope(experiments) + summary(judged)
     parts = [
         f"<h1>{TITLE}</h1>",
         f"<p>{escape(INTRODUCTION)}</p>",
-        f'<p class="verdict good"><strong>{escape(summary(judged))}</strong></p>',
+        f'<p class="verdict"><strong>{escape(counted)}</strong></p>',
         f'<nav><ul class="contents">{links}</ul></nav>',
     ]
     parts += [
@@ -103,24 +107,36 @@ def _claims(judged: Sequence[Claim]) -> str:
             source = claim.source
             rows.append(group_row(source, 5))
             marks.append(' class="group"')
-        css = {True: "ok", False: "no", None: ""}[claim.reproduced]
+        css = MARKS.get(claim.verdict, "")
         rows.append(
             [
                 f'<th scope="row">{escape(claim.words)}</th>',
                 f"<td>{escape(_unbroken(claim.paper))}</td>",
                 f"<td>{escape(_unbroken(claim.measured))}</td>",
-                f'<td class="{css}">{escape(claim.status)}</td>',
+                f'<td class="{css}">{escape(claim.verdict)}</td>',
                 f'<td class="why">{escape(claim.why)}</td>',
             ]
         )
         marks.append("")
     text = (
-        "Every error and time that the paper gives, met or beaten or missed, and what "
-        "it states of its "
+        "Every error and time that the paper gives, and what it states of its "
         "experiments. What it derives is judged in the corrections."
     )
-    body = table(("Claim", "Paper", "Measured", "Status", "Why"), rows, marks)
-    return f'<p>{text} {escape(LEGEND)}</p><div class="claims">{body}</div>'
+    body = table(("Claim", "Paper", "Measured", "Verdict", "Why"), rows, marks)
+    return f'<p>{text} {escape(LEGEND)}</p>{_rules()}<div class="claims">{body}</div>'
+
+
+def _rules() -> str:
+    """Return the rules by which claims are judged, as a table."""
+    rows = [
+        [
+            f'<th scope="row">{escape(rule.kind)}</th>',
+            f"<td>{escape(rule.asked)}</td>",
+            f"<td>{escape(rule.reason)}</td>",
+        ]
+        for rule in RULES
+    ]
+    return table(("Claim", "Reproduced if", "Reason"), rows, [""] * len(rows))
 
 
 def _unbroken(text: str) -> str:

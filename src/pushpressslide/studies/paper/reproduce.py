@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
@@ -9,9 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.jobs.engines import DEFAULT, ENGINES
+from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.jobs.parallel import Progress, in_parallel
 from pushpressslide.jobs.run import Output, run_task, versions
 from pushpressslide.report.files import load_run
@@ -28,7 +32,7 @@ from pushpressslide.studies.paper.table import write_table
 from pushpressslide.studies.paper.virtual_axle import LIGHT, TASK, result_of, work_of
 from pushpressslide.taskfile.load import load_task
 
-SCHEMA = 2
+SCHEMA = 3
 JOBS = 2
 KEPT = (
     "success",
@@ -64,7 +68,8 @@ def reproduce(
     PushPressSlideError for a name that is not an experiment.
     """
     experiments, with_axle = chosen(only)
-    cases = LIGHT if with_axle and ENGINES[engine].has_arms else ()
+    has_arms = engine_named(engine).has_arms
+    cases = LIGHT if with_axle and has_arms else ()
     runs: dict[Any, Callable[[], Any]] = {
         (e.name, v.name): partial(
             run_variant, e, v, out / e.name / v.name, seed, engine
@@ -102,7 +107,7 @@ def _write(
         "engine": engine,
         "seed": seed,
         "experiments": {e.name: _summary(e, evidence) for e in experiments},
-        "claims": [{**asdict(claim), "status": claim.status} for claim in judged],
+        "claims": [asdict(claim) for claim in judged],
         "corrections": [asdict(row) for row in corrected],
         AXLE: None if axle is None else axle["summary"],
         "versions": made_by,
@@ -123,12 +128,19 @@ def run_variant(
         result = run_task(task, engine=engine, seed=seed, out=Output(folder))
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
-    if ENGINES[engine].has_arms and variant.name in experiment.pictured:
+    if engine_named(engine).has_arms and variant.name in experiment.pictured:
         write_pictures(folder)
-    if experiment.name != IDENTIFIED_RHO.name:
-        return Outcome(folder, result)
     run = load_run(folder)
-    return Outcome(folder, result, rho=identified_rho(run.plan, run.record))
+    rho = None
+    if experiment.name == IDENTIFIED_RHO.name:
+        rho = identified_rho(run.plan, run.record)
+    return Outcome(folder, result, rho=rho, digest=_digest(run.record))
+
+
+def _digest(record: Record) -> str:
+    """Return what tells one motion of the object from another."""
+    poses = np.ascontiguousarray(record.arrays["object_pose"])
+    return hashlib.sha256(poses.tobytes()).hexdigest()
 
 
 def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:

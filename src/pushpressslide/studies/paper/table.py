@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.studies.paper.claims import Claim
+from pushpressslide.studies.paper.bands import RULES
+from pushpressslide.studies.paper.claim import Claim
 from pushpressslide.studies.paper.evidence import Evidence, Outcome, Result
-from pushpressslide.studies.paper.experiment import Comparison, Experiment
+from pushpressslide.studies.paper.experiment import Comparison, Experiment, Verdict
+from pushpressslide.studies.paper.experiments import EXPERIMENTS
 from pushpressslide.studies.paper.figures import FIGURES, paper_figure
 from pushpressslide.studies.paper.identified_rho import IdentifiedRho
 
@@ -38,10 +40,34 @@ def write_table(
     """Write figures and claims as a Markdown file and return its path."""
     parts = [f"{LEGEND}\n"]
     parts += [_experiment(experiment, evidence) for experiment in experiments]
-    lines = [["claim", "paper", "measured", "status", "why"], ["---"] * 5]
-    lines += [[c.words, c.paper, c.measured, c.status, c.why] for c in judged]
-    parts.append(f"## Claims\n\n{summary(judged)}\n\n{_rows(lines)}\n")
+    counted = scope(experiments) + summary(judged)
+    parts.append(f"## Claims\n\n{counted}\n\n{_rules()}\n\n{_claims(judged)}\n")
     return write_whole(path, "\n".join(parts))
+
+
+def scope(experiments: Sequence[Experiment]) -> str:
+    """Name the experiments where others were not run, to begin the summary with."""
+    if len(experiments) == len(EXPERIMENTS):
+        return ""
+    names = ", ".join(experiment.name for experiment in experiments)
+    return f"Run so far, of {len(EXPERIMENTS)} experiments: {names}. "
+
+
+def _rules() -> str:
+    lines = [["claim", "reproduced if", "reason"], ["---"] * 3]
+    lines += [[rule.kind, rule.asked, rule.reason] for rule in RULES]
+    return _rows(lines)
+
+
+def _claims(judged: Sequence[Claim]) -> str:
+    lines = [["", "claim", "paper", "measured", "verdict", "why"], ["---"] * 6]
+    source = ""
+    for claim in judged:
+        shown = "" if claim.source == source else claim.source
+        source = claim.source
+        cells = [claim.words, claim.paper, claim.measured, claim.verdict, claim.why]
+        lines.append([shown, *cells])
+    return _rows(lines)
 
 
 def _experiment(experiment: Experiment, evidence: Evidence) -> str:
@@ -68,22 +94,18 @@ def _rows(lines: Sequence[Sequence[str]]) -> str:
 
 
 def summary(judged: Sequence[Claim]) -> str:
-    """Count the figures met, the statements reproduced and the claims not run."""
+    """Count the figures and statements reproduced, and the claims not judged."""
     counts = []
-    for figure, what, good in (
-        (True, "figures", "met or beaten"),
-        (False, "statements", "reproduced"),
-    ):
-        run = [
-            claim.reproduced
-            for claim in judged
-            if claim.figure is figure and claim.reproduced is not None
-        ]
+    for figure, what in ((True, "figures"), (False, "statements")):
+        verdicts = [c.verdict for c in judged if c.figure is figure]
+        good = verdicts.count(Verdict.reproduced)
+        run = good + verdicts.count(Verdict.not_reproduced)
         if run:
-            counts.append(f"{sum(run)} of {len(run)} {what} {good}")
-    rest = sum(claim.reproduced is None for claim in judged)
-    if rest:
-        counts.append(f"{rest} not run")
+            counts.append(f"{good} of {run} {what} reproduced")
+    every = [claim.verdict for claim in judged]
+    for verdict in (Verdict.unstated, Verdict.not_run):
+        if verdict in every:
+            counts.append(f"{every.count(verdict)} {verdict}")
     return f"{', '.join(counts)}."
 
 

@@ -5,7 +5,12 @@ It gives no figure.
 
 from __future__ import annotations
 
-from pushpressslide.studies.paper.experiment import Experiment, Variant
+from pushpressslide.studies.paper.experiment import (
+    Experiment,
+    Settled,
+    Variant,
+    Verdict,
+)
 
 TWO_ARMS = Experiment(
     name="two-arms",
@@ -58,9 +63,14 @@ PIVOT_AND_MOVE = Experiment(
         ),
         Variant(
             "tight",
-            "10 mm a side in place of 20",
+            "10 mm a side in place of 20, from another start",
             "pivot-and-move",
-            ("obstacles.0.pose.y=0.66", "obstacles.1.pose.y=-0.56"),
+            (
+                "obstacles.0.pose.y=0.66",
+                "obstacles.1.pose.y=-0.56",
+                "start.x=0.44",
+                "start.yaw_deg=2",
+            ),
             why="Planned anew from where the box is at the second touch.",
         ),
     ),
@@ -68,6 +78,18 @@ PIVOT_AND_MOVE = Experiment(
     "Here both arms push the box into the slot, in the paper the left one, the other "
     "holding on.",
     pictured=("run",),
+    settled=(
+        Settled(
+            "The left arm alone pushes the box into the slot, the right one holds on",
+            Verdict.not_run,
+            "Here both arms push.",
+        ),
+        Settled(
+            "The slot is tight",
+            Verdict.unstated,
+            "The paper does not give the clearance, the masses or the friction.",
+        ),
+    ),
 )
 
 PRESS_FIT = Experiment(
@@ -94,4 +116,11 @@ PRESS_FIT = Experiment(
     why="Against a wall the weight acts in the plane and only the arms press: they hold it by friction on "
     "both sides. Masses and friction are not in the paper.",
     pictured=("run",),
+    settled=(
+        Settled(
+            "The object fits into its place",
+            Verdict.unstated,
+            "The paper does not give the clearance, the masses or the friction.",
+        ),
+    ),
 )
