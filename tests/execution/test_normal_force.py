@@ -57,3 +57,13 @@ def test_losing_contact_resets_the_integral():
     assert state.integral > 1.0
     _, state = regulator.step(state, 8.0, 0.0, 0.002)
     assert state.integral == 0.0
+
+
+def test_a_tip_that_bounces_winds_nothing_up():
+    """It feels less than half of what it presses with: it is about to land again."""
+    regulator = NormalForceRegulator()
+    _, state = regulator.step(regulator.init(), 0.0, 1.0, 0.004)
+    for _ in range(100):
+        u, state = regulator.step(state, 15.0, 0.8, 0.004)
+    assert u == pytest.approx(15.0)
+    assert state.integral == 0.0

@@ -19,7 +19,7 @@ class NormalForceState:
 @dataclass(frozen=True, slots=True)
 class NormalForceRegulator:
     """PI with a ramped command, a clamp, conditional integration, and a reset when
-    contact is lost.
+    contact is lost. A tip that bounces is pressed by the command alone.
 
     Stable behind one sample of delay iff |k_p| < 1 and 0 < k_i dt < 2 (1 - k_p), with
     the integral updated before the output.
@@ -30,6 +30,7 @@ class NormalForceRegulator:
     f_max: float = 40.0  # [N]
     ramp: float = 60.0  # [N/s]
     contact_threshold: float = 0.2  # [N] below it there is no contact
+    firm: float = 0.5  # of the command: below it a contact is being made or lost
 
     def init(self) -> NormalForceState:
         """Return the state at rest."""
@@ -43,6 +44,10 @@ class NormalForceRegulator:
         ramped = min(max(command, state.ramped - step), state.ramped + step)
         if measured < self.contact_threshold:
             return min(max(ramped, 0.0), self.f_max), NormalForceState(0.0, ramped)
+        if measured < self.firm * ramped:  # a tip that bounces: no error to wind up by
+            integral = state.integral
+            output = min(max(ramped + integral, 0.0), self.f_max)
+            return output, NormalForceState(integral, ramped)
         error = ramped - measured
         integral = state.integral + self.k_i * error * dt
         raw = ramped + self.k_p * error + integral
