@@ -15,6 +15,8 @@ from pushpressslide.control.state import (
     FREE_DAMPING,
     FREE_STIFFNESS,
     SERVO_CAP,
+    between,
+    ramp_time,
     smooth,
     smooth_rate,
 )
@@ -125,15 +127,19 @@ class TipPath:
     @property
     def duration(self) -> float:
         """How long it takes [s]."""
-        return sum(_travel_time(a, b) for a, b in pairwise(self.corners))
+        return sum(
+            ramp_time(math.dist(a, b), TRAVEL_SPEED) for a, b in pairwise(self.corners)
+        )
 
     def at(self, elapsed: float) -> tuple[Vector3, Vector3]:
         """Return place [m] and velocity [m/s] ``elapsed`` [s] after the beginning."""
         for a, b in pairwise(self.corners):
-            time = _travel_time(a, b)
+            time = ramp_time(math.dist(a, b), TRAVEL_SPEED)
             if elapsed < time:
                 u = elapsed / time
-                return _along(a, b, smooth(u)), _between(a, b, smooth_rate(u) / time)
+                rate = smooth_rate(u) / time
+                dx, dy, dz = (end - begin for begin, end in zip(a, b, strict=True))
+                return between(a, b, smooth(u)), (rate * dx, rate * dy, rate * dz)
             elapsed -= time
         return self.corners[-1], (0.0, 0.0, 0.0)
 
@@ -187,17 +193,3 @@ def tip_path(begin: Vector3, end: Vector3, above: float) -> TipPath:
     kept = [corners[0]]
     kept += [b for a, b in pairwise(corners) if a != b]
     return TipPath(tuple(kept))
-
-
-def _travel_time(a: Vector3, b: Vector3) -> float:
-    """Return how long a minimum-jerk motion takes [s] that is at most TRAVEL_SPEED."""
-    return 1.875 * math.dist(a, b) / TRAVEL_SPEED
-
-
-def _along(a: Vector3, b: Vector3, share: float) -> Vector3:
-    dx, dy, dz = _between(a, b, share)
-    return (a[0] + dx, a[1] + dy, a[2] + dz)
-
-
-def _between(a: Vector3, b: Vector3, share: float) -> Vector3:
-    return (share * (b[0] - a[0]), share * (b[1] - a[1]), share * (b[2] - a[2]))

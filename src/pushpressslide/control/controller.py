@@ -455,8 +455,7 @@ class Controller:
         astray = abs(guidance.error[1])
         if astray > ASTRAY:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
-            failed = replace(state, failure=("goal_missed", text))
-            return begin(failed, "release", measurement)
+            return self.stop(state, measurement, ("goal_missed", text))
         if self._arrived(state, measurement, left):
             ahead = state.ahead or self._retry(state, measurement, X_WB)
             if not ahead:
@@ -501,13 +500,14 @@ class Controller:
         guidance: Guidance,
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
-        better = self.replanner.believing(state.rho).onward(
+        better = self.replanner.onward(
             (state.binding.segment, *state.ahead),
             X_WB,
             touched,
             guidance,
             time - state.replanned,
             identified(state),
+            state.rho,
         )
         if better is None:
             return state

@@ -98,12 +98,14 @@ class Replanner:
         guidance: Guidance,
         since_last: float,
         identified: Identified | None = None,
+        rho: float | None = None,
     ) -> Replan | None:
         """Return better segments from here; None if all is well.
 
         Made when a contact has slid or the tracking point is off the path, unless that
         would take a detour; or when the virtual axle is ``identified`` elsewhere.
-        ``since_last`` [s] is the time since the last replan.
+        ``since_last`` [s] is the time since the last replan; ``rho`` [m] as in
+        ``believing``.
         """
         followed = segments[0]
         left = followed.path.length - guidance.progress
@@ -119,7 +121,8 @@ class Replanner:
         if moved > OFF_AXLE:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
-        fresh = self.replan(rest, X_WB, touched, longest, identified)
+        replanner = self.believing(rho)
+        fresh = replanner.replan(rest, X_WB, touched, longest, identified)
         if not fresh:
             return None
         return _at_speed(fresh, followed.profile)

@@ -174,11 +174,20 @@ def smooth_rate(u: float) -> float:
     return 30.0 * u * u * (1.0 - u) * (1.0 - u)
 
 
-def ramp_time(way: float) -> float:
-    """Return how long a minimum-jerk move over ``way`` [m] takes at ALIGN_SPEED at its
-    fastest [s].
+def ramp_time(way: float, speed: float = ALIGN_SPEED) -> float:
+    """Return how long a minimum-jerk move over ``way`` [m] takes at ``speed`` [m/s] at
+    its fastest [s].
     """
-    return 1.875 * math.fabs(way) / ALIGN_SPEED
+    return 1.875 * math.fabs(way) / speed
+
+
+def between(a: Vector3, b: Vector3, share: float) -> Vector3:
+    """Return the point [m] at ``share`` of the way from ``a`` to ``b``."""
+    return (
+        a[0] + share * (b[0] - a[0]),
+        a[1] + share * (b[1] - a[1]),
+        a[2] + share * (b[2] - a[2]),
+    )
 
 
 def approached(value: Point, target: Point, step: float) -> Point:

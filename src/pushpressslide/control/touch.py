@@ -16,6 +16,7 @@ from pushpressslide.control.state import (
     SERVO_CAP,
     TipContext,
     TipMemory,
+    between,
     contact_yaw,
     pressed,
     ramp_time,
@@ -72,7 +73,7 @@ class TipTouch:
         n = contact.direction(context.X_WB)
         before = tip_position(contact, context.X_WB, self.radius, self.gap)
         if elapsed < aligned:
-            place = _between(memory.start, before, smooth(elapsed / aligned))
+            place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
         depth = TOUCH_SPEED * (elapsed - aligned)
         origin = before
@@ -166,14 +167,6 @@ def drawn_back(context: TipContext, start: Vector3, distance: float) -> TipComma
     """
     n = context.contact.direction(context.X_WB)
     return held_at(context, _ahead(start, n, -distance))
-
-
-def _between(a: Vector3, b: Vector3, u: float) -> Vector3:
-    return (
-        a[0] + u * (b[0] - a[0]),
-        a[1] + u * (b[1] - a[1]),
-        a[2] + u * (b[2] - a[2]),
-    )
 
 
 def _ahead(origin: Vector3, direction: Vector3, distance: float) -> Vector3:

@@ -34,6 +34,8 @@ FIGURES = (
     "realtime_factor",
 )
 """Of a run's result, what its row holds."""
+OURS = (SimulationError, ValueError, RuntimeError, IndexError, KeyError)
+"""Errors of the software that are rows, not the end of a sweep."""
 FORCED = 3
 """Choices of a refused task that are run all the same: the best that have a path."""
 
@@ -69,7 +71,7 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
             )
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
-    except (SimulationError, ValueError, RuntimeError, IndexError, KeyError) as error:
+    except OURS as error:
         reason = f"{type(error).__name__}: {error}"
         return {**row, "status": "failed", "reason": reason}
     chosen = plan.chosen(choices)
@@ -94,14 +96,7 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
             plan, record = run_choice(
                 sample, choices[rank], engine=options.engine, seed=options.seed
             )
-    except (
-        InfeasibleTaskError,
-        SimulationError,
-        ValueError,
-        RuntimeError,
-        IndexError,
-        KeyError,
-    ) as error:
+    except (InfeasibleTaskError, *OURS) as error:
         reason = f"{type(error).__name__}: {error}"
         return {**row, "status": "not run", "reason": reason}
     return {**row, **_figures(sample, plan, record)}

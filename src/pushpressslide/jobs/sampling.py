@@ -266,8 +266,7 @@ def _any_object(rng: np.random.Generator, arms: int, pressed: bool) -> ObjectMod
         """Draw a size [m], evenly in its logarithm."""
         return math.exp(float(rng.uniform(low, high)))
 
-    kinds = ["box"] * 4 + ["triangle", "hexagon"] + ["cylinder"] * pressed
-    kind = rng.choice(kinds)
+    kind = _kind(rng, pressed)
     length = size()
     width = size() if kind == "box" else length
     mean = math.sqrt(length * width)
@@ -303,8 +302,7 @@ def _object(
 
 def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Shape:
     """Draw a shape; two thirds are boxes, or slightly less with cylinders."""
-    kinds = ["box"] * 4 + ["triangle", "hexagon"] + ["cylinder"] * pressed
-    kind = rng.choice(kinds)
+    kind = _kind(rng, pressed)
     heights = ranges.pressed_height if pressed else ranges.pushed_height
     height = float(rng.uniform(*heights))
     if kind == "box":
@@ -318,6 +316,12 @@ def _shape(rng: np.random.Generator, ranges: ObjectRanges, pressed: bool) -> Sha
         # a face looks along -x
         corners = _regular(6, rng.uniform(*ranges.hexagon), math.pi / 6.0)
     return Prism(corners, height)
+
+
+def _kind(rng: np.random.Generator, pressed: bool) -> str:
+    """Draw a kind of shape; pressed ones are cylinders too."""
+    kinds = ["box"] * 4 + ["triangle", "hexagon"] + ["cylinder"] * pressed
+    return str(rng.choice(kinds))
 
 
 def _regular(count: int, radius: float, phase: float) -> tuple[Point, ...]:
