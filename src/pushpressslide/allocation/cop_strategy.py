@@ -8,7 +8,8 @@ import math
 from collections.abc import Callable, Sequence
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.press_loads import SPARE, TwoPresses
+from pushpressslide.allocation.press_loads import TwoPresses
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import Cop
 from pushpressslide.core.wrench import Twist
@@ -78,7 +79,7 @@ def loads_with(presses: TwoPresses, cop: Cop, heavier: float) -> Point:
     """
     weight = presses.weight
     if isinstance(cop, str):
-        least = presses.least_fraction + SPARE
+        least = presses.least_fraction + margins.SPARE_LOAD
         lighter = heavier
         if cop != "balanced" and least < 0.5:
             lighter = min(heavier, least * (weight + heavier) / (1.0 - least))

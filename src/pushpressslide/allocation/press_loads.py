@@ -18,6 +18,7 @@ from typing import Literal, NamedTuple
 from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.cop_load import cop_friction, largest_enough
 from pushpressslide.allocation.presses import least_press, two_press_allocator
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import AllocationStatus
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
@@ -31,7 +32,6 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 Side = Literal["balanced", "left", "right"]
 # part of the load that the lighter contact carries beyond the least for a turn on the
 # spot
-SPARE = 0.02
 EXACT = 1e-9  # part of the largest load to which the least is found
 TOPS = (1.0, 0.7, 0.5, 0.35, 0.25)  # parts of the largest load that are tried as enough
 RATIOS = 16
@@ -283,7 +283,7 @@ class TwoPresses:
         """Return the part of the load that the lighter contact carries."""
         if side == "balanced":
             return 0.5
-        return min(self.least_fraction + SPARE, 0.5)
+        return min(self.least_fraction + margins.SPARE_LOAD, 0.5)
 
 
 def _first_enough(surplus: Callable[[float], float], most: float) -> float:

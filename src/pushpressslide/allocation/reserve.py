@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.pose import Point
-
-PREFERRED = 0.8  # of the friction, that forces keep to where that is enough
 
 
 def reserving_allocator(
@@ -20,10 +19,12 @@ def reserving_allocator(
     rho: float,
     projection: Projection = "nearest",
 ) -> Allocator:
-    """Return the ``two_contact_allocator`` of PREFERRED of the friction where that gives
+    """Return the ``two_contact_allocator`` of the preferred use of the friction where that gives
     the wrench, else that of all of it.
     """
-    preferred = two_contact_allocator(points, normals, PREFERRED * friction, rho)
+    preferred = two_contact_allocator(
+        points, normals, margins.PREFERRED_USE * friction, rho
+    )
     exact = two_contact_allocator(points, normals, friction, rho, projection=projection)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:

@@ -14,6 +14,7 @@ from pushpressslide.allocation.cop_strategy import (
 )
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.allocation.wall_presses import wall_loads
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
@@ -26,10 +27,6 @@ from pushpressslide.mechanics.pressing import resting_cop
 from pushpressslide.mechanics.wall import lean_press, weights
 
 COP: Cop = "balanced"
-# shares of the tips' friction that a motion may take, the best first
-UTILISATION = (0.7, 0.8, 0.9, 0.95)
-HARDER = 1.3  # times as hard where the drag's lever takes more of the friction
-LEAST_PRESS = 4.0  # [N] below which a tip bounces on the object
 ORIGIN = (0.0, 0.0)
 
 Presses = Callable[..., TwoPresses]
@@ -62,11 +59,13 @@ def slide_loads(
         return None, [_given_loads(presses(), cop, press, cap)]
     if any(scene.weight_along):
         steps = [(twist, along) for along in weights(scene, path)]
-        least = max(LEAST_PRESS, lean_press(scene))
-        return None, [wall_loads(presses, steps, UTILISATION, least)]
-    loads = safe_loads(presses, cop, twist, UTILISATION, LEAST_PRESS)
+        least = max(margins.ARM.least_press, lean_press(scene))
+        return None, [wall_loads(presses, steps, margins.FRICTION_USES, least)]
+    loads = safe_loads(
+        presses, cop, twist, margins.FRICTION_USES, margins.ARM.least_press
+    )
     if loads is not None:
-        harder = loads_with(presses(), cop, min(cap, HARDER * max(loads)))
+        harder = loads_with(presses(), cop, min(cap, margins.HARDER * max(loads)))
         return None, [loads, harder]
     return _loads_at_limit(presses, cop, twist)
 
@@ -101,7 +100,7 @@ def slip_refusal(normals: Point, utilisation: float, note: str = "") -> Refusal:
         f"pressed with {left:.1f} and {right:.1f} N the tips slip before the object: "
         f"the motion takes {{figure:.2f}} of their friction, allowed {{allowed:g}}{note}"
     )
-    return Refusal("friction", text, utilisation, UTILISATION[-1])
+    return Refusal("friction", text, utilisation, margins.FRICTION_USES[-1])
 
 
 def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
@@ -122,18 +121,22 @@ def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Poi
     if given > cap:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         raise RefusedError(Refusal("normal_force", text, given, cap, "N"))
-    if min(normals) < LEAST_PRESS:
+    if min(normals) < margins.ARM.least_press:
         text = (
             "the lighter press is {figure:N.1f}, allowed from {allowed:Ng}: a contact "
             "that does not press holds nothing"
         )
-        raise RefusedError(Refusal("press", text, min(normals), LEAST_PRESS, "N"))
+        raise RefusedError(
+            Refusal("press", text, min(normals), margins.ARM.least_press, "N")
+        )
     return normals
 
 
 def _cop_refusal(presses: Presses, cop: float, twist: Twist, cap: float) -> Refusal:
     """Return what stands against a wanted centre of pressure."""
-    can = possible_fractions(presses, twist, UTILISATION[-1:], LEAST_PRESS)
+    can = possible_fractions(
+        presses, twist, margins.FRICTION_USES[-1:], margins.ARM.least_press
+    )
     span = "and so does any other"
     if can:
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"

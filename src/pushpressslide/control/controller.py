@@ -47,6 +47,7 @@ from pushpressslide.control.state import (
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, missing
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
 from pushpressslide.core.guidance import Guidance
@@ -59,41 +60,17 @@ from pushpressslide.execution.normal_force import NormalForceRegulator, NormalFo
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 
-TOUCH_SHARE = 0.4  # of the force that would move the object: pressed before the motion
-# [s] without contact force before a tip goes back to touch: a side push rides over a
-# gap, a press must not
-LOSS_TIME = {"side": 0.12, "top": 0.008}
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
-FLOOR_SPEED = 0.006  # [m/s] least speed while the goal is not reached
-STOP = 2e-4  # [m] of path left at which the motion ends
 # [m], [rad] of noise that may remain in the object's pose: the mean of as many
 # measurements as it takes, up to 1 / LEAST_GAIN
 POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
-RETREAT = 0.06  # [m] drawn back on release
-LONGEST_STOP = 4.0  # [s] after a failure until the run ends, at rest or not
-AT_REST = 0.005  # [m/s] of a tip that counts as at rest
-REST_TIME = 0.3  # [s] that the tips stand still before that, after a failure
-# [m] of slid contact, and of path left, above which a tip lets go and touches the
-# planned place again
-RETOUCH = 0.012
 RETOUCHES = 3
-# the same of one press, as a share of its distance from the CoM: a tip creeps along its
-# force, and pushed towards the CoM it ends where the drag tips the object
-CREPT = 0.2
-# measured friction utilisation beyond which the steering is eased
-GRIP_USE = 0.93
 GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
-ASTRAY = 0.1  # [m] of the tracking point from its path at which the run is given up
-RETRY_ABOVE = 0.9  # of the tolerance: final errors beyond it trigger a retry
-# the same in an opening, where the fall into it has pushed the object off its path
-RETRY_ABOVE_SEATED = 0.3
 RETRIES = 2
-TOUCH_DETOUR = 1.2  # times the path that is left, for the plan made at a touch
-TOUCH_SLACK = 0.03  # [m] on top of that
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -120,6 +97,9 @@ class Controller:
         self.X_GB = task.object.X_GB
         self.X_BG = self.X_GB.inverse()
         self.robots = task.robots
+        self.tolerance = task.tolerance
+        self.stop_left = margins.STOP * self.tolerance.position  # [m]
+        self.floor_speed = margins.FLOOR_SPEED * motion.speed  # [m/s]
         self.replanner = Replanner(told)
         threshold = max(0.25, 4.0 * task.sensing.force_noise)
         regulator = NormalForceRegulator(f_max=task.limits.normal_force)
@@ -140,7 +120,7 @@ class Controller:
         self.pose_gain = pose_gain(task.sensing)
         self.mover = TipMover(damping, friction, threshold, noise, regulator)
         self.patience = min(
-            LOSS_TIME[contact.kind]
+            margins.ARM.loss_time(contact.kind)
             + motion.control_period * self.mover.samples(contact)
             for contact in first.contacts
         )
@@ -325,7 +305,9 @@ class Controller:
         """Begin to move, replanned from where object and contacts turn out to be."""
         time = measurement.time
         rest = rest_of(state.binding.segment, state.progress)
-        longest = TOUCH_DETOUR * rest.path.length + TOUCH_SLACK
+        longest = margins.longest(
+            margins.TOUCH_DETOUR, rest.path.length, self.object.radius
+        )
         touched = touched_points(self.object, rest, X_WB, measurement.tips)
         fresh = self.replanner.believing(state.rho).replan(
             (rest, *state.ahead), X_WB, touched, longest, identified(state)
@@ -383,7 +365,7 @@ class Controller:
         if missing(felt, contacts, allocation.normals):
             lost = measurement.time if state.lost is None else state.lost
         most = max(tip.friction_utilisation for tip in felt)
-        rate = -GRIP_FALL if most > GRIP_USE else GRIP_RISE
+        rate = -GRIP_FALL if most > margins.GRIP_USE else GRIP_RISE
         dt = measurement.time - state.last_time
         next_state = replace(
             state,
@@ -409,10 +391,11 @@ class Controller:
         progress, speed = profile.at(time - state.clock_start)
         left = segment.path.length - state.progress
         wanted = speed + CATCH_UP * (progress - state.progress)
-        braking = FLOOR_SPEED + math.sqrt(profile.acceleration * max(left, 0.0))
+        floor = self.floor_speed
+        braking = floor + math.sqrt(profile.acceleration * max(left, 0.0))
         # for the object to be seated or at rest
-        waits = self.waits and not state.ahead and left <= STOP
-        least = 0.0 if waits else FLOOR_SPEED
+        waits = self.waits and not state.ahead and left <= self.stop_left
+        least = 0.0 if waits else floor
         return min(max(wanted, least), 1.5 * profile.speed, braking)
 
     def _tip_tasks(
@@ -453,8 +436,9 @@ class Controller:
         time = measurement.time
         left = segment.path.length - state.progress
         astray = abs(guidance.error[1])
-        if astray > ASTRAY:
-            text = f"{astray * 1e3:.0f} mm off its path, allowed {ASTRAY * 1e3:.0f} mm"
+        allowed = margins.ASTRAY * self.tolerance.position
+        if astray > allowed:
+            text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
             return self.stop(state, measurement, ("goal_missed", text))
         if self._arrived(state, measurement, left):
             ahead = state.ahead or self._retry(state, measurement, X_WB)
@@ -464,9 +448,10 @@ class Controller:
         if state.lost is not None and time - state.lost > self.patience:
             return replace(begin(state, "touch", measurement), align=False)
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
-        slid = side_slide(state.segment.contacts, touched) > RETOUCH
-        crept = press_creep(self.segments[0].contacts, touched) > CREPT
-        if (slid or crept) and left > RETOUCH and state.retouches < RETOUCHES:
+        retouch = margins.ARM.retouch
+        slid = side_slide(state.segment.contacts, touched) > retouch
+        crept = press_creep(self.segments[0].contacts, touched) > margins.CREPT
+        if (slid or crept) and left > retouch and state.retouches < RETOUCHES:
             return self._touch_planned_place(state, measurement)
         if state.lost is not None:
             return state
@@ -527,14 +512,14 @@ class Controller:
         held, when it rests.
         """
         if state.ahead or not self.waits:
-            return left <= STOP
+            return left <= self.stop_left
         duration = state.binding.segment.profile.duration
         late = measurement.time - state.clock_start - duration
         if self.entry is None:
             rests = late > HOLD_TIME
         else:
             rests = self.entry.seated(measurement)
-        return late > SEAT_TIME or (left <= STOP and rests)
+        return late > SEAT_TIME or (left <= self.stop_left and rests)
 
     def _retry(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
@@ -546,7 +531,9 @@ class Controller:
         pose = measurement.object_pose
         off = math.dist(pose.position, task.goal.position) / task.tolerance.position
         turned = abs(wrap_angle(pose.yaw - task.goal.yaw)) / task.tolerance.yaw
-        above = RETRY_ABOVE if self.entry is None else RETRY_ABOVE_SEATED
+        above = margins.RETRY_ABOVE
+        if self.entry is not None:
+            above = margins.RETRY_ABOVE_SEATED
         if max(off, turned) < above or state.retries == RETRIES:
             return ()
         segment = state.binding.segment
@@ -567,7 +554,9 @@ class Controller:
         part = self.parts[planned.leg]
         time = measurement.time
         touched = touched_points(self.object, planned, X_WB, measurement.tips)
-        longest = TOUCH_DETOUR * planned.path.length + TOUCH_SLACK
+        longest = margins.longest(
+            margins.TOUCH_DETOUR, planned.path.length, self.object.radius
+        )
         replanner = self.replanner.believing(state.rho)
         fresh = replanner.replan(ahead, X_WB, touched, longest) or ahead
         return replace(
@@ -594,10 +583,10 @@ class Controller:
         """
         failed = state.failure is not None
         holds = failed and not self.scene.carried(measurement.object_pose)
-        rest = REST_TIME if failed else 0.0
-        duration = ramp_time(RETREAT)
+        rest = margins.ARM.rest_time if failed else 0.0
+        duration = ramp_time(margins.ARM.retreat)
         elapsed = measurement.time - state.since
-        distance = RETREAT * smooth((elapsed - rest) / duration)
+        distance = margins.ARM.retreat * smooth((elapsed - rest) / duration)
         contacts = state.binding.segment.contacts
         yaw = measurement.object_pose.yaw
         progress = joint_progress(state)
@@ -612,7 +601,7 @@ class Controller:
                 command = drawn_back(context, memory.start, distance)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
-        if failed and elapsed < LONGEST_STOP:
+        if failed and elapsed < margins.ARM.longest_stop:
             over = over and _at_rest(measurement, contacts)
         phase: Phase = "done" if over else "release"
         next_state = replace(state, phase=phase, last_time=measurement.time)
@@ -623,7 +612,7 @@ class Controller:
 def _at_rest(measurement: Measurement, contacts: Sequence[Contact]) -> bool:
     """Whether the tips of all contacts are at rest."""
     speeds = [math.hypot(*measurement.tips[c.arm].velocity) for c in contacts]
-    return max(speeds) < AT_REST
+    return max(speeds) < margins.ARM.at_rest
 
 
 def pose_gain(sensing: Sensing) -> float:
@@ -638,5 +627,5 @@ def _touch_forces(segment: Segment) -> list[float]:
     """Return what each tip presses with before the motion begins [N]."""
     contacts = segment.contacts
     sides = sum(contact.kind == "side" for contact in contacts)
-    push = TOUCH_SHARE * segment.drive.max_friction / max(sides, 1)
+    push = margins.TOUCH_SHARE * segment.drive.max_friction / max(sides, 1)
     return [c.load if c.kind == "top" else max(0.6, push) for c in contacts]

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.core import margins
 from pushpressslide.core.control import TipState
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
@@ -20,16 +21,6 @@ from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.selection.clearance import obstacle_refusal, swept
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
-
-SLID = 2.5e-3  # [m] of a contact along its face
-OFF_PATH = 1e-3  # [m] of the tracking point from the path
-OFF_HEADING = 0.0175  # [rad] of the heading from the path's; 1 degree
-OFF_AXLE = 0.015  # [m] of the virtual axle from where the plan has it
-LEAST_LEFT = 0.02  # [m] of path
-PAUSE = 0.4  # [s] between two re-plans
-# times the way that is left: a longer plan has turned a loop and is not taken
-DETOUR = 1.1
-SLACK = 0.005  # [m] on top of that
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,15 +101,17 @@ class Replanner:
         followed = segments[0]
         left = followed.path.length - guidance.progress
         _, across, heading = guidance.error
-        off_path = abs(across) > OFF_PATH or abs(heading) > OFF_HEADING
-        slid = slide(followed.contacts, touched) > SLID
+        allowed = self.task.tolerance
+        off_path = abs(across) > margins.OFF_PATH * allowed.position
+        off_path = off_path or abs(heading) > margins.OFF_HEADING * allowed.yaw
+        slid = slide(followed.contacts, touched) > margins.SLID * allowed.position
         moved = _axle_error(followed, identified)
-        if not (off_path or slid or moved > OFF_AXLE):
+        if not (off_path or slid or moved > margins.ARM.off_axle):
             return None
-        if left < LEAST_LEFT or since_last < PAUSE:
+        if left < margins.ARM.least_left or since_last < margins.ARM.replan_pause:
             return None
-        longest = DETOUR * left + SLACK
-        if moved > OFF_AXLE:  # the path of another point has another length
+        longest = margins.longest(margins.DETOUR, left, self.task.object.radius)
+        if moved > margins.ARM.off_axle:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
         replanner = self.believing(rho)

@@ -19,17 +19,13 @@ from pushpressslide.control.state import (
     contact_yaw,
     pressed,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator
 
-LEAST_SHARE = 0.2
-LOSS_SHARE = 0.6  # of its planned load below which a press counts as lost
-# standard deviations of the mean force between a contact that holds and one that counts
-# as lost: one false loss in 10^9 measurements
-LOSS_SIGMAS = 6.0
 # [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
 HEIGHT_STIFFNESS = 2000.0
 HEIGHT_DAMPING = 300.0
@@ -82,10 +78,10 @@ class TipMover:
 
     def samples(self, contact: Contact) -> int:
         """Return over how many measurements the normal force is averaged before a loss
-        is judged: their mean is LOSS_SIGMAS surer than the drop that counts as loss.
+        is judged: their mean is margins.LOSS_SIGMAS surer than the drop that counts as loss.
         """
-        drop = max(0.5 * self.threshold, (1.0 - LOSS_SHARE) * contact.load)
-        return max(1, math.ceil((LOSS_SIGMAS * self.noise / drop) ** 2))
+        drop = max(0.5 * self.threshold, (1.0 - margins.LOSS_SHARE) * contact.load)
+        return max(1, math.ceil((margins.LOSS_SIGMAS * self.noise / drop) ** 2))
 
     def step(
         self, memory: TipMemory, context: TipContext, task: TipTask
@@ -139,7 +135,7 @@ class TipMover:
 
     def _least(self, contact: Contact) -> float:
         """Return the normal force [N] below which a contact counts as lost."""
-        return max(0.5 * self.threshold, LOSS_SHARE * contact.load)
+        return max(0.5 * self.threshold, margins.LOSS_SHARE * contact.load)
 
     def _utilisation(
         self, force: Vector3, normal: Vector3, normal_force: float
@@ -186,7 +182,7 @@ def missing(
     """Return whether a contact is lost that is to press, or to push with a good share
     of all ``normals`` [N].
     """
-    least = LEAST_SHARE * math.fsum(normals)
+    least = margins.LEAST_SHARE * math.fsum(normals)
     asked = (
         c.kind == "top" or n >= least for c, n in zip(contacts, normals, strict=True)
     )

@@ -23,16 +23,11 @@ from pushpressslide.control.state import (
     smooth,
     tip_position,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
-from pushpressslide.planning.overhead import TOUCH_SPEED
-
-# [m] beyond the expected contact at which the object counts as not there
-TOUCH_DEPTH = 0.05
-FELT_TIME = 0.03  # [s] of normal force before a touch is believed
-SETTLE_TIME = 0.2  # [s] that the touch force must hold
 
 
 class TouchStep(NamedTuple):
@@ -75,7 +70,7 @@ class TipTouch:
         if elapsed < aligned:
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
-        depth = TOUCH_SPEED * (elapsed - aligned)
+        depth = margins.ARM.touch_speed * (elapsed - aligned)
         origin = before
         if aligned == 0.0:  # go on from where the tip was when contact was lost
             start = memory.start
@@ -84,16 +79,17 @@ class TipTouch:
             depth += min(max(ahead, 0.0), self.gap)
         memory = self._felt(memory, pressed(context.tip.force, n), context.time, depth)
         felt = memory.felt
-        if felt is not None and context.time - felt >= FELT_TIME:
+        if felt is not None and context.time - felt >= margins.ARM.felt_time:
             place = _ahead(origin, n, memory.touch_depth)
             return self._pressed(memory, context, place, context.time - felt)
         problem = None
-        if depth > self.gap + TOUCH_DEPTH:
+        if depth > self.gap + margins.ARM.touch_depth:
             problem = (
-                f"no contact felt {TOUCH_DEPTH * 1e3:.0f} mm beyond where the object "
-                "should be"
+                f"no contact felt {margins.ARM.touch_depth * 1e3:.0f} mm beyond where "
+                "the object should be"
             )
-        velocity = (TOUCH_SPEED * n[0], TOUCH_SPEED * n[1], TOUCH_SPEED * n[2])
+        speed = margins.ARM.touch_speed
+        velocity = (speed * n[0], speed * n[1], speed * n[2])
         command = held_at(context, _ahead(origin, n, depth), velocity)
         memory = replace(memory, regulator=NormalForceState())
         return TouchStep(command, memory, False, problem)
@@ -111,7 +107,8 @@ class TipTouch:
             pressed(context.tip.force, normal),
             context.dt,
         )
-        settled = FELT_TIME + SETTLE_TIME + self.force / self.regulator.ramp
+        arm = margins.ARM
+        settled = arm.felt_time + arm.settle_time + self.force / self.regulator.ramp
         command = held_at(context, place, push=push)
         return TouchStep(command, replace(memory, regulator=state), duration > settled)
 
@@ -123,7 +120,7 @@ class TipTouch:
         if normal_force > self.threshold:
             if felt is None:
                 return replace(memory, felt=time, touch_depth=depth)
-        elif felt is not None and time - felt < FELT_TIME:
+        elif felt is not None and time - felt < margins.ARM.felt_time:
             return replace(memory, felt=None)  # a knock, not the object
         return memory
 

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
+from pushpressslide.core import margins
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
@@ -107,6 +108,11 @@ class ObjectModel:
         shape's frame G.
         """
         return Pose2(self.center_of_mass[0], self.center_of_mass[1], 0.0)
+
+    @property
+    def radius(self) -> float:
+        """Distance [m] of its farthest corner from the centre of mass."""
+        return self.shape.farthest(self.center_of_mass)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +237,11 @@ class Scene:
         wall.
         """
         return -self._weight()[2]
+
+    @property
+    def inset(self) -> float:
+        """How far [m] contacts stay inside the edges of a face or of the top."""
+        return margins.inset(max(robot.tip_radius for robot in self.robots))
 
     def max_friction(self, press: float = 0.0) -> float:
         """Return the friction of the support [N] against straight sliding under a

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
@@ -15,10 +16,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import FORCE_ALLOWED
 from pushpressslide.mechanics.pressure import center_of_pressure
 
-# shares of the press's friction that a motion may take, the best first
-USES = (0.7, 0.8, 0.9, 0.96)
-MOST_USE = USES[-1]
-LEAST_PRESS = 2.0  # [N] below which contact is not felt for sure
+MOST_USE = margins.FRICTION_USES[-1]
 
 
 def friction_use(
@@ -74,8 +72,11 @@ def press_loads(
         _check_press(weight, mu_support, mu_contact, most, wanted, pushed)
         return [wanted]
     loads = [
-        max(LEAST_PRESS, least_load(weight, mu_support, mu_contact, use, pushed))
-        for use in USES
+        max(
+            margins.ARM.least_press,
+            least_load(weight, mu_support, mu_contact, use, pushed),
+        )
+        for use in margins.FRICTION_USES
     ]
     if loads[-1] <= most:
         return sorted({load for load in loads if load <= most}, reverse=True)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from math import hypot
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import TwistPath
 
 PLACES = 4  # of a path, and its start, at which the weight's direction is looked at
-LEAN = 0.15  # half widths by which the weight may move the centre of pressure
 
 
 def weights(scene: Scene, path: TwistPath) -> list[Point]:
@@ -42,14 +42,14 @@ def lever(scene: Scene, load: float) -> float:
 
 def lean_press(scene: Scene) -> float:
     """Return the press [N] of each of two arms at which the weight moves the centre of
-    pressure by LEAN.
+    pressure by ``margins.LEAN``.
     """
     body = scene.body
     return (
         0.5
         * lever(scene, 1.0)
         * hypot(*scene.weight_along)
-        / (LEAN * body.shape.half_width)
+        / (margins.LEAN * body.shape.half_width)
     )
 
 

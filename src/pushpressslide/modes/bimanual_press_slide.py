@@ -16,11 +16,11 @@ from math import inf
 
 from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.slide_loads import (
-    UTILISATION,
     cop_fraction,
     slide_loads,
     slip_refusal,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
@@ -40,9 +40,9 @@ from pushpressslide.modes.base import (
     Measured,
     Mode,
 )
-from pushpressslide.planning.held_twist import DECAY, path_onward, tipping_refusal
+from pushpressslide.planning.held_twist import path_onward, tipping_refusal
 from pushpressslide.planning.overhead import path_time
-from pushpressslide.planning.press_pairs import APART, PlacedPair, placed_pairs
+from pushpressslide.planning.press_pairs import PlacedPair, placed_pairs
 from pushpressslide.planning.pressed.drag import HeldDrag, held_drag
 from pushpressslide.planning.segments import describe_points, ends_onward, segment
 from pushpressslide.rom.drives import ORIGIN, HeldDrive
@@ -67,7 +67,7 @@ class BimanualPressSlide(Mode):
         placed = placed_pairs(task)
         if not placed:
             text = "the top has no two places {allowed:mm.0f} apart"
-            refusal = Refusal("too_close", text, None, APART, "m")
+            refusal = Refusal("too_close", text, None, margins.ARM.hand_room, "m")
             return [Choice(self.name, refusal=refusal)]
         return [self._draft(task, pair) for pair in placed]
 
@@ -111,7 +111,7 @@ class BimanualPressSlide(Mode):
             except ValueError as error:
                 tips = f"it would tip: {refusal_of(error, 'tipping')}"
                 return [placed.refused(Refusal("tipping", tips))]
-            if drag.friction_utilisation <= UTILISATION[-1]:
+            if drag.friction_utilisation <= margins.FRICTION_USES[-1]:
                 break
         placed = replace(placed, contacts=contacts, refusal=refusal)
         return [self._driven(task, placed, tracked, point, drag)]
@@ -128,7 +128,7 @@ class BimanualPressSlide(Mode):
         if refusal is None:
             cause = f"drag at {task.object.shape.height:.3f} m tips the object"
             refusal = tipping_refusal(cause, drag.tipping_margin)
-        if refusal is None and utilisation > UTILISATION[-1]:
+        if refusal is None and utilisation > margins.FRICTION_USES[-1]:
             refusal = slip_refusal((left, right), utilisation)
         load = scene.weight_on + sum(contact.load for contact in contacts)
         drive = HeldDrive(
@@ -163,8 +163,9 @@ class BimanualPressSlide(Mode):
         """Return the holonomic law for a segment, within what the contacts hold."""
         drive = segment.drive
         assert isinstance(drive, HeldDrive)
+        decay = margins.ARM.quick * segment.profile.speed
         law = CarriedTracker(
-            drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, DECAY
+            drive.X_BV, drive.surface, task.scene.weight_along, drive.lever, decay
         )
         friction = task.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))

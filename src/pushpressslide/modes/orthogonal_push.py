@@ -17,13 +17,14 @@ from itertools import combinations
 from pushpressslide.allocation.projections import Projection
 from pushpressslide.allocation.reserve import reserving_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
-from pushpressslide.mechanics.faces import Face, faces
+from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import Allocator, Draft
 from pushpressslide.modes.shared.twist_pushes import (
@@ -32,13 +33,11 @@ from pushpressslide.modes.shared.twist_pushes import (
     in_free_arms,
 )
 from pushpressslide.planning.face_placements import (
-    CORNER_CLEARANCE,
     angle_between,
     on_two_faces,
     spread,
 )
 from pushpressslide.planning.in_cone import (
-    CONE_MARGIN,
     ConeGoal,
     describe_cone_margin,
 )
@@ -48,13 +47,11 @@ from pushpressslide.planning.side_contacts import (
     drag_refusal,
     least_distance,
     push_refusal,
+    pushable,
 )
 from pushpressslide.rom.drives import ORIGIN, TwistDrive
 
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
-# of placements with more margin the one that takes the least force is the best
-AMPLE_MARGIN = math.radians(30.0)
-LOOP_RATIO = 1.6  # times the direct path: a longer one is not taken
 PIECEWISE = 5  # placements on two faces for which paths of several twists are sought
 OFFERED = 6  # placements on two faces that are judged further
 
@@ -79,7 +76,7 @@ class OrthogonalPush(TwistPushes):
             text = "a cylinder has no flat faces for two pushes"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed = []
-        for pair in combinations(faces(task.object, CORNER_CLEARANCE), 2):
+        for pair in combinations(pushable(task.scene), 2):
             if ANGLES[0] <= angle_between(*pair) <= ANGLES[1]:
                 placed += self._placed(task, pair)
         if not placed:
@@ -110,7 +107,7 @@ class OrthogonalPush(TwistPushes):
             refusal = Refusal("too_close", text, None, least_distance(scene), "m")
         if refusal is not None:
             return [none.refused(refusal)]
-        cone_goal = ConeGoal.from_task(task, LOOP_RATIO)
+        cone_goal = ConeGoal.from_task(task)
         try:
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:
@@ -126,11 +123,11 @@ class OrthogonalPush(TwistPushes):
         having a path, refused.
         """
         direct = cone_goal.direct
-        margins = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
-        cones = sorted(cones, key=lambda cone: (-margins[cone], spread(cone.contacts)))
-        inside = sum(margin >= CONE_MARGIN for margin in margins.values())
+        inside = {cone: round(cone.cone_margin(*direct), 6) for cone in cones}
+        cones = sorted(cones, key=lambda cone: (-inside[cone], spread(cone.contacts)))
+        usable = sum(margin >= margins.CONE_MARGIN for margin in inside.values())
         driven = []
-        for cone in cones[: max(PIECEWISE, inside)]:
+        for cone in cones[: max(PIECEWISE, usable)]:
             path = cone_goal.path(cone)
             if path is not None:
                 driven.append(self._driven(task, names, path, cone))
@@ -144,7 +141,7 @@ class OrthogonalPush(TwistPushes):
             f"{describe_cone_margin(margin)}; no way of three twists "
             f"within {cone_goal.longest:.2f} m"
         )
-        refusal = Refusal("outside_cone", text, margin, CONE_MARGIN, "rad")
+        refusal = Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")
         return [Choice(self.name, names, cones[0].contacts, refusal=refusal)]
 
     def _driven(
@@ -202,7 +199,7 @@ def _rank(choice: Choice) -> tuple[float, float, float, float]:
         return (math.inf, 0.0, 0.0, 0.0)
     (piece,) = choice.segments
     assert isinstance(piece.drive, TwistDrive)
-    inside = round(min(margin, AMPLE_MARGIN), 6)
+    inside = round(min(margin, margins.AMPLE_MARGIN), 6)
     force = round(piece.drive.normal_force, 6)
     return (round(choice.time, 3), -inside, force, spread(choice.contacts))
 

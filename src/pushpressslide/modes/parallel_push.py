@@ -17,6 +17,7 @@ from math import atan
 
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
@@ -31,24 +32,21 @@ from pushpressslide.modes.shared.twist_pushes import (
     in_free_arms,
 )
 from pushpressslide.planning.face_placements import (
-    CORNER_CLEARANCE,
     Contacts,
     side_by_side,
     side_by_side_refusal,
 )
 from pushpressslide.planning.in_cone import (
-    CONE_MARGIN,
     ConeGoal,
     describe_cone_margin,
 )
 from pushpressslide.planning.overhead import path_time
 from pushpressslide.planning.pushed_car import (
-    LOOP_RATIO,
-    SLACK,
     car_path,
     gentle_path,
     least_lengths,
     pushed_cars,
+    run_ins,
 )
 from pushpressslide.planning.segments import (
     describe_points,
@@ -66,8 +64,6 @@ VEHICLES: tuple[Vehicle, ...] = ("differential", "synchronised", "mixed")
 # in this order, where motion.vehicle is null: both mixed correct an error any
 # way at once, a car takes some look-aheads of straight path for it
 EITHER: tuple[Vehicle, ...] = ("mixed", "differential")
-LOOK_AHEAD = 0.08  # [m]
-STEERING_SHARE = 0.85  # of the tightest curve that steering may ask for
 
 Cars = Callable[[Face, bool], dict[Contacts, PushedCar]]
 
@@ -95,7 +91,7 @@ class ParallelPush(TwistPushes):
         height = contact_height(scene, motion)
         placed = [
             (face, contacts)
-            for face in pushable(task.object, CORNER_CLEARANCE, motion.face)
+            for face in pushable(scene, motion.face)
             for contacts in side_by_side(scene, face, height)
         ]
 
@@ -145,9 +141,8 @@ class ParallelPush(TwistPushes):
 
     def _as_car(self, task: Task, choice: Choice, car: PushedCar) -> Choice:
         """Return the choice to push as a car. Raises ValueError where there is none."""
-        start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
         curvature = task.motion.curvature_margin * car.tightest
-        path = car_path((start, goal), curvature)
+        path = car_path(task, car, curvature)
         tightest = max((abs(k) for k, _ in path.pieces), default=0.0)
         mu = task.scene.contact_friction
         margin = atan(mu) - atan(car.effective_wheelbase * tightest)
@@ -164,7 +159,7 @@ class ParallelPush(TwistPushes):
 
     def _by_twists(self, task: Task, choice: Choice) -> Choice:
         """Return the choice to drive twists of the contacts' cone."""
-        cone_goal = ConeGoal.from_task(task, LOOP_RATIO, SLACK)
+        cone_goal = ConeGoal.from_task(task)
         height = choice.contacts[0].height
         surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, task.scene.contact_friction, surface)
@@ -176,7 +171,9 @@ class ParallelPush(TwistPushes):
             f"the direct way is {describe_cone_margin(margin)}; "
             f"no three twists of {cone_goal.longest:.2f} m"
         )
-        return choice.refused(Refusal("outside_cone", text, margin, CONE_MARGIN, "rad"))
+        return choice.refused(
+            Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")
+        )
 
     def tracker(self, task: Task, segment: Segment) -> Tracker:
         """Return the law for a segment: look-ahead alignment of a car; else that of
@@ -185,8 +182,12 @@ class ParallelPush(TwistPushes):
         drive = segment.drive
         if not isinstance(drive, CarDrive):
             return super().tracker(task, segment)
-        look_ahead = task.motion.look_ahead or LOOK_AHEAD
-        law = LookAheadAlignment(look_ahead, STEERING_SHARE * drive.car.tightest)
+        look_ahead = task.motion.look_ahead
+        if look_ahead is None:
+            shortest = margins.ARM.shortest(segment.profile.speed)
+            look_ahead = margins.CAR_LOOK_AHEAD * shortest
+        tightest = margins.STEERING_SHARE * drive.car.tightest
+        law = LookAheadAlignment(look_ahead, tightest)
         return AxleTracker(law, drive.car, drive.max_friction)
 
     def allocator(
@@ -222,7 +223,8 @@ class ParallelPush(TwistPushes):
         if not isinstance(drive, CarDrive):
             return super().course(task, segment, measured)
         ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-        path = gentle_path(*ends, drive.curvature, measured.longest)
+        straight = run_ins(task.motion)
+        path = gentle_path(ends, drive.curvature, measured.longest, straight)
         return Course(measured.contacts, drive, path)
 
 

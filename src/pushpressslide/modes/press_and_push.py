@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 from pushpressslide.allocation.press_and_push import press_and_push_allocator
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
@@ -32,8 +33,8 @@ from pushpressslide.modes.base import (
     Mode,
     in_arms,
 )
-from pushpressslide.planning.held_twist import DECAY, path_onward
-from pushpressslide.planning.levers import LEAST_LEVER, Lever, levers
+from pushpressslide.planning.held_twist import path_onward
+from pushpressslide.planning.levers import Lever, levers
 from pushpressslide.planning.overhead import path_time
 from pushpressslide.planning.pressed.drag import PinnedDrag, pinned_drag
 from pushpressslide.planning.pressed.pin import least_pin_load, pin_of, pin_refusal
@@ -75,10 +76,11 @@ class PressAndPush(Mode):
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
         turn = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi)
-        places = levers(task.object, pin, math.copysign(1.0, turn), task.motion.face)
+        places = levers(task.scene, pin, math.copysign(1.0, turn), task.motion.face)
         if not places:
             text = "no face has a lever of {allowed:mm.0f} about the pressed point"
-            refusal = Refusal("lever", text, None, LEAST_LEVER, "m")
+            least = margins.LEAST_LEVER * task.object.radius
+            refusal = Refusal("lever", text, None, least, "m")
             return [Choice(self.name, refusal=refusal)]
         radius = max(math.dist(pin, place.point) for place in places)
         start, goal = (X_WB.compose(Pose2(*pin)) for X_WB in task.body_ends)
@@ -174,7 +176,8 @@ class PressAndPush(Mode):
         """Return the holonomic law for a segment, within what the contacts hold."""
         drive = segment.drive
         assert isinstance(drive, PinnedDrive)
-        law = HolonomicTracker(drive.X_BV, drive.surface, decay=DECAY)
+        decay = margins.ARM.quick * segment.profile.speed
+        law = HolonomicTracker(drive.X_BV, drive.surface, decay)
         friction = task.scene.contact_friction
         return EasedTracker(law, self.allocator_of(segment, friction))
 

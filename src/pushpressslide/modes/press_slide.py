@@ -16,6 +16,7 @@ from dataclasses import replace
 from functools import partial
 
 from pushpressslide.allocation.one_press import one_press_allocator
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
@@ -40,7 +41,6 @@ from pushpressslide.modes.base import (
     promptness,
     search,
 )
-from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.pressed.driven import (
     DIRECTIONS,
     driven_again,
@@ -49,7 +49,6 @@ from pushpressslide.planning.pressed.driven import (
     with_turns,
 )
 from pushpressslide.planning.pressed.manoeuvre import (
-    CORRECTING,
     pressed_manoeuvres,
 )
 from pushpressslide.planning.pressed.manoeuvre_choices import manoeuvre_choices
@@ -127,7 +126,10 @@ class PressSlide(Mode):
             yield "manoeuvre", manoeuvres()
         straight = vehicle_choices(task, self.name, placements)
         straight.sort(key=promptness)
-        yield "vehicle", search(task, _steered(task, straight, CORRECTING), enough)
+        yield (
+            "vehicle",
+            search(task, _steered(task, straight, margins.CORRECTING), enough),
+        )
         if free and given:
             yield "manoeuvre", manoeuvres()
         yield "vehicle", search(task, _steered(task, straight, 0.0), enough)
@@ -156,7 +158,7 @@ class PressSlide(Mode):
         """
         (contact,) = contacts
         if rho is None:
-            rho = 0.5 * max(math.hypot(*contact.point), EDGE)
+            rho = 0.5 * math.hypot(*contact.point) or 1.0
         return one_press_allocator(contact.point, contact.load, friction, rho, cop)
 
     def identifier(self, task: Task, segment: Segment) -> AxleIdentifier:
@@ -207,7 +209,7 @@ class PressSlide(Mode):
             if spun:
                 return spun
         if isinstance(drive, TurnDrive) and not drive.last:
-            turns = turns_onward(task.scene, segments, measured.X_WB, contact)
+            turns = turns_onward(task, segments, measured.X_WB, contact)
             return turns if turns[0].path.length <= measured.longest else ()
         return super().onward(task, segments, measured)
 
@@ -237,7 +239,7 @@ class PressSlide(Mode):
         (contact,) = measured.contacts
         drive = segment.drive
         if isinstance(drive, TurnDrive):
-            (segment,) = pressed_at(task.scene, (segment,), contact)
+            (segment,) = pressed_at(task, (segment,), contact)
             drive = segment.drive
         cop = pressed_cop(contact.point, contact.load, task.scene.weight_on)
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
@@ -252,7 +254,7 @@ class PressSlide(Mode):
             car = replace(car, rho=task.scene.rho)
         steered = _steered_by(drive, car, measured.identified)
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
-        path = steered_path(ends, steered, measured.longest)
+        path = steered_path(task.object, ends, steered, measured.longest)
         return Course((contact,), steered, path)
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
@@ -33,10 +34,6 @@ from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
 
-# share of the cone's half angle kept from its edge, for the servo and the model
-STEERING_RESERVE = 0.12
-CORNER_CLEARANCE = 0.01  # [m] between the contact and a corner of the face
-
 
 class RearPush(Mode):
     """One arm pushes a side face from behind."""
@@ -52,7 +49,7 @@ class RearPush(Mode):
 
     def drafts(self, task: Task) -> list[Draft]:
         """Return one draft per face."""
-        pushed = pushable(task.object, CORNER_CLEARANCE, task.motion.face)
+        pushed = pushable(task.scene, task.motion.face)
         twists = push_twists(task.scene, task.motion, pushed)
         return [
             Draft(0.0, partial(self._push, task, face, pair))
@@ -120,7 +117,7 @@ class RearPush(Mode):
         assert isinstance(drive, RearSteerDrive)
         car = drive.car
         low, high = car.steering_limits
-        reserve = STEERING_RESERVE * 0.5 * (high - low)
+        reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
         bounds = (low + reserve, high - reserve)
         law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
         axle = math.hypot(*drive.X_BV.position)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from itertools import product
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import cross
 from pushpressslide.core.refusal import Refusal
@@ -19,9 +20,6 @@ from pushpressslide.planning.side_contacts import (
     span,
 )
 
-CORNER_CLEARANCE = 0.015  # [m] between a contact and a corner of its face
-# [m] of two contacts on one face from the CoM's line that are tried
-HALF_WIDTHS = (0.16, 0.12, 0.09, 0.07, 0.05)
 # places on each of two faces, in shares of the face on either side of the CoM's line
 PLACES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
@@ -33,10 +31,10 @@ def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
     widest first.
     """
     low, high = span(scene.body, face)
-    inside = max(CORNER_CLEARANCE, min(high, -low) - CORNER_CLEARANCE)
+    inside = max(scene.inset, min(high, -low) - scene.inset)
     return [
         (side_contact(0, face, half, height), side_contact(1, face, -half, height))
-        for half in dict.fromkeys(min(width, inside) for width in HALF_WIDTHS)
+        for half in (share * inside for share in margins.WIDTHS)
     ]
 
 
@@ -63,8 +61,8 @@ def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Cont
     sides = []
     for arm, face in enumerate(pair):
         right, left = span(scene.body, face)
-        low = right + CORNER_CLEARANCE
-        high = left - CORNER_CLEARANCE
+        low = right + scene.inset
+        high = left - scene.inset
         middle = min(max(0.0, low), high)
         offsets = (
             middle + k * (high - middle if k > 0.0 else middle - low) for k in PLACES

@@ -4,14 +4,10 @@ that press share.
 
 from __future__ import annotations
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.twist_path import TwistPath
-
-EDGE = 0.012  # [m] that a press stays away from the top's edges
-# half widths that the centre of pressure stays inside the base's edge
-TIPPING_MARGIN = 0.15
-DECAY = 0.015  # [m] of path over which the tracker takes an error down to 1/e
 
 
 def path_onward(
@@ -31,10 +27,11 @@ def tipping_refusal(cause: str, margin: float) -> Refusal | None:
     """Return what stands against a tipping ``margin`` [half widths] of the centre of
     pressure; None if nothing. ``cause`` says what tips the object.
     """
-    if margin >= TIPPING_MARGIN:
+    allowed = margins.TIPPING_MARGIN
+    if margin >= allowed:
         return None
     text = (
         f"{cause}: the centre of pressure comes within {{figure:.2f}} half widths of "
         "the base's edge, allowed {allowed:g}"
     )
-    return Refusal("tipping", text, margin, TIPPING_MARGIN)
+    return Refusal("tipping", text, margin, allowed)

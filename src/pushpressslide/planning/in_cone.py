@@ -14,13 +14,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw, screws
-from pushpressslide.planning.side_contacts import farthest_corner
+from pushpressslide.planning.run_in import longest_way
 
-CONE_MARGIN = math.radians(6.0)  # that a plan keeps from its cone's edges
-REPLAN_MARGIN = math.radians(2.0)  # that a plan made under way keeps
 # lengths of the first and the last piece, in units of the screw to the goal
 SHARES = (0.15, 0.3, 0.5, 0.75)
 
@@ -53,13 +52,11 @@ class ConeGoal:
     longest: float  # [m] that the way may be
 
     @classmethod
-    def from_task(cls, task: Task, loop_ratio: float, slack: float = 0.0) -> ConeGoal:
-        """Return that of a task, the longest way ``loop_ratio`` times the direct one and
-        ``slack`` [m].
-        """
+    def from_task(cls, task: Task) -> ConeGoal:
+        """Return that of a task, on a way without a loop."""
         ends = task.body_ends
-        radius = farthest_corner(task.object)
-        longest = loop_ratio * TwistPath.between(ends, radius).length + slack
+        radius = task.object.radius
+        longest = longest_way(task, TwistPath.between(ends, radius).length)
         return cls(*ends, radius, longest)
 
     @property
@@ -68,9 +65,9 @@ class ConeGoal:
         return screw(self.start, self.goal)
 
     def path(self, cone: Cone) -> TwistPath | None:
-        """Return the path by twists CONE_MARGIN inside ``cone``; None if there is none."""
+        """Return the path by twists well inside ``cone``; None if there is none."""
         return path_in_cone(
-            self.start, self.goal, cone, CONE_MARGIN, self.radius, self.longest
+            self.start, self.goal, cone, margins.CONE_MARGIN, self.radius, self.longest
         )
 
 
@@ -119,7 +116,7 @@ def least_cone_margin(path: TwistPath, cone: Cone) -> float:
     return min((cone.cone_margin(*rate) for rate, _ in path.pieces), default=math.inf)
 
 
-def describe_cone_margin(margin: float, required: float = CONE_MARGIN) -> str:
+def describe_cone_margin(margin: float, required: float = margins.CONE_MARGIN) -> str:
     """Return in words how far inside a cone something is, and what is needed [rad]."""
     degrees = math.degrees(margin)
     if margin >= required:

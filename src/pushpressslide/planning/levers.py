@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.core.task import ObjectModel
+from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.side_contacts import pushable, span
 
-CORNER = 0.02  # [m] that a push stays away from its face's corners
 PLACES = [0.1 * i for i in range(11)]  # on a face, from corner to corner
-LEAST_LEVER = 0.03  # [m]
-SHORTEST = 0.5  # of the longest lever: places with less are left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,18 +24,20 @@ class Lever:
 
 
 def levers(
-    body: ObjectModel, held: Point, side: float, face: int | None = None
+    scene: Scene, held: Point, side: float, face: int | None = None
 ) -> list[Lever]:
-    """Return places to push that turn ``body`` to ``side`` (1 left, -1 right) about
+    """Return places to push that turn the object to ``side`` (1 left, -1 right) about
     ``held`` [m] in B, the longest lever first; only those of the face with index
     ``face`` if that is given.
     """
+    body = scene.body
+    inset = scene.inset
     out = []
-    for candidate in pushable(body, CORNER, face):
+    for candidate in pushable(scene, face):
         points = [candidate.foot]
         if body.shape.corners:
             right, left = span(body, candidate)
-            clear = min(CORNER, 0.5 * (left - right))
+            clear = min(inset, 0.5 * (left - right))
             points = [
                 on_face(candidate, right + clear + k * (left - right - 2.0 * clear))
                 for k in PLACES
@@ -48,7 +48,6 @@ def levers(
             )
             out.append(Lever(candidate, point, length))
     longest = max((lever.length for lever in out), default=0.0)
-    good = [
-        lever for lever in out if lever.length > max(SHORTEST * longest, LEAST_LEVER)
-    ]
+    least = max(margins.LEVER_SHARE * longest, margins.LEAST_LEVER * body.radius)
+    good = [lever for lever in out if lever.length > least]
     return sorted(good, key=lambda lever: -lever.length)

@@ -6,19 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.mechanics.wall import lean, lean_press
-from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import ORIGIN
 
 ROUNDING = 1e-6  # [m] by which a contact may be nearer to the edge
-APART = 0.10  # [m] between the contacts, so that the arms have room
 
 Pair = tuple[Point, Point]
 
@@ -35,7 +35,7 @@ class PlacedPair:
 
 def placed_pairs(task: Task) -> list[PlacedPair]:
     """Return pairs of contacts, those with the shortest arms first."""
-    places = top_places(task.object, EDGE)
+    places = top_places(task.object, task.scene.inset)
     farthest = max((math.hypot(*place) for place in places), default=0.0)
     placed = [_placed(task, points, farthest) for points in _pairs(task)]
     return sorted(placed, key=lambda pair: _arm_length(task, pair.contacts))
@@ -57,7 +57,7 @@ def _placed(task: Task, points: Pair, farthest: float) -> PlacedPair:
         Contact(arm, "top", point, ORIGIN, body.shape.height)
         for arm, point in enumerate(points)
     )
-    return PlacedPair(contacts, path, arms is None, _refusal(body, points))
+    return PlacedPair(contacts, path, arms is None, _refusal(task.scene, points))
 
 
 def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
@@ -84,25 +84,27 @@ def _pairs(task: Task) -> list[Pair]:
         return [(first, second)]
     dx, dy = lean(scene, task.goal, task.motion.press_force or lean_press(scene))
     pairs: list[Pair] = []
-    for p in top_places(body, EDGE):
+    for p in top_places(body, scene.inset):
         q = (-p[0], -p[1])
         new = all(
             min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs
         )
-        if not new or math.dist(p, q) < APART:
+        if not new or math.dist(p, q) < margins.ARM.hand_room:
             continue
-        if inside_top(body, q, EDGE - ROUNDING):
+        if inside_top(body, q, scene.inset - ROUNDING):
             pairs.append((p, q))
     return [((px + dx, py + dy), (qx + dx, qy + dy)) for (px, py), (qx, qy) in pairs]
 
 
-def _refusal(body: ObjectModel, points: Pair) -> Refusal | None:
+def _refusal(scene: Scene, points: Pair) -> Refusal | None:
     """Return what stands against two contacts, whatever their loads."""
-    if not all(inside_top(body, p, EDGE - ROUNDING) for p in points):
+    inset = scene.inset
+    if not all(inside_top(scene.body, p, inset - ROUNDING) for p in points):
         text = "the contacts must be {allowed:mm.0f} inside the object's top"
-        return Refusal("off_top", text, None, EDGE, "m")
+        return Refusal("off_top", text, None, inset, "m")
     apart = math.dist(*points)
-    if apart < APART:
+    needed = margins.ARM.hand_room
+    if apart < needed:
         text = "the contacts are {figure:mm.0f} apart, allowed from {allowed:mm.0f}"
-        return Refusal("too_close", text, apart, APART, "m")
+        return Refusal("too_close", text, apart, needed, "m")
     return None

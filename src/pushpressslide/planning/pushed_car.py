@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
@@ -16,17 +17,13 @@ from pushpressslide.core.task import Motion, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.face_push import Push, on_face, turnings
 from pushpressslide.mechanics.faces import Face
-from pushpressslide.planning.run_in import with_run_in
-from pushpressslide.planning.side_contacts import contact_height, farthest_corner
+from pushpressslide.planning.run_in import longest_way, with_run_in
+from pushpressslide.planning.side_contacts import contact_height
 from pushpressslide.rom.differential_car import DifferentialCar
 from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
-# times the straight distance, and [m]: a longer path has turned a loop
-LOOP_RATIO = 1.25
-SLACK = 0.03
-RUN_INS = (0.16, 0.08, 0.04)  # [m] straight ends that are tried
 # curvatures that are tried, in shares of the tightest that a plan may use
 TIGHTER = (0.3, 0.6, 1.0)
 
@@ -136,7 +133,7 @@ def least_lengths(task: Task, face: Face) -> tuple[float, float]:
     object, and of a car's axle, which is somewhere ahead of the CoM.
     """
     start, goal = task.body_ends
-    direct = TwistPath.between((start, goal), farthest_corner(task.object)).length
+    direct = TwistPath.between((start, goal), task.object.radius).length
     ax, ay = start.rotate(face.normal)
     bx, by = goal.rotate(face.normal)
     x = goal.x - start.x
@@ -148,12 +145,14 @@ def least_lengths(task: Task, face: Face) -> tuple[float, float]:
     return direct, math.hypot(x + ahead * dx, y + ahead * dy)
 
 
-def car_path(ends: tuple[Pose2, Pose2], curvature: float) -> ArcPath:
-    """Return the gentle path of a car's axle between its ``ends``, with curvatures up
-    to ``curvature`` [1/m]. Raises RefusedError where it has to turn a loop.
+def car_path(task: Task, car: PushedCar, curvature: float) -> ArcPath:
+    """Return the gentle path of a car's axle between the ends of ``task``, with
+    curvatures up to ``curvature`` [1/m]. Raises RefusedError where it has to turn a
+    loop.
     """
-    longest = LOOP_RATIO * math.dist(*(X_WV.position for X_WV in ends)) + SLACK
-    path = gentle_path(*ends, curvature, longest)
+    start, goal = (X_WB.compose(car.X_BV) for X_WB in task.body_ends)
+    longest = longest_way(task, math.dist(start.position, goal.position))
+    path = gentle_path((start, goal), curvature, longest, run_ins(task.motion))
     if path.length > longest:
         text = (
             "a loop of {figure:m.2f} with radii of "
@@ -163,12 +162,21 @@ def car_path(ends: tuple[Pose2, Pose2], curvature: float) -> ArcPath:
     return path
 
 
-def gentle_path(start: Pose2, goal: Pose2, tightest: float, longest: float) -> ArcPath:
-    """Return the path of up to ``longest`` [m] with the longest run-in, then the
-    gentlest turns, none above ``tightest`` [1/m]; the shortest one where there is none.
+def run_ins(motion: Motion) -> list[float]:
+    """Return the straight ends [m] of a path that are tried, the longest first."""
+    return [share * motion.run_in for share in margins.CAR_RUN_INS]
+
+
+def gentle_path(
+    ends: tuple[Pose2, Pose2], tightest: float, longest: float, run_ins: Sequence[float]
+) -> ArcPath:
+    """Return the path of up to ``longest`` [m] with the longest of ``run_ins`` [m], then
+    the gentlest turns, none above ``tightest`` [1/m]; the shortest one where there is
+    none.
     """
+    start, goal = ends
     tried = []
-    for run_in in RUN_INS:
+    for run_in in run_ins:
         for share in TIGHTER:
             curvature = share * tightest
             path = with_run_in(start, goal, curvature, curvature, run_in)

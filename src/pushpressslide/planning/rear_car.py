@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
@@ -19,16 +20,12 @@ from pushpressslide.core.task import Limits, Motion, Task
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.virtual_axle import turned
-from pushpressslide.planning.run_in import with_run_in
+from pushpressslide.planning.run_in import longest_way, with_run_in
 from pushpressslide.planning.side_contacts import contact_height, drag_refusal
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
-# a path longer than this times the straight distance has turned a loop
-LOOP_RATIO = 1.5
 RESOLUTION = 6  # of the base
-# [rad/s] of the object at most: beyond it the tip slips where the steering jumps
-TURN_RATE = 0.8
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited
 # curvature that the path uses, and on the speed. Near the cone's edge the contact's
@@ -142,7 +139,7 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     start, goal = (X_WB.compose(drive.X_BV) for X_WB in task.body_ends)
     low, high = drive.car.curvature_limits
     straight = math.hypot(goal.x - start.x, goal.y - start.y)
-    longest = LOOP_RATIO * straight + 0.02
+    longest = longest_way(task, straight)
     routes = []
     for run_share, harder, slower in COMFORT:
         run_in = run_share * motion.run_in
@@ -157,7 +154,7 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
         best = min(routes, key=lambda one: one.path.length)
     turns = [abs(k) for k, _ in best.path.pieces if k]
     if turns:
-        best = best._replace(speed=min(best.speed, TURN_RATE / max(turns)))
+        best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
     return best, best.path.length > longest
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
 from pushpressslide.planning.dubins import shortest_path
 
 
@@ -20,6 +22,11 @@ def with_run_in(
     return ArcPath(
         start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0)
     )
+
+
+def longest_way(task: Task, direct: float) -> float:
+    """Return the longest way [m] that is not a loop, of one that is ``direct`` [m]."""
+    return margins.LOOP_RATIO * direct + margins.LOOP_SLACK * task.object.radius
 
 
 def room(start: Pose2, goal: Pose2, curvature: float) -> float:

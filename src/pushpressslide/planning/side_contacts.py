@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
@@ -16,14 +17,6 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, ObjectModel
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
-
-TABLE_GAP = 0.006  # [m] of a tip above the support
-WRIST_GAP = 0.04  # [m] of the flange above the object's top
-LOW = 0.04  # [m] contact height that is taken where the tool is long enough
-TOOL_ROOM = 0.06  # [m] between two tips, for the tools that hold them
-# times the drag that one of two contacts may push with: more is spent against the other
-SQUEEZE = 1.6
-TIPPING_SHARE = 0.8  # of the height at which the object would tip over its leading edge
 
 
 def contact_height(scene: Scene, motion: Motion) -> float:
@@ -36,14 +29,15 @@ def contact_height(scene: Scene, motion: Motion) -> float:
     height = scene.body.shape.height
     radius = max(robot.tip_radius for robot in scene.robots)
     reach = min(robot.tip_length for robot in scene.robots)
-    low = max(radius + 0.01, height + WRIST_GAP - reach)
-    inside = min(max(low, min(LOW, 0.5 * height)), height - 0.5 * radius)
-    return max(inside, radius + TABLE_GAP)
+    arm = margins.ARM
+    low = max(radius + arm.tool_gap, height + arm.wrist_gap - reach)
+    inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
+    return max(inside, radius + arm.table_gap)
 
 
 def least_distance(scene: Scene) -> float:
     """Return how far two tips' contacts have to be apart at least [m]."""
-    return sum(robot.tip_radius for robot in scene.robots) + TOOL_ROOM
+    return sum(robot.tip_radius for robot in scene.robots) + margins.ARM.tool_room
 
 
 def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
@@ -53,11 +47,12 @@ def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
     return Contact(arm, "side", on_face(face, left), face.normal, height)
 
 
-def pushable(body: ObjectModel, clearance: float, index: int | None) -> list[Face]:
-    """Return the faces of ``body``, contacts ``clearance`` [m] from their corners; only
-    the one with ``index`` if that is given.
+def pushable(scene: Scene, index: int | None = None) -> list[Face]:
+    """Return the faces of the object, contacts clear of their corners; only the one with
+    ``index`` if that is given.
     """
-    return [face for face in faces(body, clearance) if index in (None, face.index)]
+    found = faces(scene.body, scene.inset)
+    return [face for face in found if index in (None, face.index)]
 
 
 def span(body: ObjectModel, face: Face) -> tuple[float, float]:
@@ -72,11 +67,6 @@ def span(body: ObjectModel, face: Face) -> tuple[float, float]:
     return a, b
 
 
-def farthest_corner(body: ObjectModel) -> float:
-    """Return the distance [m] of the farthest corner from the CoM."""
-    return body.shape.farthest(body.center_of_mass)
-
-
 def drag_refusal(
     scene: Scene, limits: Limits, pushed: Sequence[Face], height: float
 ) -> Refusal | None:
@@ -88,11 +78,12 @@ def drag_refusal(
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
     ahead = min(room_ahead(scene.body, face) for face in pushed)
-    highest = TIPPING_SHARE * ahead / scene.support.friction
+    share = 1.0 - margins.TIPPING_MARGIN
+    highest = share * ahead / scene.support.friction
     if height > highest:
         text = (
             "touched at {figure:mm.1f}, allowed up to {allowed:mm.1f}, "
-            f"{TIPPING_SHARE:g} of the height at which the object tips"
+            f"{share:g} of the height at which the object tips"
         )
         return Refusal("tipping", text, height, highest, "m")
     max_friction = scene.max_friction()
@@ -108,14 +99,14 @@ def push_refusal(push: float, limits: Limits, max_friction: float) -> Refusal | 
     another one, an object of ``max_friction`` [N]; None if nothing.
     """
     limit = limits.planned_force
-    squeeze = SQUEEZE * max_friction
+    squeeze = margins.SQUEEZE * max_friction
     if push > limit:
         text = f"pushed with up to {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, push, limit, "N")
     if push > squeeze:
         text = (
             "pushed with up to {figure:N.1f}, a squeeze: allowed {allowed:N.1f}, "
-            f"{SQUEEZE:g} times the drag"
+            f"{margins.SQUEEZE:g} times the drag"
         )
         return Refusal("squeeze", text, push, squeeze, "N")
     return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.core import margins
 from pushpressslide.core.footprint import gap, overlap_area
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
@@ -13,14 +14,10 @@ from pushpressslide.core.task import Box, ObjectModel, Obstacle, Shape, Task
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
 
-OBJECT_CLEARANCE = 0.01
-"""Gap [m] that the object keeps from obstacles, unless its start or its goal is nearer
-already.
-"""
-
-# [m^2] shared with an obstacle from which on the object is in it, not beside it
-ENTERED = 1e-5
-SWEEP_STEP = 0.005  # [m] of the path between the places where the gap is looked at
+# of the square of the clearance, shared with an obstacle: the object is in it from
+# there on, not beside it
+ENTERED = 0.1
+SWEEP_STEP = 0.5  # clearances of path between the places where the gap is looked at
 
 
 def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
@@ -58,23 +55,28 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
         return refusal
     ends = (pushed.pose, tool.goal)
     distance = math.dist(pushed.pose.position, tool.goal.position)
-    steps = max(1, math.ceil(distance / SWEEP_STEP))
+    steps = max(1, math.ceil(distance / _step()))
     poses = [_between(*ends, i / steps) for i in range(steps + 1)]
     return _too_near(f"{pushed.name!r}", Box(pushed.size), poses, ends, others)
 
 
 def swept(body: ObjectModel, segments: Sequence[Segment]) -> list[Pose2]:
-    """Return the poses X_WG along planned segments, SWEEP_STEP apart."""
+    """Return the poses X_WG along planned segments, a few millimetres apart."""
     poses = []
     X_BG = body.X_GB.inverse()
     for segment in segments:
         path = segment.path
         X_VG = segment.X_BV.inverse().compose(X_BG)
-        steps = max(1, math.ceil(path.length / SWEEP_STEP))
+        steps = max(1, math.ceil(path.length / _step()))
         poses += [
             path.pose(path.length * i / steps).compose(X_VG) for i in range(steps + 1)
         ]
     return poses
+
+
+def _step() -> float:
+    """Return the way [m] between the places of a path where the gap is looked at."""
+    return SWEEP_STEP * margins.ARM.clearance
 
 
 def _between(a: Pose2, b: Pose2, u: float) -> Pose2:
@@ -103,12 +105,12 @@ def _too_near(
             """Return the area [m^2] shared with the obstacle at a pose."""
             return overlap_area(shape, X_WG, box, X_WO)
 
-        allowed = min(OBJECT_CLEARANCE, *(apart(X) for X in ends)) - 1e-6
+        allowed = min(margins.ARM.clearance, *(apart(X) for X in ends)) - 1e-6
         least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
         if least == 0.0 and allowed <= 0.0:  # it touches at an end, and may on the way
             nearest = max(poses, key=inside)
             place = f"({nearest.x:.3f}, {nearest.y:.3f})"
-            if inside(nearest) > ENTERED:
+            if inside(nearest) > ENTERED * margins.ARM.clearance**2:
                 text = literal(
                     f"{what} runs into obstacle {obstacle.name!r} at {place}"
                 )

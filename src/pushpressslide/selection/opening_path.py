@@ -7,14 +7,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from pushpressslide.core import margins
 from pushpressslide.core.footprint import depth_beside
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.rom.drives import HeldDrive
-
-LEVEL = 0.01  # [m] beyond the opening's edges up to which an outline counts as going in
 
 
 def opening_refusal(
@@ -30,9 +29,9 @@ def opening_refusal(
     shape = task.object.shape
     if opening is None:
         return None
-    wide = replace(
-        opening, size=(opening.size[0] + 2.0 * LEVEL, opening.size[1] + 2.0 * LEVEL)
-    )
+    width, height = opening.size
+    room = 2.0 * margins.ARM.clearance  # within which an outline counts as going in
+    wide = replace(opening, size=(width + room, height + room))
     drive = segment.drive
     cop = drive.center
     lever = drive.lever if isinstance(drive, HeldDrive) else 0.0

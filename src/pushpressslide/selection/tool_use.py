@@ -7,16 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pushpressslide.core import margins
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import ObjectModel, Obstacle, Task, ToolUse
-
-ASIDE = 0.002
-# [m], [rad] of a tool's way from the straight push, while it pushes
-ASKEW = math.radians(2.0)
-# the body's sides turn by up to this much against the tool's face
-SQUARE = math.radians(20.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,13 +113,13 @@ def _straight_push(
         )
     direction = straight - (1.0 - share) * skew
     askew = abs(math.remainder(body.pose.yaw - direction, 0.5 * math.pi))
-    if askew > SQUARE:
+    if askew > margins.SQUARE:
         raise TaskError(
             source,
             "obstacles",
             name,
             f"it stands {math.degrees(askew):.1f} deg askew of the push; "
-            f"allowed: up to {math.degrees(SQUARE):g} deg",
+            f"allowed: up to {math.degrees(margins.SQUARE):g} deg",
         )
     return StraightPush(body, direction, distance * math.cos(straight - direction))
 
@@ -152,11 +147,12 @@ def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
         if left > tool.straight:
             return None
         off = math.hypot(aside, min(left, 0.0))
-        if off > ASIDE or turned > ASKEW:
+        allowed = margins.TOOL_ASIDE * task.tolerance.position
+        if off > allowed or turned > margins.ASKEW:
             text = (
                 f"at ({X_WG.x:.3f}, {X_WG.y:.3f}) it is {{figure:mm.1f}} and "
                 f"{math.degrees(turned):.1f} deg off the straight push by tool.face, "
-                f"allowed {{allowed:mmg}} and {math.degrees(ASKEW):g} deg"
+                f"allowed {{allowed:mmg}} and {math.degrees(margins.ASKEW):g} deg"
             )
-            return Refusal("tool_skew", text, off, ASIDE, "m")
+            return Refusal("tool_skew", text, off, allowed, "m")
     return None

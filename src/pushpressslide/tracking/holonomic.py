@@ -24,7 +24,6 @@ IntoCone = Callable[[Wrench], Wrench | None]
 """
 
 TURN = 2.0 * math.pi
-DECAY = 0.04  # [m] of way over which an error falls to 1/e
 SHARE = 0.5  # of the path's speed that the pull may take
 
 
@@ -38,11 +37,12 @@ class HolonomicTracker:
         self,
         X_BV: Pose2,
         surface: DraggedSurface,
+        decay: float,
         into_cone: IntoCone | None = None,
-        decay: float = DECAY,
         share: float = SHARE,
     ) -> None:
-        """Bind the law; ``decay`` [m] > 0, ``share`` in [0, 1)."""
+        """Bind the law; ``decay`` [m] > 0 is the way over which an error falls to 1/e,
+        ``share`` in [0, 1)."""
         self._X_BV = X_BV
         self._surface = surface
         self._into_cone = into_cone

@@ -7,12 +7,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Segment
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.modes.base import Course, Measured, Mode, Tracker, in_arms
 from pushpressslide.planning.in_cone import (
-    REPLAN_MARGIN,
     describe_cone_margin,
     least_cone_margin,
     path_in_cone,
@@ -22,21 +22,20 @@ from pushpressslide.planning.side_contacts import assignments
 from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
-CORRECTION_SHARE = 0.9  # of the friction, that corrections may use
-
 
 class TwistPushes(Mode):
     """A mode of two pushes whose segments may have a TwistDrive."""
 
     def tracker(self, task: Task, segment: Segment) -> Tracker:
-        """Return the holonomic law for a segment, corrected within the cone of
-        CORRECTION_SHARE of the friction.
+        """Return the holonomic law for a segment, corrected within the cone of a
+        part of the friction.
         """
         drive = segment.drive
         assert isinstance(drive, TwistDrive)
-        friction = CORRECTION_SHARE * task.scene.contact_friction
+        friction = margins.CORRECTION_USE * task.scene.contact_friction
         cone = TwistCone(segment.contacts, friction, drive.surface)
-        return HolonomicTracker(drive.X_BV, cone.surface, cone.nearest)
+        decay = margins.ARM.shortest(segment.profile.speed)
+        return HolonomicTracker(drive.X_BV, cone.surface, decay, cone.nearest)
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by twists within the cone of the true contacts."""
@@ -46,7 +45,7 @@ class TwistPushes(Mode):
         cone = TwistCone(contacts, task.scene.contact_friction, drive.surface)
         start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
         path = path_in_cone(
-            start, goal, cone, REPLAN_MARGIN, drive.radius, measured.longest
+            start, goal, cone, margins.REPLAN_MARGIN, drive.radius, measured.longest
         )
         return None if path is None else Course(contacts, drive, path)
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf
 
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
@@ -19,8 +20,6 @@ from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 from pushpressslide.mechanics.pressing import resting_cop
 from pushpressslide.mechanics.top import room_inside
 from pushpressslide.mechanics.wall import lever, weights
-
-LEAST_GIVEN = 1e-3  # share of the wanted wrench, below which it counts as this
 
 AllocatorAbout = Callable[[Point], Callable[[float, float, float], Allocation]]
 """From the point [m] in B that wrenches are about to their allocator."""
@@ -129,4 +128,4 @@ def _utilisation(
     )
     fx, fy, tau = allocation.residual
     lost = hypot(fx, fy, tau / surface.rho) / surface.max_force
-    return most / max(1.0 - lost, LEAST_GIVEN)
+    return most / max(1.0 - lost, margins.GIVEN)

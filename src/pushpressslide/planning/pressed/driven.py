@@ -11,26 +11,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
-from pushpressslide.core.task import Task, Vehicle
+from pushpressslide.core.task import ObjectModel, Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.mechanics.top import inside_top
-from pushpressslide.planning.held_twist import EDGE
-from pushpressslide.planning.pressed.manoeuvre import CORRECTED
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import (
-    BACK_UPS,
-    LOOP,
-    PLANNED,
-    RUN_INS,
-    SHORT_RUN_INS,
-    SWING,
     PressedRoute,
     PressedVehicle,
     backing_up,
@@ -56,11 +49,6 @@ DIRECTIONS: Mapping[Vehicle, tuple[bool, ...]] = {
     "forklift": (True,),
     "pivot": (False,),
 }
-# half widths inside the base's edge from which on the object is driven at full speed
-SAFE_MARGIN = 0.5
-TOOL_SKEW = math.radians(2.0)  # of the motion from the normal of a tool's face
-# share of the speed when pushed: what is ahead of the contact swings more
-PUSHED_SPEED = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +59,8 @@ class Press:
     backward: bool
     angle: float = 0.0  # [rad] of the force in turns
     steepest: float = math.inf  # [rad] that it may be steered with
-    back_ups: Sequence[float] = BACK_UPS  # [m] to go back straight first, to try
+    # look-aheads to go back straight first, to try
+    back_ups: Sequence[float] = margins.BACK_UPS
 
 
 def driven_choice(task: Task, mode: str, press: Press) -> Choice:
@@ -81,9 +70,10 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     if task.motion.vehicle == "pivot":
         how = "turned on the spot"
     choice = Choice(mode, f"{how} at {describe_points([contact.point])}", (contact,))
-    if not inside_top(task.object, contact.point, EDGE):
+    inset = task.scene.inset
+    if not inside_top(task.object, contact.point, inset):
         text = "the contact must be {allowed:mm.0f} inside the object's top"
-        return choice.refused(Refusal("off_top", text, None, EDGE, "m"))
+        return choice.refused(Refusal("off_top", text, None, inset, "m"))
     try:
         vehicle = pressed_vehicle(
             task, contact, press.backward, press.angle, press.steepest
@@ -138,7 +128,7 @@ def _spin(task: Task, mode: str, contact: Contact, vehicle: PressedVehicle) -> S
         )
         raise RefusedError(Refusal("pin_moves", text, moved, allowed, "m"))
     drive = SpinDrive(vehicle.car, task.scene.max_friction(contact.load), X_BV)
-    speed = task.motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
+    speed = task.motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
     return segment(task, mode, (contact,), drive, path, speed=speed)
 
 
@@ -151,12 +141,12 @@ def _drive(
     motion = task.motion
     car = vehicle.car
     contact = press.contact
-    look_ahead = motion.look_ahead or min(max(0.35 * car.length, 0.04), 0.10)
+    look_ahead = motion.look_ahead or margins.ARM.look_ahead(car.length, motion.speed)
     route = _route(task, press, vehicle, look_ahead, returns)
-    speed = motion.speed * min(1.0, vehicle.room / SAFE_MARGIN)
+    speed = motion.speed * min(1.0, vehicle.room / margins.SAFE_MARGIN)
     if press.backward:
-        speed *= PUSHED_SPEED
-    speed *= min(1.0, SWING / (car.length * route.curvature))
+        speed *= margins.PUSHED_SPEED
+    speed *= min(1.0, margins.SWING / (car.length * route.curvature))
     drive = UnicycleDrive(
         car,
         task.scene.max_friction(contact.load),
@@ -178,17 +168,17 @@ def _route(
     straight = 0.0
     if task.tool is not None:
         straight = task.tool.straight
-    run_ins = [straight + k * look_ahead for k in RUN_INS]
-    back_ups = press.back_ups
+    run_ins = [straight + k * look_ahead for k in margins.VEHICLE_RUN_INS]
+    back_ups = [k * look_ahead for k in press.back_ups]
     if not returns:
         run_ins = run_ins[:2]
-        back_ups = (0.0,)
+        back_ups = [0.0]
     start, goal = (X_WB.compose(vehicle.X_BV) for X_WB in task.body_ends)
     route = route_to(start, goal, vehicle, run_ins, back_ups)
     # where a loop is too long a manoeuvre is better, if one is allowed
     loop = 0.0
     if task.motion.vehicle or task.tool:
-        loop = LOOP
+        loop = margins.LONGEST_LOOP * task.object.radius
     if route.too_long > loop:
         text = (
             f"only by a loop of {route.path.length:.2f} m, {{figure:m.2f}} too long, "
@@ -203,12 +193,12 @@ def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
     where the object drives askew to its pushing face.
     """
     drag, skew = tool_load(task, vehicle.X_BV.yaw)
-    if skew > TOOL_SKEW:
+    if skew > margins.ASKEW:
         text = (
             "it drives {figure:deg.1f} off the normal of tool.face, allowed "
             "{allowed:degg}"
         )
-        raise RefusedError(Refusal("tool_skew", text, skew, TOOL_SKEW, "rad"))
+        raise RefusedError(Refusal("tool_skew", text, skew, margins.ASKEW, "rad"))
     return drag
 
 
@@ -239,14 +229,16 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
     backward = drive.car.backward
     steering = math.inf
     if least > 0.0 and task.tool is None:
-        steering = steering_of(press_of(task.scene, contact), backward)
+        steering = steering_of(
+            press_of(task.scene, contact), backward, task.motion.speed
+        )
     if steering < least:
         text = (
             "it is steered like a unicycle only up to {figure:deg.1f}, needed "
             "{allowed:degg}"
         )
         return draft.refused(Refusal("steering", text, steering, least, "rad"))
-    angle = PLANNED * min(drive.steepest, steering)
+    angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
     return driven_choice(task, draft.mode, press)
 
@@ -258,22 +250,25 @@ def driven_again(
     contact that the object was driven with.
     """
     steepest = drive.steepest
-    angle = PLANNED * steepest
-    press = Press(contact, drive.car.backward, angle, steepest, BACK_UPS[1:])
+    angle = margins.PLANNED_STEERING * steepest
+    press = Press(contact, drive.car.backward, angle, steepest, margins.BACK_UPS[1:])
     return driven_choice(task, mode, press)
 
 
 def steered_path(
-    ends: tuple[Pose2, Pose2], drive: SteeredDrive, longest: float
+    body: ObjectModel, ends: tuple[Pose2, Pose2], drive: SteeredDrive, longest: float
 ) -> MotionPath:
     """Return the gentlest path of ``drive`` between its ``ends``, of up to ``longest``
     [m]; straight ahead where steering along a run-in is enough.
     """
+    aside = margins.CORRECTED * body.radius
     start, goal = ends
     ahead, left = goal.unapply(start.position)
-    if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < CORRECTED:
+    if isinstance(drive, TurnDrive) and ahead < 0.0 and abs(left) < aside:
         return ArcPath(advance(goal, 0.0, ahead), ((0.0, -ahead),))
     car = drive.car
-    tightest = math.tan(PLANNED * drive.steepest) / abs(car.effective_wheelbase)
-    run_ins = [k * drive.look_ahead for k in SHORT_RUN_INS]
+    tightest = math.tan(margins.PLANNED_STEERING * drive.steepest) / abs(
+        car.effective_wheelbase
+    )
+    run_ins = [k * drive.look_ahead for k in (*margins.VEHICLE_RUN_INS, 0.5, 0.0)]
     return gentlest(start, goal, turns(car, tightest), run_ins, longest)[2]

@@ -14,32 +14,21 @@ from itertools import accumulate
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.three_turns import words
 from pushpressslide.planning.pressed.turns import PressedTurn, pressed_turns
-from pushpressslide.planning.pressed.vehicle import SWING, press_of
+from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.planning.segments import describe_points
 from pushpressslide.rom.drives import TurnDrive
 from pushpressslide.rom.unicycle import Unicycle
 
-RUN_INS = (3.0, 2.0)  # look-aheads
-# that a force must be free to turn, on a run-in and better on all turns
-CORRECTING = math.radians(14.0)
-CORRECTED = 0.0025  # [m] of lateral error that all of a turn's steering is used for
-LOOK_AHEAD = (0.04, 0.10)  # [m]
-STRAIGHT = 0.05  # [1/m] of straight turns, that have a centre far away
-PAUSE = 0.6  # [s] that a turn takes besides: it begins and ends at rest
-# [s] that a turn has to save to be taken that leaves little steering to correct it
-NARROW = 3.0
-# half widths inside the base's edge from which on the object is driven at full speed
-SAFE_ROOM = 0.5
-LONGEST = 0.75  # of limits.time: the rest is for another attempt
 COUNT = 3  # words per run-in that are handed on
 
 
@@ -51,17 +40,18 @@ class DrivenTurn:
     path: ArcPath  # of the turn's axle
     end: Pose2  # X_WB
     speed: float  # [m/s]
+    most_speed: float  # [m/s] of the task
 
     @property
     def look_ahead(self) -> float:
         """A third of the vehicle's length, more where all steering corrects little [m]."""
+        press = self.turn.press
         wheelbase = abs(self.turn.effective_wheelbase)
         most = min(self.turn.left, -self.turn.right)
-        least = math.sqrt(4.0 * CORRECTED * wheelbase / math.tan(most))
-        return min(
-            max(0.35 * (wheelbase + self.turn.press.lever), least, LOOK_AHEAD[0]),
-            LOOK_AHEAD[1],
-        )
+        aside = margins.CORRECTED * press.body.radius
+        least = math.sqrt(4.0 * aside * wheelbase / math.tan(most))
+        length = wheelbase + press.lever
+        return margins.ARM.look_ahead(length, self.most_speed, least)
 
     def drive(self, max_friction: float, last: bool) -> TurnDrive:
         """Return the turn as a drive; ``last``: it is the run-in."""
@@ -105,6 +95,7 @@ class Manoeuvre:
     contact: Contact
     start: Pose2  # X_WB
     goal: Pose2  # X_WB
+    most_speed: float  # [m/s] of the task
     arcs: tuple[
         tuple[PressedTurn, float, tuple[float, float]], ...
     ]  # speed [m/s], curvature [1/m], length [m]
@@ -118,12 +109,12 @@ class Manoeuvre:
         for turn, speed, arc in self.arcs[:-1]:
             path = ArcPath(X.compose(turn.X_BV), (arc,))
             X = path.end.compose(turn.X_BV.inverse())
-            out.append(DrivenTurn(turn, path, X, speed))
+            out.append(DrivenTurn(turn, path, X, speed, self.most_speed))
         turn, speed, (_, length) = self.arcs[-1]
         path = ArcPath(
             advance(self.goal.compose(turn.X_BV), 0.0, -length), ((0.0, length),)
         )
-        return [*out, DrivenTurn(turn, path, self.goal, speed)]
+        return [*out, DrivenTurn(turn, path, self.goal, speed, self.most_speed)]
 
     @property
     def swing(self) -> float:
@@ -189,7 +180,7 @@ def pressed_manoeuvres(
     ]
     _, goal = task.body_ends
     out = []
-    turns = pressed_turns([press for _, press in pressed])
+    turns = pressed_turns([press for _, press in pressed], task.motion.speed)
     for (contact, _), usable in zip(pressed, turns, strict=True):
         if usable:
             out += _by_press(task, X_WB, goal, contact, usable)
@@ -209,39 +200,62 @@ def _by_press(
     task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
-    run_ins = _run_ins(task.motion.speed, goal, turns)
+    most_speed = task.motion.speed
+    run_ins = _run_ins(most_speed, goal, turns)
     if not run_ins:
         return []
-    turns = _both_ways(turns)
-    speeds = [_speed(task.motion.speed, turn) for turn in turns]
-    bent = np.array([as_driven(turn.curvature, turn.curvature) for turn in turns])
+    straight = straightest(task.object)
+    turns = _both_ways(turns, straight)
+    speeds = [_speed(most_speed, turn) for turn in turns]
+    curvatures = [turn.curvature for turn in turns]
+    bent = np.array([as_driven(each, each, straight) for each in curvatures])
     axles = np.array([complex(*turn.X_BV.position) for turn in turns])
     normals = 1j * np.exp(1j * np.array([turn.X_BV.yaw for turn in turns]))
     centers = axles + normals / bent
     times = 1.0 / (np.abs(bent) * np.array(speeds))
-    narrow = np.array([min(-turn.right, turn.left) < CORRECTING for turn in turns])
-    pauses = PAUSE + NARROW * narrow
+    free = np.array([min(-turn.right, turn.left) for turn in turns])
+    least = pause(task)
+    pauses = np.where(free < margins.CORRECTING, least + narrow(task), least)
     stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
     every = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
     out = []
     for run_in, quickest in zip(run_ins, every, strict=True):
         end = (run_in.turn, run_in.speed, (0.0, run_in.length))
         for word in quickest:
-            time = word.time + run_in.length / run_in.speed + PAUSE
-            if time >= LONGEST * task.limits.time:
+            time = word.time + run_in.length / run_in.speed + pause(task)
+            if time >= margins.LONGEST * task.limits.time:
                 continue
             arcs = [
                 (turns[c], speeds[c], (float(bent[c]), float(angle / bent[c])))
                 for c, angle in zip(word.turns, word.angles, strict=True)
             ]
-            out.append(Manoeuvre(contact, X_WB, goal, (*arcs, end), time))
+            out.append(Manoeuvre(contact, X_WB, goal, most_speed, (*arcs, end), time))
     return out
 
 
-def _both_ways(turns: list[PressedTurn]) -> list[PressedTurn]:
-    """Return turns, and those straight on bent to their other side besides."""
-    straight = [t for t in turns if abs(t.curvature) < STRAIGHT]
-    return [*turns, *(replace(t, curvature=-t.curvature) for t in straight)]
+def pause(task: Task) -> float:
+    """Return the time [s] that a turn takes besides: it begins and ends at rest."""
+    return margins.REST_TO_REST * task.motion.speed / task.motion.acceleration
+
+
+def narrow(task: Task) -> float:
+    """Return the time [s] that a turn has to save to be taken that leaves little
+    steering to correct it.
+    """
+    return margins.NARROW * task.object.radius / task.motion.speed
+
+
+def straightest(body: ObjectModel) -> float:
+    """Return the curvature [1/m] of straight turns, that have a centre far away."""
+    return margins.STRAIGHTEST / body.radius
+
+
+def _both_ways(turns: list[PressedTurn], straight: float) -> list[PressedTurn]:
+    """Return turns, and those of less curvature than ``straight`` [1/m] bent to their
+    other side besides.
+    """
+    others = [turn for turn in turns if abs(turn.curvature) < straight]
+    return [*turns, *(replace(turn, curvature=-turn.curvature) for turn in others)]
 
 
 def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
@@ -250,12 +264,11 @@ def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_Ru
     """
     out = []
     for turn in turns:
-        if _straight(turn) and min(-turn.right, turn.left) >= CORRECTING:
+        if _straight(turn) and min(-turn.right, turn.left) >= margins.CORRECTING:
             speed = _speed(most, turn)
-            look_ahead = DrivenTurn(
-                turn, ArcPath(turn.X_BV, ()), goal, speed
-            ).look_ahead
-            out += [_RunIn(turn, speed, k * look_ahead) for k in RUN_INS]
+            path = ArcPath(turn.X_BV, ())
+            look_ahead = DrivenTurn(turn, path, goal, speed, most).look_ahead
+            out += [_RunIn(turn, speed, k * look_ahead) for k in margins.RUN_INS]
     return out
 
 
@@ -274,13 +287,14 @@ def _straight(turn: PressedTurn) -> bool:
 
 
 def _speed(speed: float, turn: PressedTurn) -> float:
-    return speed * min(1.0, SWING / turn.pace) * min(1.0, turn.room / SAFE_ROOM)
+    swing = min(1.0, margins.SWING / turn.pace)
+    return speed * swing * min(1.0, turn.room / margins.SAFE_MARGIN)
 
 
-def as_driven(curvature: float, like: float) -> float:
-    """Return a turn's curvature [1/m] as it is driven: one straight on has a centre far
-    away, on the side of ``like``.
+def as_driven(curvature: float, like: float, straight: float) -> float:
+    """Return a turn's curvature [1/m] as it is driven: at least ``straight`` [1/m], on
+    the side of ``like``; a turn straight on has a centre far away.
     """
-    if abs(curvature) >= STRAIGHT:
+    if abs(curvature) >= straight:
         return curvature
-    return math.copysign(STRAIGHT, like)
+    return math.copysign(straight, like)

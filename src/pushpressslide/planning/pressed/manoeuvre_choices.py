@@ -28,7 +28,7 @@ def manoeuvre_choices(
     out: list[Choice] = []
     skipped: list[Choice] = []
     missing = enough
-    turning = placements.turning(task.object)
+    turning = placements.turning(task.scene)
     for load in placements.loads:
         contacts = [replace(contact, load=load) for contact in turning]
         ranked = by_time(task, X_WB, contacts)

@@ -15,20 +15,22 @@ from itertools import pairwise
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.scene import Scene
-from pushpressslide.planning.pressed.manoeuvre import DrivenTurn, as_driven
+from pushpressslide.core.task import Task
+from pushpressslide.planning.pressed.manoeuvre import (
+    DrivenTurn,
+    as_driven,
+    straightest,
+)
 from pushpressslide.planning.pressed.turns import pressed_turns
-from pushpressslide.planning.pressed.vehicle import PLANNED, press_of
+from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.rom.drives import TurnDrive
 
 STEPS = 5  # of Gauss and Newton's method
-YAW_ARM = 0.1  # [m] that an error of one radian counts for
-LEAST_RUN_IN = 1.5  # look-aheads
-MOST = 0.1  # [m], by the same measure, that a length is changed by at a time
 WEAK = 0.03  # of the strongest effect that changes have: weaker ones are not used
 SMALL = 1e-6  # [m], [rad] of a difference quotient
 
@@ -36,13 +38,15 @@ Arc = tuple[Pose2, float]  # X_BV, curvature [1/m]
 
 
 def pressed_at(
-    scene: Scene, segments: Sequence[Segment], contact: Contact
+    task: Task, segments: Sequence[Segment], contact: Contact
 ) -> list[Segment]:
     """Return the segments of a manoeuvre with the same turns pressed at ``contact``:
     their paths as they were, but for the curvatures. A turn that is no longer one there
     stays as planned.
     """
-    (found,) = pressed_turns([press_of(scene, contact)])
+    most_speed = task.motion.speed
+    (found,) = pressed_turns([press_of(task.scene, contact)], most_speed)
+    straight = straightest(task.object)
     turns = {turn.angle: turn for turn in found}
     out = []
     for segment in segments:
@@ -53,9 +57,10 @@ def pressed_at(
         if turn is not None and isinstance(path, ArcPath):
             curvature, length = path.pieces[-1]
             if curvature:
-                curvature = as_driven(turn.curvature, curvature)
+                curvature = as_driven(turn.curvature, curvature, straight)
             path = ArcPath(path.start, ((curvature, length),))
-            now = DrivenTurn(turn, path, segment.goal, segment.profile.speed)
+            speed = segment.profile.speed
+            now = DrivenTurn(turn, path, segment.goal, speed, most_speed)
             drive = now.drive(planned.max_friction, planned.last)
             segment = replace(segment, contacts=(contact,), drive=drive, path=path)
         out.append(segment)
@@ -63,17 +68,17 @@ def pressed_at(
 
 
 def turns_onward(
-    scene: Scene, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
+    task: Task, segments: Sequence[Segment], X_WB: Pose2, contact: Contact
 ) -> tuple[Segment, ...]:
     """Return ``segments``, the rest of a manoeuvre, pressed at ``contact`` and with the
     lengths that lead from ``X_WB`` to the goal, or as near to it as they can; those
     next to the planned ones, where several do. The last turn is steered besides: it has
     too few lengths.
     """
-    now = pressed_at(scene, segments, contact)
-    X_GB = scene.body.X_GB
+    now = pressed_at(task, segments, contact)
+    X_GB = task.X_GB
     goal = now[-1].goal.compose(X_GB)
-    arcs, lengths = _arcs(now, X_WB, goal)
+    arcs, lengths = _arcs(now, X_WB, goal, task.object.radius)
     poses = _poses(arcs, lengths, X_WB)
     out = []
     parts = zip(now, arcs, lengths, pairwise(poses), strict=True)
@@ -98,6 +103,7 @@ class _Course:
     effective_wheelbase: float  # [m] of the first arc
     start: Pose2  # X_WB
     goal: Pose2
+    radius: float  # [m] that an error of one radian counts for
 
     def steered(self, x: Array) -> list[Arc]:
         """Return the arcs as they are steered."""
@@ -109,7 +115,7 @@ class _Course:
         goal = self.goal
         end = _poses(self.steered(x), x[:-1].tolist(), self.start)[-1]
         yaw = math.remainder(goal.yaw - end.yaw, math.tau)
-        return np.array([goal.x - end.x, goal.y - end.y, YAW_ARM * yaw])
+        return np.array([goal.x - end.x, goal.y - end.y, self.radius * yaw])
 
     def solved(self, x: Array, low: Array, high: Array, measure: Array) -> Array:
         """Return ``x`` within bounds that leads to the goal, with the least change by
@@ -131,10 +137,10 @@ class _Course:
 
 
 def _arcs(
-    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2
+    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, radius: float
 ) -> tuple[list[Arc], list[float]]:
     """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
-    lengths [m].
+    lengths [m], with no length changed by more than the object's ``radius`` [m].
     """
     arcs: list[Arc] = [
         (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
@@ -145,15 +151,16 @@ def _arcs(
     assert isinstance(run_in, TurnDrive)
     curvatures = np.array([curvature for _, curvature in arcs])
     # of all changes those of the least way and the least turn
-    measure = np.append(1.0 + YAW_ARM * np.abs(curvatures), 1.0)
+    measure = np.append(1.0 + radius * np.abs(curvatures), 1.0)
     x = np.array([*(segment.path.length for segment in segments), 0.0])
-    shortest = [0.0] * (len(arcs) - 1) + [LEAST_RUN_IN * run_in.look_ahead]
-    low = np.maximum([*shortest, PLANNED * turn.right], x - MOST / measure)
+    planned = margins.PLANNED_STEERING
+    shortest = [0.0] * (len(arcs) - 1) + [margins.LEAST_RUN_IN * run_in.look_ahead]
+    low = np.maximum([*shortest, planned * turn.right], x - radius / measure)
     longest = [math.inf] * len(arcs)
-    high = np.minimum([*longest, PLANNED * turn.left], x + MOST / measure)
+    high = np.minimum([*longest, planned * turn.left], x + radius / measure)
     if len(arcs) > 2:
         low[-1] = high[-1] = 0.0
-    course = _Course(arcs, turn.effective_wheelbase, X_WB, goal)
+    course = _Course(arcs, turn.effective_wheelbase, X_WB, goal, radius)
     x = course.solved(x, low, high, measure)
     return course.steered(x), [float(length) for length in x[:-1]]
 

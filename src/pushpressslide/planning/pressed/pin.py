@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.task import FORCE_ALLOWED, PLANNED_SHARE, Task
 from pushpressslide.core.twist_path import screw
 from pushpressslide.mechanics.top import inside_top
-from pushpressslide.planning.held_twist import EDGE, tipping_refusal
+from pushpressslide.planning.held_twist import tipping_refusal
 from pushpressslide.planning.pressed.drag import PinnedDrag
 
-# shares of the press's friction that holding the pivot may take, best first
-UTILISATION = (0.5, 0.6, 0.7, 0.8, 0.9)
-LEAST_PRESS = 3.0  # [N] below which contact is not felt for sure
 HALVINGS = 8  # of the interval of presses
 LEAST_TURN = math.radians(3.0)  # of a goal
 
@@ -27,10 +25,10 @@ def least_pin_load(dragged: Callable[[float], PinnedDrag], cap: float) -> float:
     Raises ValueError where the object tips.
     """
     hardest = dragged(cap).friction_utilisation
-    allowed = next((share for share in UTILISATION if hardest <= share), None)
+    allowed = next((share for share in margins.PIN_USES if hardest <= share), None)
     if allowed is None:
         return cap
-    low = LEAST_PRESS
+    low = margins.ARM.least_press
     high = cap
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -50,13 +48,13 @@ def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
     if load > cap:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, load, cap, "N")
-    if drag.forces.status != "ok" or utilisation > UTILISATION[-1]:
+    if drag.forces.status != "ok" or utilisation > margins.PIN_USES[-1]:
         text = (
             f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
             "{figure:.2f} of its friction, allowed {allowed:g}; allowed a press of "
             f"{cap:g} N, {PLANNED_SHARE:g} of limits.normal_force"
         )
-        return Refusal("friction", text, utilisation, UTILISATION[-1])
+        return Refusal("friction", text, utilisation, margins.PIN_USES[-1])
     if push > cap:
         text = f"needs a push of {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, push, cap, "N")
@@ -86,12 +84,13 @@ def pin_of(task: Task) -> Point:
                 "{figure:mm.1f} apart, allowed {allowed:mmg}"
             )
             raise RefusedError(Refusal("pin_moves", text, apart, allowed, "m"))
-    if not inside_top(body, pin, EDGE):
+    inset = task.scene.inset
+    if not inside_top(body, pin, inset):
         text = (
             f"the goal is turned about ({pin[0]:.3f}, {pin[1]:.3f}), which would have "
             "to be pressed: it is {figure:mm.0f} inside the top, allowed from "
             "{allowed:mm.0f}"
         )
         depth = body.shape.depth(body.X_GB.apply(pin))
-        raise RefusedError(Refusal("off_top", text, depth, EDGE, "m"))
+        raise RefusedError(Refusal("off_top", text, depth, inset, "m"))
     return pin

@@ -8,10 +8,10 @@ from itertools import product
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
-from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import press_loads
 from pushpressslide.mechanics.top import inside_top, top_places
-from pushpressslide.planning.held_twist import EDGE
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import ORIGIN
 
@@ -23,12 +23,13 @@ class PressPlacements:
     contacts: tuple[Contact, ...]  # without loads, one for each arm and place
     loads: tuple[float, ...]  # [N], the safest first
 
-    def turning(self, body: ObjectModel) -> list[Contact]:
+    def turning(self, scene: Scene) -> list[Contact]:
         """Return the contacts on the top that turn the object: those off its CoM."""
         return [
             contact
             for contact in self.contacts
-            if contact.point != ORIGIN and inside_top(body, contact.point, EDGE)
+            if contact.point != ORIGIN
+            and inside_top(scene.body, contact.point, scene.inset)
         ]
 
 
@@ -44,7 +45,7 @@ def press_placements(task: Task) -> PressPlacements:
         motion.press_force,
         tool_load(task, 0.0)[0],
     )
-    places: Sequence[Point] = top_places(task.object, EDGE)
+    places: Sequence[Point] = top_places(task.object, scene.inset)
     if motion.contacts:
         places = [task.X_GB.unapply(motion.contacts[0])]
     height = task.object.shape.height

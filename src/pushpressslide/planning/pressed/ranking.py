@@ -12,26 +12,22 @@ from operator import attrgetter, itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.pressed.manoeuvre import (
-    CORRECTED,
-    CORRECTING,
-    LOOK_AHEAD,
-    NARROW,
-    PAUSE,
-    RUN_INS,
-    SAFE_ROOM,
-    STRAIGHT,
     Manoeuvre,
+    narrow,
+    pause,
     pressed_manoeuvres,
+    straightest,
 )
 from pushpressslide.planning.pressed.three_turns import least_times
 from pushpressslide.planning.pressed.turns import COUNT, EVERY, TurnTable, turn_table
-from pushpressslide.planning.pressed.vehicle import SWING, press_of
+from pushpressslide.planning.pressed.vehicle import press_of
 
 RESOLUTION = 2  # of the base: the best press is nearly always among the first three
 AT_ONCE = 2  # contacts that manoeuvres are planned for
@@ -80,12 +76,18 @@ def manoeuvre_times(
     """Return about how long (m,) [s] the quickest manoeuvre from ``X_WB`` to the task's
     goal takes by each of m presses of its object; infinite where there is none.
     """
-    table = turn_table(presses, RESOLUTION)
-    paces = _paces(task.motion.speed, table)
+    speed = task.motion.speed
+    table = turn_table(presses, speed, RESOLUTION)
+    paces = _paces(task, table)
     axes = np.array([p.axis for p in presses]).view(np.complex128)
     cops = np.array([p.cop for p in presses]).view(np.complex128)
     headings = axes * np.exp(1j * table.heading)
-    turns = _planned_turns(table, paces, cops + table.ahead * axes, headings)
+    straight = straightest(task.object)
+    axles = cops + table.ahead * axes
+    turns = _planned_turns(table, paces, axles, headings, straight)
+    aside = margins.CORRECTED * task.object.radius
+    shortest = margins.ARM.look_ahead(0.0, speed)
+    longest = margins.ARM.look_ahead(math.inf, speed)
     levers = np.array([p.lever for p in presses])
     ahead = X_WB.inverse().compose(task.body_ends[1])
     turn = np.full(len(presses), math.remainder(ahead.yaw, 2.0 * math.pi))
@@ -93,14 +95,10 @@ def manoeuvre_times(
     for end in (0, COUNT // 2):  # run-ins pulled and pushed
         wheelbase = np.abs(table.effective_wheelbase[:, end])
         free = paces.steering[:, end]
-        able = table.usable[:, end] & (free >= CORRECTING)
-        needed = np.sqrt(
-            4.0 * CORRECTED * wheelbase / np.tan(np.where(able, free, 1.0))
-        )
-        look_ahead = np.clip(
-            np.maximum(0.35 * (wheelbase + levers), needed), *LOOK_AHEAD
-        )
-        length = RUN_INS[-1] * look_ahead
+        able = table.usable[:, end] & (free >= margins.CORRECTING)
+        needed = np.sqrt(4.0 * aside * wheelbase / np.tan(np.where(able, free, 1.0)))
+        wanted = np.maximum(margins.LOOK_AHEAD * (wheelbase + levers), needed)
+        length = margins.RUN_INS[-1] * np.clip(wanted, shortest, longest)
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
             1j * ahead.yaw
@@ -109,7 +107,7 @@ def manoeuvre_times(
         turning = least_times(
             turns.centers, turns.sides, turns.times, turns.pauses, staging, turn
         )
-        time = turning + length / paces.speed[:, end] + PAUSE
+        time = turning + length / paces.speed[:, end] + pause(task)
         out = np.minimum(out, np.where(able, time, math.inf))
     return out
 
@@ -133,13 +131,13 @@ class _Turns:
     pauses: Array  # [s]
 
 
-def _paces(speed: float, table: TurnTable) -> _Paces:
+def _paces(task: Task, table: TurnTable) -> _Paces:
     steering = np.minimum(table.right, table.left)
-    slower = np.minimum(1.0, SWING / table.pace) * np.minimum(
-        1.0, table.room / SAFE_ROOM
-    )
-    pauses = np.where(steering < CORRECTING, PAUSE + NARROW, PAUSE)
-    return _Paces(steering, speed * slower, pauses)
+    swing = np.minimum(1.0, margins.SWING / table.pace)
+    slower = swing * np.minimum(1.0, table.room / margins.SAFE_MARGIN)
+    least = pause(task)
+    pauses = np.where(steering < margins.CORRECTING, least + narrow(task), least)
+    return _Paces(steering, task.motion.speed * slower, pauses)
 
 
 def _planned_turns(
@@ -147,16 +145,17 @@ def _planned_turns(
     paces: _Paces,
     axles: NDArray[np.complex128],
     headings: NDArray[np.complex128],
+    straight: float,
 ) -> _Turns:
-    """Return every other turn, or of many every fourth, about its centre; straight ones
-    about a far one on either side.
+    """Return every other turn, or of many every fourth, about its centre; those of less
+    curvature than ``straight`` [1/m] about a far one on either side.
     """
     many = table.usable[:, ::EVERY].sum(1, keepdims=True) > MANY
     stride = np.where(many, 2 * EVERY, EVERY)
     planned = table.usable & (np.arange(COUNT) % stride == 0)
-    bent = np.copysign(np.maximum(np.abs(table.curvature), STRAIGHT), table.curvature)
+    bent = np.copysign(np.maximum(np.abs(table.curvature), straight), table.curvature)
     bent = np.where(planned, bent, np.nan)
-    back = np.where(np.abs(table.curvature) < STRAIGHT, -bent, np.nan)
+    back = np.where(np.abs(table.curvature) < straight, -bent, np.nan)
     bent = np.concatenate([bent[:, ::EVERY], back[:, ::EVERY]], axis=1)
     most = int(np.isfinite(bent).sum(1).max())
     order = np.argsort(np.isnan(bent), axis=1, kind="stable")[:, :most]

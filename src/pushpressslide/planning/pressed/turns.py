@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.dragging import (
@@ -30,18 +31,11 @@ from pushpressslide.mechanics.dragging import (
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.mechanics.top import rooms_inside
 
-# half widths that the centre of pressure stays inside the base's edge
-TIPPING_ROOM = 0.2
 COUNT = 48  # force angles that are looked at, all round
 STEP = 2.0 * math.pi / COUNT
 EVERY = 2  # of them is one that turns are planned with
 STEERING = 4  # steps that a force may be turned from its planned angle
 LEAST = 1  # steps that it must be free to
-SLIP = math.radians(6.0)  # of the axle, sideways: more is not followed like a unicycle
-FIRM = 0.5  # least change of the contact's direction per change of the force's
-FAR = 0.35  # [m] of the axle from the centre of pressure
-TIGHTEST = 25.0  # [1/m] of the axle's path
-PACE = (0.6, 5.0)  # speed of the contact per speed of the axle
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +84,11 @@ class _Slides:
     rooms: Array  # (m, COUNT) [half widths] inside the base
 
 
-def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTable:
-    """Return what forces at all angles do to presses of one object, its base cut up as
-    finely as ``resolution`` says (mechanics/dragging.py).
+def turn_table(
+    presses: Sequence[Press], speed: float, resolution: int = RESOLUTION
+) -> TurnTable:
+    """Return what forces at all angles do to presses of one object at ``speed`` [m/s],
+    its base cut up as finely as ``resolution`` says (mechanics/dragging.py).
     """
     slides = _slides(presses, resolution)
     motion = slides.motion
@@ -103,20 +99,22 @@ def turn_table(presses: Sequence[Press], resolution: int = RESOLUTION) -> TurnTa
     a, b, w = 0.5 * (before + after)
     da, db, dw = 0.5 / STEP * (after - before)
     x = (b * da - a * db) / (dw * a - w * da)
-    speed = np.hypot(a, b + w * x)
-    curvature = w / speed
-    wheelbase = speed / (
-        dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / speed
+    along = np.hypot(a, b + w * x)
+    curvature = w / along
+    wheelbase = along / (
+        dw - curvature * (a * da + (b + w * x) * (db + dw * x)) / along
     )
-    pace = np.hypot(a, b + w * levers) / speed
+    pace = np.hypot(a, b + w * levers) / along
     heading = np.arctan2(b + w * x, a)
     # neither way at a right angle
     leads = np.round(np.cos(STEP * np.arange(COUNT)), 9)
+    farthest = margins.FARTHEST_AXLE * presses[0].body.radius
+    slowest, quickest = margins.PACE
     usable = (
-        (np.abs(x) < FAR)
-        & (np.abs(curvature) < TIGHTEST)
-        & (pace > PACE[0])
-        & (pace < PACE[1])
+        (np.abs(x) < farthest)
+        & (np.abs(curvature) * margins.ARM.shortest(speed) < 1.0)
+        & (pace > slowest)
+        & (pace < quickest)
         & (wheelbase * leads >= 0.0)
     )
     firm = _firm(motion, levers)
@@ -145,7 +143,7 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     forces = c * axes[:, None] + s * across[:, None]
     moved = cops[:, None] + shift * forces
     rooms = rooms_inside(body, moved.reshape(-1, 2)).reshape(m, COUNT)
-    rows, columns = np.nonzero(rooms >= TIPPING_ROOM)
+    rows, columns = np.nonzero(rooms >= margins.TIPPING_MARGIN)
     rho = presses[0].rho
     base: DraggedBase | DraggedEllipsoid = DraggedBase(body, shift, resolution)
     if rho is not None:
@@ -169,7 +167,7 @@ def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
     """
     along = np.arctan2(motion[1] + motion[2] * levers, motion[0])
     firm: NDArray[np.bool_] = (
-        _wrapped(np.roll(along, -1, axis=-1) - along) > FIRM * STEP
+        _wrapped(np.roll(along, -1, axis=-1) - along) > margins.FIRM * STEP
     )
     return firm
 
@@ -192,16 +190,18 @@ def _free(
         va, vb, vw = np.roll(motion, -side * k, axis=-1)
         slip = _wrapped(np.arctan2(vb + vw * axle, va) - heading)
         follows = np.roll(firm, -side * (k - 1), axis=-1)
-        free = free & (np.abs(slip) < SLIP) & follows
+        free = free & (np.abs(slip) < margins.AXLE_SLIP) & follows
         steps += free
     return STEP * steps
 
 
-def pressed_turns(presses: Sequence[Press]) -> list[list[PressedTurn]]:
-    """Return the turns that each press of one object can be driven with."""
+def pressed_turns(presses: Sequence[Press], speed: float) -> list[list[PressedTurn]]:
+    """Return the turns that each press of one object can be driven with at ``speed``
+    [m/s].
+    """
     if not presses:
         return []
-    table = turn_table(presses)
+    table = turn_table(presses, speed)
     return [
         [
             _turn(table, row, int(column) * EVERY, press)
@@ -236,13 +236,13 @@ def _turn(table: TurnTable, row: int, column: int, press: Press) -> PressedTurn:
     )
 
 
-def steering_of(press: Press, backward: bool) -> float:
+def steering_of(press: Press, backward: bool, speed: float) -> float:
     """Return up to which force angle [rad] from straight motion a press is driven like
-    one unicycle.
+    one unicycle at ``speed`` [m/s].
     """
     turns = [
         t
-        for t in pressed_turns([press])[0]
+        for t in pressed_turns([press], speed)[0]
         if abs(t.angle) == (math.pi if backward else 0.0)
     ]
     return min((min(-turn.right, turn.left) for turn in turns), default=0.0)

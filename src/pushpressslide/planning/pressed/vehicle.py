@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
@@ -17,7 +18,6 @@ from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
-from pushpressslide.planning.pressed.turns import TIPPING_ROOM
 from pushpressslide.planning.run_in import gentlest, room
 from pushpressslide.rom.drives import UnicycleDrive
 from pushpressslide.rom.unicycle import Unicycle
@@ -26,15 +26,7 @@ from pushpressslide.rom.unicycle import Unicycle
 # not tip the object
 STEEPEST = tuple(math.radians(a) for a in (35.0, 45.0, 60.0))
 CAR_ANGLE = math.radians(45.0)  # the bound for a car or a forklift
-PLANNED = 0.6  # share of the bound that a plan's turns use; the rest is for corrections
-# times the axle's speed that the contact may move in a turn; tighter turns are slower
-SWING = 1.2
 TIGHTER = (0.5, 0.75, 1.0, 2.0)  # curvatures that are tried, in units of that turn's
-# [m] that it first goes back straight, where the goal is too near for a plain path
-BACK_UPS = (0.0, 0.1, 0.2, 0.3)
-LOOP = 0.3  # [m] that a path may be longer than one without a loop
-RUN_INS = (5.0, 3.0, 1.5)  # straight ends that are tried, in look-aheads
-SHORT_RUN_INS = (*RUN_INS, 0.5, 0.0)  # the same on the way
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,14 +75,16 @@ def pressed_vehicle(
     bounds = (0.5 * math.pi,) if kind == "pivot" else STEEPEST
     rooms = [(a, _room(press, a, backward)) for a in bounds]
     least = rooms[0][1]
-    if least < TIPPING_ROOM:
+    if least < margins.TIPPING_MARGIN:
         text = (
             f"drag at {task.object.shape.height:.3f} m tips it: the centre of pressure "
             "comes within {figure:.2f} half widths of the base's edge, allowed "
             "{allowed:g}"
         )
-        raise RefusedError(Refusal("tipping", text, least, TIPPING_ROOM))
-    steepest = min(most, max(a for a, space in rooms if space >= TIPPING_ROOM))
+        raise RefusedError(Refusal("tipping", text, least, margins.TIPPING_MARGIN))
+    steepest = min(
+        most, max(a for a, space in rooms if space >= margins.TIPPING_MARGIN)
+    )
     if kind == "pivot":
         left = math.remainder(task.goal.yaw - task.start.yaw, 2.0 * math.pi) > 0.0
         car = Unicycle(press.contact, press.cop, 1.0)
@@ -111,7 +105,7 @@ def way_back(press: Press, backward: bool) -> Unicycle | None:
     cannot be steered since the drag moves the centre of pressure by more than the
     vehicle is long.
     """
-    if _room(press, STEEPEST[0], backward) < TIPPING_ROOM:
+    if _room(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
         return None
     car = steered(press, backward, 0.0)
     if car.length <= car.shift:
@@ -146,9 +140,8 @@ def route_to(
     """Return the gentlest route of the vehicle frame from ``start`` to ``goal``, going
     back as little as needed.
     """
-    tightest = math.tan(PLANNED * vehicle.steepest) / abs(
-        vehicle.car.effective_wheelbase
-    )
+    angle = margins.PLANNED_STEERING * vehicle.steepest
+    tightest = math.tan(angle) / abs(vehicle.car.effective_wheelbase)
     curvatures = turns(vehicle.car, tightest)
     routes = []
     for back_up in back_ups:
@@ -170,7 +163,7 @@ def route_to(
 
 def turns(car: Unicycle, tightest: float) -> list[float]:
     """Return the curvatures to try [1/m], the gentlest first, none above ``tightest``."""
-    return sorted({min(k * SWING / car.length, tightest) for k in TIGHTER})
+    return sorted({min(k * margins.SWING / car.length, tightest) for k in TIGHTER})
 
 
 def backing_up(

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from pushpressslide.control.controller import RETREAT
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
@@ -92,7 +92,7 @@ def drawn_back(
         if arm in contacts:
             kin = arm_kinematics(plan.task.robots[arm])
             R, p = kin.tip_pose(q)
-            away = p - RETREAT * np.array(contacts[arm].direction(X_WB))
+            away = p - margins.ARM.retreat * np.array(contacts[arm].direction(X_WB))
             back = np.linspace(p, away, RETREAT_SAMPLES)
             yaws = np.full(len(back), attitude.yaw(R))
             q = continuation(kin, back, yaws, q, attitude).q[-1]

@@ -19,6 +19,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
@@ -46,8 +47,6 @@ REFINED = 4  # most misses that are refined
 # share of a torque limit that holding the contact at rest may take; the rest is for
 # control
 MOST_EFFORT = 0.8
-# of a press's distance from the CoM: its heading axis turns by no more than is steered
-MOST_ROLLED = 0.25
 NEAR = 0.1  # largest shortfall of a miss that is refined
 BACK = 3  # samples before the contact that a refined move includes
 STANDING = np.array([0.0, 0.5])  # [s] approach of an arm that stays where it is
@@ -239,7 +238,7 @@ def _contact_miss(
         why = f"holding its contact takes {share:.2f} of a joint's torque limit, allowed {MOST_EFFORT:g}"
         return Miss(NEAR + share, why, posture)
     rolled = _rolled(problem, along, posture.attitude)
-    allowed = MOST_ROLLED * math.hypot(*along.contact.point)
+    allowed = margins.ROLLED * math.hypot(*along.contact.point)
     if rolled > allowed:
         why = f"a tool that leans and does not turn rolls its tip by {rolled * 1e3:.0f} mm"
         return Miss(NEAR + rolled, f"{why}, allowed {allowed * 1e3:.0f} mm", posture)

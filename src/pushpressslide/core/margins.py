@@ -1,0 +1,316 @@
+"""The one table of physical margins: how near to its limits a motion may be planned and
+driven, and from where on something counts as small, slow or off.
+
+Where the physics is the object's, a margin is a plain number: a length over the
+object's radius (``ObjectModel.radius``) or over the tip's, a share of the friction, an
+angle, a time over a length by a speed. What the arm and its sensors decide is in units,
+in ``ArmMargins``: a small object makes no arm quicker. Quasi-static motions therefore
+scale: with every length by k, the forces by any factor and the speeds by sqrt(k), those
+of the arm included, a plan is the same plan (tests/modes/test_scaling.py).
+
+Numbers that only say how finely something is computed stay where they are used.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+# --- where contacts may be
+
+INSET = 0.6
+"""Tip radii from a contact to the edges of its face or of the top: a tip that rolls or
+creeps by half of that is still on it.
+"""
+LEAST_LEVER = 0.25
+"""Radii of the object: the least lever of a push about a pinned point. With less, what
+the push's place is wrong by matters more than the push.
+"""
+LEVER_SHARE = 0.5
+"""Of the longest lever about a pinned point: places with less are left out."""
+WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)
+"""Of the room on a face: half the distances of two contacts on it that are tried."""
+
+# --- tipping: half widths of the base
+
+TIPPING_MARGIN = 0.15
+"""That the centre of pressure stays inside the base's edge: the pressure's own
+uncertainty, and what a drag that is a tenth higher moves it by.
+"""
+SAFE_MARGIN = 0.5
+"""Inside the base's edge from which on an object is driven at full speed: nearer to it
+the pressure, and with it the virtual axle, changes quickly.
+"""
+LEAN = 0.15
+"""By which a weight in the plane may move the centre of pressure."""
+
+# --- friction: shares
+
+FRICTION_USES = (0.7, 0.8, 0.9, 0.96)
+"""Of a contact's friction that a motion may take, the best first: what is left is for
+the servo, and for a friction that is less than believed.
+"""
+PIN_USES = (0.5, 0.6, *FRICTION_USES)
+"""The same of a press that holds a point in its place: what it slips, it keeps."""
+CORRECTION_USE = 0.9
+"""Of the friction, that corrections within a cone may use."""
+PREFERRED_USE = 0.8
+"""Of the friction, within which forces are kept where the wrench leaves a choice."""
+GRIP_USE = 0.93
+"""Measured utilisation beyond which the steering is eased."""
+HARDER = 1.3
+"""Times as hard two arms press where the drag's lever takes more of the friction."""
+SPARE_LOAD = 0.02
+"""Of the load, that the lighter of two presses carries beyond the least for a turn on
+the spot.
+"""
+SQUEEZE = 1.6
+"""Times the drag that one of two contacts may push with: more is spent against the
+other.
+"""
+GIVEN = 1e-3
+"""Of a wanted wrench: less that contacts can give counts as this."""
+
+# --- cones and steering: angles and shares
+
+CONE_MARGIN = math.radians(6.0)
+"""That a planned twist stays inside its motion cone: the limit surface's own error, and
+room for corrections.
+"""
+REPLAN_MARGIN = math.radians(2.0)
+"""The same of a plan made under way, from a pose and contacts that were seen."""
+AMPLE_MARGIN = math.radians(30.0)
+"""Inside the cone, from which on a placement with less force is the better one."""
+STEERING_RESERVE = 0.12
+"""Of a rear push's cone, kept from either edge for the servo and the model."""
+STEERING_SHARE = 0.85
+"""Of the tightest curve of a pushed car, that steering may ask for."""
+PLANNED_STEERING = 0.6
+"""Of the steering of a pressed vehicle, that a plan's turns use."""
+CORRECTING = math.radians(14.0)
+"""That a force must be free to turn on a run-in, so that errors decay on it."""
+AXLE_SLIP = math.radians(6.0)
+"""Of a virtual axle, sideways: more is not followed like a unicycle's."""
+FIRM = 0.5
+"""Least change of a pressed contact's direction per change of its force's."""
+PUSHED_SPEED = 0.8
+"""Of the speed, of a vehicle that is pushed: what is ahead of the contact swings more."""
+SWING = 1.2
+"""Times the axle's speed that a pressed contact may move at; tighter turns are slower."""
+PACE = (0.6, 5.0)
+"""Speed of a pressed contact over the speed of the axle, within which turns are used."""
+FARTHEST_AXLE = 3.0
+"""Radii of the object, from the centre of pressure: a virtual axle beyond is not used,
+its place is too sensitive to the pressure's.
+"""
+STRAIGHTEST = 0.006
+"""Curvature times the object's radius, below which a turn counts as straight: over a
+way of ten radii it is off by 0.3 radii, which the run-in takes.
+"""
+CORRECTED = 0.02
+"""Radii of the object: the lateral error that all of a turn's steering is used for."""
+LOOK_AHEAD = 0.35
+"""Lengths of a pressed vehicle: its look-ahead, where the arm allows it. Longer ones
+correct less, shorter ones swing the contact more.
+"""
+ROLLED = 0.25
+"""Of a press's distance from the CoM: its heading axis turns by no more than that is
+steered.
+"""
+CREPT = 0.2
+"""Of a press's distance from the CoM, above which a single one is taken anew: a tip
+creeps along its force, and pushed towards the CoM it ends where the drag tips the
+object.
+"""
+
+# --- ways
+
+LOOP_RATIO = 1.6
+"""Times the direct way, and LOOP_SLACK radii of the object: a longer way has turned a
+loop.
+"""
+LOOP_SLACK = 0.25
+LONGEST_LOOP = 2.5
+"""Radii of the object: what a path of a vehicle that was asked for may be longer than
+one without a loop.
+"""
+DETOUR = (1.1, 0.05)
+"""Times the way that is left, and radii of the object: what a plan made under way may
+take.
+"""
+TOUCH_DETOUR = (1.2, 0.25)
+"""The same after a touch, where object and contact are as they were found."""
+RUN_INS = (3.0, 2.0)
+"""Look-aheads of straight end after the turns of a manoeuvre."""
+VEHICLE_RUN_INS = (5.0, 3.0, 1.5)
+"""The same after the path of one vehicle; the longest that fits is taken."""
+LEAST_RUN_IN = 1.5
+"""Look-aheads that a run-in keeps under way."""
+BACK_UPS = (0.0, 2.5, 5.0, 7.5)
+"""Look-aheads that a vehicle first goes back straight, where the goal is too near."""
+CAR_LOOK_AHEAD = 2.0
+"""Shortest ways over which the arm corrects: the look-ahead of a pushed car."""
+CAR_RUN_INS = (1.0, 0.5, 0.25)
+"""Of ``motion.run_in``: the straight ends of a pushed car that are tried."""
+REST_TO_REST = 1.2
+"""Times speed over acceleration: what a turn that begins and ends at rest takes
+besides.
+"""
+NARROW = 1.3
+"""Radii of the object over the speed: the time that a turn with little steering to
+correct it has to save to be taken.
+"""
+LONGEST = 0.75
+"""Of ``limits.time``, that a manoeuvre may take: the rest is for another attempt."""
+
+# --- contact and speed
+
+TOUCH_SHARE = 0.4
+"""Of the force that would move the object, pressed before the motion."""
+LOSS_SHARE = 0.6
+"""Of its planned load, below which a press counts as lost."""
+LEAST_SHARE = 0.2
+"""Of its planned force, below which a push counts as lost."""
+LOSS_SIGMAS = 6.0
+"""Standard deviations of the mean force between a contact that holds and one that counts
+as lost: one false loss in 10^9 measurements.
+"""
+FLOOR_SPEED = 0.12
+"""Of ``motion.speed``: the least speed while the goal is not reached."""
+
+# --- what counts as there: shares of the task's tolerances
+
+SLID = 0.25
+"""Of ``tolerance.position``, that a contact may slide before the way is planned anew."""
+OFF_PATH = 0.1
+"""Of ``tolerance.position``, the same of the object from its path."""
+OFF_HEADING = 0.5
+"""Of ``tolerance.yaw``, the same of its heading."""
+ASTRAY = 10.0
+"""Times ``tolerance.position``, of the tracking point from its path: the run is given
+up.
+"""
+STOP = 0.02
+"""Of ``tolerance.position``, of path left, at which the motion ends."""
+RETRY_ABOVE = 0.9
+"""Of both tolerances: final errors beyond it trigger a retry."""
+RETRY_ABOVE_SEATED = 0.3
+"""The same in an opening: the fall into it pushes the object off its path."""
+TOOL_ASIDE = 0.2
+"""Of ``tolerance.position``, that a tool may be off the straight push."""
+ASKEW = math.radians(2.0)
+"""Of a tool's face, from the straight push, while it pushes."""
+SQUARE = math.radians(20.0)
+"""That the sides of a tool's body may be turned against the tool's face."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArmMargins:
+    """What arms, tools and sensors decide, whatever the object."""
+
+    response: float = field(default=0.8, metadata={"unit": "s"})
+    """In which the servo has an object's motion where it is wanted: a law that corrects
+    over less than the way of that time asks for forces that come too late.
+    """
+    longest_look_ahead: float = field(default=0.1, metadata={"unit": "m"})
+    """The arm's reach has no room for run-ins of longer ones."""
+    quick: float = field(default=0.3, metadata={"unit": "s"})
+    """The same as ``response`` of an object that tips hold from above."""
+    turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
+    """Of a pushed object: beyond it the tip slips where the steering jumps."""
+    least_press: float = field(default=3.0, metadata={"unit": "N"})
+    """Below it a contact is not felt for sure, and bounces."""
+    table_gap: float = field(default=0.006, metadata={"unit": "m"})
+    """Of a pushing tip above the support."""
+    tool_gap: float = field(default=0.01, metadata={"unit": "m"})
+    """The same, where there is a choice."""
+    wrist_gap: float = field(default=0.04, metadata={"unit": "m"})
+    """Of the flange above the object's top."""
+    low: float = field(default=0.04, metadata={"unit": "m"})
+    """Height of a push, where the tool is long enough: low, so that nothing tips, and
+    high enough that the hand clears the support.
+    """
+    tool_room: float = field(default=0.06, metadata={"unit": "m"})
+    """Between two tips that push, for the tools that hold them."""
+    hand_room: float = field(default=0.1, metadata={"unit": "m"})
+    """Between two tips that press, for the hands above them."""
+    clearance: float = field(default=0.01, metadata={"unit": "m"})
+    """That an object keeps from obstacles, unless its start or goal is nearer: what the
+    run may be off the plan.
+    """
+    touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
+    """Of a tip on the last centimetres before a contact."""
+    pressing: float = field(default=0.4, metadata={"unit": "s"})
+    """Until a typical press has its load."""
+    approach: float = field(default=5.0, metadata={"unit": "s"})
+    """From the home posture to before the touch, typically; the planar engine begins
+    there.
+    """
+    settling: float = field(default=1.8, metadata={"unit": "s"})
+    """Of lining up, believing the touch, and drawing back."""
+    retouch: float = field(default=0.012, metadata={"unit": "m"})
+    """Of slid contact, and of path left, above which a tip lets go and touches the
+    planned place again: what a touch costs is the arm's.
+    """
+    off_axle: float = field(default=0.015, metadata={"unit": "m"})
+    """Of the virtual axle from where it is planned: what noisy poses tell apart."""
+    least_left: float = field(default=0.02, metadata={"unit": "m"})
+    """Of path, with less of which nothing is planned anew."""
+    touch_depth: float = field(default=0.05, metadata={"unit": "m"})
+    """Beyond an expected contact, at which the object counts as not there."""
+    felt_time: float = field(default=0.03, metadata={"unit": "s"})
+    """Of normal force, before a touch is believed."""
+    settle_time: float = field(default=0.2, metadata={"unit": "s"})
+    """That the force of a touch must hold."""
+    push_loss_time: float = field(default=0.12, metadata={"unit": "s"})
+    """Without contact force before a pushing tip goes back to touch: it rides over a
+    gap.
+    """
+    press_loss_time: float = field(default=0.008, metadata={"unit": "s"})
+    """The same of a press, which must not."""
+    retreat: float = field(default=0.06, metadata={"unit": "m"})
+    """That a tip is drawn back on release."""
+    longest_stop: float = field(default=4.0, metadata={"unit": "s"})
+    """After a failure until the run ends, at rest or not."""
+    at_rest: float = field(default=0.005, metadata={"unit": "m/s"})
+    """Of a tip that counts as at rest."""
+    rest_time: float = field(default=0.3, metadata={"unit": "s"})
+    """That the tips stand still before they draw back, after a failure."""
+    replan_pause: float = field(default=0.4, metadata={"unit": "s"})
+    """Between two plans made under way."""
+
+    def shortest(self, speed: float) -> float:
+        """Return the shortest way [m] over which errors are corrected at ``speed``
+        [m/s].
+        """
+        return self.response * speed
+
+    def loss_time(self, kind: str) -> float:
+        """Return the time [s] without contact force before a tip of a contact of a
+        ``kind`` goes back to touch.
+        """
+        return self.push_loss_time if kind == "side" else self.press_loss_time
+
+    def look_ahead(self, length: float, speed: float, least: float = 0.0) -> float:
+        """Return the look-ahead [m] of a vehicle of some ``length`` [m], at ``least``
+        [m] where that is possible.
+        """
+        wanted = max(LOOK_AHEAD * length, least, self.shortest(speed))
+        return min(wanted, max(self.longest_look_ahead, self.shortest(speed)))
+
+
+ARM = ArmMargins()
+"""Those of the shipped arms."""
+
+
+def inset(tip_radius: float) -> float:
+    """Return how far [m] a contact stays inside the edges of its face or of the top."""
+    return INSET * tip_radius
+
+
+def longest(detour: tuple[float, float], left: float, radius: float) -> float:
+    """Return the longest way [m] of a plan made anew, where ``left`` [m] are left, for
+    an object of a ``radius`` [m].
+    """
+    ratio, slack = detour
+    return ratio * left + slack * radius
