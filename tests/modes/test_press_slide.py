@@ -6,7 +6,7 @@ from dataclasses import replace
 from pushpressslide import load_task
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import PLANNED_SHARE, Box, ObjectModel, Task
+from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import MOST_USE, least_load
 from pushpressslide.modes.press_slide import MODE
@@ -51,3 +51,13 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     assert isinstance(drive, UnicycleDrive)
     press = press_of(task.scene, best.contacts[0])
     assert steering_of(press, drive.car.backward) == 0.0
+
+
+def test_a_top_too_small_for_a_tip_is_refused_by_name() -> None:
+    coin = ObjectModel(Cylinder(0.011, 0.02), 0.1, (0.0, 0.0))
+    motion = replace(BASE.motion, contacts=None)
+    task = replace(BASE, object=coin, motion=motion)
+    (choice,) = MODE.choices(task)
+    assert choice.refusal is not None
+    assert choice.refusal.code == "off_top"
+    assert "12 mm inside its edges" in choice.reason

@@ -28,7 +28,7 @@ LEAST_TURN = 0.01
 RESOLUTION = 5  # of the pressure samples
 ROUNDS = 12  # of the centre of pressure and the wrench that moves it
 FIRST = 0.5  # of the way to where the drag would move it that the first round goes
-CLOSE = 1e-6  # [m] of the centre of pressure from there
+CLOSE = 1e-5  # of rho: of the centre of pressure from there
 
 
 def pressures(scene: Scene) -> Callable[[Point], PressureSamples]:
@@ -108,7 +108,7 @@ def dragged_ellipsoid(
             pressure_at((at.real, at.imag)).scaled_to(load), mu, twist
         )
         off = complex(*cop) + complex(*shift(surface.wrench(twist))) - at
-        if abs(off) < CLOSE:
+        if abs(off) < CLOSE * surface.rho:
             break
         if step and before != off:
             step = off * step / (before - off)

@@ -8,6 +8,7 @@ from itertools import product
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
+from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import press_loads
@@ -34,7 +35,9 @@ class PressPlacements:
 
 
 def press_placements(task: Task) -> PressPlacements:
-    """Return where and how hard to press. Raises RefusedError where no press holds."""
+    """Return where and how hard to press. Raises RefusedError where no press holds, and
+    where the top is too small for one.
+    """
     motion = task.motion
     scene = task.scene
     loads = press_loads(
@@ -48,6 +51,9 @@ def press_placements(task: Task) -> PressPlacements:
     places: Sequence[Point] = top_places(task.object, scene.inset)
     if motion.contacts:
         places = [task.X_GB.unapply(motion.contacts[0])]
+    if not places:
+        text = "the top has no place {allowed:mm.0f} inside its edges"
+        raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
     height = task.object.shape.height
     contacts = tuple(
         Contact(arm, "top", place, ORIGIN, height)
