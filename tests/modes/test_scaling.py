@@ -26,7 +26,13 @@ from pushpressslide.modes import base
 from pushpressslide.selection.select import select
 from pushpressslide.taskfile.load import load_task
 
-EXPONENTS = {"m": (1.0, 0), "s": (0.5, 0), "1/s": (-0.5, 0), "m/s": (0.5, 0)}
+EXPONENTS = {
+    "m": (1.0, 0),
+    "s": (0.5, 0),
+    "1/s": (-0.5, 0),
+    "m/s": (0.5, 0),
+    "1": (0.0, 0),
+}
 """Powers of k and m by which a margin in a unit scales; newtons scale with m."""
 EXPONENTS["N"] = (0.0, 1)
 TASKS = (

@@ -97,8 +97,6 @@ class Controller:
         self.X_GB = task.object.X_GB
         self.X_BG = self.X_GB.inverse()
         self.robots = task.robots
-        self.tolerance = task.tolerance
-        self.stop_left = margins.STOP * self.tolerance.position  # [m]
         self.floor_speed = margins.FLOOR_SPEED * motion.speed  # [m/s]
         self.replanner = Replanner(told)
         threshold = max(0.25, 4.0 * task.sensing.force_noise)
@@ -394,7 +392,7 @@ class Controller:
         floor = self.floor_speed
         braking = floor + math.sqrt(profile.acceleration * max(left, 0.0))
         # for the object to be seated or at rest
-        waits = self.waits and not state.ahead and left <= self.stop_left
+        waits = self.waits and not state.ahead and left <= margins.ARM.stop
         least = 0.0 if waits else floor
         return min(max(wanted, least), 1.5 * profile.speed, braking)
 
@@ -436,7 +434,7 @@ class Controller:
         time = measurement.time
         left = segment.path.length - state.progress
         astray = abs(guidance.error[1])
-        allowed = margins.ASTRAY * self.tolerance.position
+        allowed = margins.ARM.astray
         if astray > allowed:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
             return self.stop(state, measurement, ("goal_missed", text))
@@ -512,14 +510,14 @@ class Controller:
         held, when it rests.
         """
         if state.ahead or not self.waits:
-            return left <= self.stop_left
+            return left <= margins.ARM.stop
         duration = state.binding.segment.profile.duration
         late = measurement.time - state.clock_start - duration
         if self.entry is None:
             rests = late > HOLD_TIME
         else:
             rests = self.entry.seated(measurement)
-        return late > SEAT_TIME or (left <= self.stop_left and rests)
+        return late > SEAT_TIME or (left <= margins.ARM.stop and rests)
 
     def _retry(
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2

@@ -101,17 +101,16 @@ class Replanner:
         followed = segments[0]
         left = followed.path.length - guidance.progress
         _, across, heading = guidance.error
-        allowed = self.task.tolerance
-        off_path = abs(across) > margins.OFF_PATH * allowed.position
-        off_path = off_path or abs(heading) > margins.OFF_HEADING * allowed.yaw
-        slid = slide(followed.contacts, touched) > margins.SLID * allowed.position
+        arm = margins.ARM
+        off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
+        slid = slide(followed.contacts, touched) > arm.slid
         moved = _axle_error(followed, identified)
-        if not (off_path or slid or moved > margins.ARM.off_axle):
+        if not (off_path or slid or moved > arm.off_axle):
             return None
-        if left < margins.ARM.least_left or since_last < margins.ARM.replan_pause:
+        if left < arm.least_left or since_last < arm.replan_pause:
             return None
         longest = margins.longest(margins.DETOUR, left, self.task.object.radius)
-        if moved > margins.ARM.off_axle:  # the path of another point has another length
+        if moved > arm.off_axle:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
         replanner = self.believing(rho)

@@ -180,18 +180,6 @@ FLOOR_SPEED = 0.12
 
 # --- what counts as there: shares of the task's tolerances
 
-SLID = 0.25
-"""Of ``tolerance.position``, that a contact may slide before the way is planned anew."""
-OFF_PATH = 0.1
-"""Of ``tolerance.position``, the same of the object from its path."""
-OFF_HEADING = 0.5
-"""Of ``tolerance.yaw``, the same of its heading."""
-ASTRAY = 10.0
-"""Times ``tolerance.position``, of the tracking point from its path: the run is given
-up.
-"""
-STOP = 0.02
-"""Of ``tolerance.position``, of path left, at which the motion ends."""
 RETRY_ABOVE = 0.9
 """Of both tolerances: final errors beyond it trigger a retry."""
 RETRY_ABOVE_SEATED = 0.3
@@ -248,6 +236,20 @@ class ArmMargins:
     """
     settling: float = field(default=1.8, metadata={"unit": "s"})
     """Of lining up, believing the touch, and drawing back."""
+    slid: float = field(default=0.0025, metadata={"unit": "m"})
+    """Of a contact, before the way is planned anew: what tip and pose, as measured,
+    tell apart.
+    """
+    off_path: float = field(default=0.001, metadata={"unit": "m"})
+    """The same of the object from its path."""
+    off_heading: float = field(default=math.radians(1.0), metadata={"unit": "1"})
+    """The same of its heading [rad]."""
+    stop: float = field(default=2e-4, metadata={"unit": "m"})
+    """Of path left, at which the motion ends."""
+    astray: float = field(default=0.1, metadata={"unit": "m"})
+    """Of the tracking point from its path: the run is given up. The joint path that was
+    planned along it is of no use any more.
+    """
     retouch: float = field(default=0.012, metadata={"unit": "m"})
     """Of slid contact, and of path left, above which a tip lets go and touches the
     planned place again: what a touch costs is the arm's.
