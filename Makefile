@@ -12,7 +12,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
 QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
-.PHONY: demo test test-all test-newest quick lint results picture lock clean
+.PHONY: demo test test-all test-newest quick lint results random-tasks picture lock clean
 
 demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
@@ -38,6 +38,11 @@ results: $(READY)
 	$(BIN)/pps reproduce --out runs/results --force
 	$(BIN)/python -m pushpressslide.studies.paper.documents \
 	  runs/results/table.md docs/results.md README.md
+
+# The random tasks of docs/random-tasks.md: hours; goes on where it ended.
+random-tasks: $(READY)
+	$(BIN)/python tools/random_tasks.py run
+	$(BIN)/python tools/random_tasks.py write
 
 picture: $(READY)
 	$(BIN)/pps reproduce --only rear-push --out runs/picture --force

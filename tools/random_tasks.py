@@ -1,0 +1,268 @@
+"""Draw the tables of docs/random-tasks.md, and write the page from their rows.
+
+    python tools/random_tasks.py run [--jobs N] [TABLE ...]
+    python tools/random_tasks.py write
+
+``run`` goes on where it ended: the rows of a table, in docs/data/TABLE.jsonl, count as
+long as the package's sources are those that made them. One table is complete before the
+next begins. ``write`` renews the page between its marks; it runs nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pushpressslide.jobs.summary import summarise
+from pushpressslide.studies.paper.documents import renewed
+
+DATA = Path("docs/data")
+PAGE = Path("docs/random-tasks.md")
+WORK = Path("runs/random-tasks")
+SAMPLE_TIME = 600.0  # [s] that one sample may take
+TOLERANCE = ("tolerance.position=0.01", "tolerance.yaw_deg=2")
+OPEN = ("modes=null",)
+REFUSALS = 5  # refused samples of each table whose best choices are run all the same
+
+
+@dataclass(frozen=True)
+class Table:
+    """One sweep whose rows are published."""
+
+    name: str
+    what: str
+    task: str
+    seed: int
+    attempts: int
+    sets: tuple[str, ...] = ()
+    world: str = "known"
+
+    @property
+    def refusals(self) -> int:
+        """Refused samples that are checked."""
+        return REFUSALS if self.world == "known" else 0
+
+    @property
+    def command(self) -> str:
+        """The command that draws it."""
+        words = [
+            f"pps sweep {self.task} --vary tasks --draw any --attempts {self.attempts}",
+            f"--seed {self.seed} --sample-time {SAMPLE_TIME:g}",
+        ]
+        if self.world != "known":
+            words.append(f"--world {self.world}")
+        if self.refusals:
+            words.append(f"--check-refusals {self.refusals}")
+        words += [f"--set {one}" for one in (*TOLERANCE, *self.sets)]
+        return " ".join(words)
+
+    @property
+    def rows(self) -> Path:
+        """Where its rows are published."""
+        return DATA / f"{self.name}.jsonl"
+
+
+MODES = (
+    ("rear_push", "rear-push-rear", 60),
+    ("press_slide", "press-slide", 60),
+    ("parallel_push", "parallel-push", 40),
+    ("orthogonal_push", "orthogonal-push", 40),
+    ("bimanual_press_slide", "bimanual-slide", 40),
+)
+KNOWN = (
+    *(
+        Table(mode, f"`{mode}`", task, 1000 + i, attempts)
+        for i, (mode, task, attempts) in enumerate(MODES)
+    ),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1005, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1006, 40, OPEN),
+)
+UNCERTAIN = tuple(
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1010 + i, 20, world="uncertain")
+    for i, (mode, task, _) in enumerate(MODES)
+)
+TABLES = KNOWN + UNCERTAIN
+
+
+def run(table: Table, jobs: int) -> None:
+    """Run what is missing of a table, and publish its rows."""
+    from pushpressslide import load_task
+    from pushpressslide.jobs.sweep import SweepOptions, sweep
+
+    folder = WORK / table.name
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = folder / "rows.jsonl"
+    if not rows.exists() and table.rows.exists():
+        rows.write_bytes(table.rows.read_bytes())
+    options = SweepOptions(
+        attempts=table.attempts,
+        vary="tasks",
+        draw="any",
+        world=table.world,  # type: ignore[arg-type]
+        seed=table.seed,
+        check_refusals=table.refusals,
+        sample_time=SAMPLE_TIME,
+        jobs=jobs,
+    )
+    task = load_task(table.task, (*TOLERANCE, *table.sets))
+    try:
+        sweep(task, options, folder)
+    finally:
+        table.rows.parent.mkdir(parents=True, exist_ok=True)
+        if rows.exists():
+            table.rows.write_bytes(rows.read_bytes())
+
+
+def read(table: Table) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the published samples of a table in their order, up to the last that
+    counts, and its forced runs; of the sweep that the last row belongs to.
+    """
+    if not table.rows.exists():
+        return [], []
+    lines = [json.loads(line) for line in table.rows.read_text().splitlines()]
+    key = lines[-1]["key"]
+    mine = [line for line in lines if line["key"] == key]
+    samples = {line["index"]: line for line in mine if "rank" not in line}
+    counted = []
+    attempted = 0
+    for i in range(len(samples)):
+        if i not in samples or attempted == table.attempts:
+            break
+        counted.append(samples[i])
+        attempted += samples[i]["status"] != "refused"
+    return counted, [line for line in mine if "rank" in line]
+
+
+def percent(share: float | None, interval: Sequence[float] | None) -> str:
+    """Return a share with its interval, in percent."""
+    if share is None or interval is None:
+        return "-"
+    low, high = interval
+    return f"{100 * share:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
+
+
+def errors(summary: dict[str, Any], which: str) -> str:
+    """Return a spread of the final errors."""
+    position = summary["final_position_error"]
+    yaw = summary["final_yaw_error"]
+    if position is None or yaw is None:
+        return "-"
+    return f"{1e3 * position[which]:.1f} mm, {math.degrees(yaw[which]):.1f}°"
+
+
+def lines_of(tables: Iterable[Table]) -> list[str]:
+    """Return the lines of a table of tables; those that were not begun are left out."""
+    out = [
+        "| tasks for | seed | drawn | attempted | reached | of the attempted | median "
+        "error | worst error | refusals run anyway that missed |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for table in tables:
+        counted, forced = read(table)
+        if not counted:
+            continue
+        summary = summarise(counted, forced)
+        checked = summary["refusals"]
+        refusals = "-"
+        if checked["checked"]:
+            refusals = (
+                f"{checked['missed']} of {checked['ran']} that could be run; "
+                f"{checked['could_not_be_run']} could not"
+            )
+        number = f"{summary['attempted']}"
+        if summary["attempted"] < table.attempts:
+            number += f" of {table.attempts} so far"
+        reached = percent(summary["reached_share"], summary["reached_interval"])
+        cells = (
+            table.what,
+            table.seed,
+            summary["drawn"],
+            f"{number}: {percent(summary['attempted_share'], summary['attempted_interval'])}",
+            summary["reached"],
+            reached,
+            errors(summary, "median"),
+            errors(summary, "max"),
+            refusals,
+        )
+        out.append("| " + " | ".join(map(str, cells)) + " |")
+    return out
+
+
+def missed(tables: Iterable[Table]) -> list[str]:
+    """Return a line for each attempted task that did not reach, and why."""
+    out = []
+    for table in tables:
+        for row in read(table)[0]:
+            if row["status"] in ("missed", "failed"):
+                reason = " ".join(str(row["reason"]).split())
+                out.append(
+                    f"- {table.what}, seed {table.seed}, sample {row['index']}: {reason}"
+                )
+    return out or ["None."]
+
+
+def modes_chosen() -> list[str]:
+    """Return how often each mode was chosen where any was allowed."""
+    counts: Counter[str] = Counter()
+    for table in KNOWN:
+        if table.sets == OPEN:
+            counts.update(
+                m for row in read(table)[0] for m in set(row.get("modes", ()))
+            )
+    if not counts:
+        return []
+    chosen = ", ".join(f"`{mode}` {n}" for mode, n in counts.most_common())
+    return [f"Where any mode was allowed, chosen were: {chosen}."]
+
+
+def write() -> None:
+    """Renew the page."""
+    sources = sorted({str(row["key"]) for t in TABLES for row in read(t)[0][-1:]})
+    text = [
+        "### What is believed is true",
+        "",
+        *lines_of(KNOWN),
+        "",
+        *modes_chosen(),
+        "",
+        "### An uncertain world",
+        "",
+        *lines_of(UNCERTAIN),
+        "",
+        "### What missed",
+        "",
+        *missed(TABLES),
+        "",
+        "### Commands",
+        "",
+        *(f"- `{table.command}`" for table in TABLES if read(table)[0]),
+        "",
+        f"The rows are in [docs/data](data); keys of the sweeps: {', '.join(sources)}.",
+    ]
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(renewed(page, "rates", "\n".join(text)), encoding="utf-8")
+
+
+def main() -> None:
+    """Run or write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("action", choices=("run", "write"))
+    parser.add_argument("tables", nargs="*", metavar="TABLE")
+    parser.add_argument("--jobs", type=int, default=0)
+    given = parser.parse_args()
+    if given.action == "write":
+        write()
+        return
+    for table in TABLES:
+        if not given.tables or table.name in given.tables:
+            run(table, given.jobs)
+
+
+if __name__ == "__main__":
+    main()
