@@ -213,14 +213,19 @@ def test_drawing_ends_where_nothing_can_be_attempted(
         sweep(TASK, SweepOptions(attempts=5, engine="planar", jobs=1), tmp_path)
 
 
-def test_an_error_of_ours_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "error", [IndexError, AssertionError, ZeroDivisionError, SystemExit]
+)
+def test_an_error_of_ours_is_a_row(
+    error: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fails(*arguments: Any, **others: Any) -> None:
-        raise IndexError("list index out of range")
+        raise error("no such thing")
 
     monkeypatch.setattr(sample_module, "simulate", fails)
     row = run_sample(TASK, OPTIONS, 4)
     assert (row["index"], row["status"]) == (4, "failed")
-    assert row["reason"] == "IndexError: list index out of range"
+    assert row["reason"] == f"{error.__name__}: no such thing"
 
 
 def test_a_sample_that_takes_too_long_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -34,8 +34,20 @@ FIGURES = (
     "realtime_factor",
 )
 """Of a run's result, what its row holds."""
-OURS = (SimulationError, ValueError, RuntimeError, IndexError, KeyError)
-"""Errors of the software that are rows, not the end of a sweep."""
+OURS = (
+    SimulationError,
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    RuntimeError,
+    SystemExit,
+    TypeError,
+    ValueError,
+)
+"""Errors of the software that are rows, not the end of a sweep; an engine that gives up
+exits.
+"""
 FORCED = 3
 """Choices of a refused task that are run all the same: the best that have a path."""
 
