@@ -126,10 +126,9 @@ object.
 # --- ways
 
 LOOP_RATIO = 1.6
-"""Times the direct way, and LOOP_SLACK radii of the object: a longer way has turned a
-loop.
-"""
+"""Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
 LOOP_SLACK = 0.25
+"""Radii of the object."""
 LONGEST_LOOP = 2.5
 """Radii of the object: what a path of a vehicle that was asked for may be longer than
 one without a loop.
