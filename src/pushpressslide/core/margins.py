@@ -277,6 +277,10 @@ class ArmMargins:
     """Of a tip that counts as at rest."""
     rest_time: float = field(default=0.3, metadata={"unit": "s"})
     """That the tips stand still before they draw back, after a failure."""
+    joint_buffer: float = field(default=0.03, metadata={"unit": "1"})
+    """Of a joint to its limit [rad], inside which the tool's attitude gives way to keep
+    it there: more than the 0.02 that planned postures keep.
+    """
     replan_pause: float = field(default=0.4, metadata={"unit": "s"})
     """Between two plans made under way."""
 

@@ -18,6 +18,7 @@ from pushpressslide.execution.torque import (
     LimitedTorque,
     inertia_torque,
     joint_torque,
+    kept_inside,
     limited,
     task_torque,
 )
@@ -52,6 +53,8 @@ class ArmState:
 class ArmExecutor:
     """Impedance, joint tracking and limits of one arm."""
 
+    lower: Array  # (n,) [rad]
+    upper: Array  # (n,) [rad]
     effort: Array  # (n,) [N m]
     rate: Array  # (n,) [N m/s]
     rotation: Callable[[float], Array]  # R_WT (3, 3) of the tool at a tool yaw [rad]
@@ -93,6 +96,7 @@ class ArmExecutor:
         error = q_ref - arm.q
         posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
+        tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
         if any(command.acceleration):
             acceleration = frame.direction(command.acceleration)
             tau += inertia_torque(

@@ -9,7 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
+
+LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
+LIMIT_DAMPING = 10.0
 
 
 class LimitedTorque(NamedTuple):
@@ -37,6 +41,28 @@ def task_torque(
         JJt.flat[::7] += 1e-6
         tau += posture - J.T @ np.linalg.solve(JJt, J @ posture)
     return tau
+
+
+def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Array:
+    """Return the torque (n,) that keeps joints inside their limits, without a force at
+    the tip: the tool's attitude gives way.
+
+    ``J`` (6, n) as in ``task_torque``; ``lower``, ``upper`` (n,) [rad]. Zero where all
+    joints are farther inside than ``margins.ARM.joint_buffer``.
+    """
+    buffer = margins.ARM.joint_buffer
+    inside = np.minimum(q - lower, upper - q)
+    if inside.min() >= buffer:
+        return np.zeros(len(q))
+    below = np.maximum(lower + buffer - q, 0.0)
+    above = np.maximum(q - upper + buffer, 0.0)
+    near = inside < buffer
+    spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
+    linear = J[3:]
+    mobility = linear @ linear.T
+    mobility.flat[::4] += 1e-6
+    out: Array = spring - linear.T @ np.linalg.solve(mobility, linear @ spring)
+    return out
 
 
 def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:

@@ -73,6 +73,8 @@ class DrivenArm:
             stiffness = motion.joint_stiffness
         self.path = path
         self._executor = ArmExecutor(
+            facts.lower,
+            facts.upper,
             facts.effort_limit,
             facts.torque_rate_limit,
             attitude.rotation_at,

@@ -76,10 +76,12 @@ class ClearanceModel:
         joints = self._robot.joints(plant)
         # of q in a Jacobian
         self._columns = np.array([joint.velocity_start() for joint in joints])
-        self._tip = set(plant.GetCollisionGeometriesForBody(self._robot.tip_body))
         sphere = self._robot.tip_geometry
-        # the shapes that touch in a run
-        self.sphere = self._tip if sphere is None else {sphere}
+        # the shapes that touch in a run; the rod that holds them may not
+        self.sphere = {sphere}
+        if sphere is None:
+            tip = self._robot.tip_body
+            self.sphere = set(plant.GetCollisionGeometriesForBody(tip))
         instance = self._robot.model_instance
         base = [plant.GetBodyByName(name, instance) for name in self._robot.base_links]
         self._base_shapes = set(_shapes(plant, base))
@@ -128,12 +130,13 @@ class ClearanceModel:
         """Return the least distance [m], at most 0.08, over postures (k, n) and object
         poses X_WG (k), and the names of its pair.
 
-        ``touching``: the tip touches the object on purpose; this pair is left out.
+        ``touching``: the tip's sphere touches the object on purpose; this pair is left
+        out.
         """
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
         ]
-        shapes = self._tip if touching else set()
+        shapes = self.sphere if touching else set()
         least, pair = self.least_in_space(postures, transforms, shapes)
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
@@ -178,7 +181,7 @@ class ClearanceModel:
         its gradient (n,).
         """
         X_WO = rigid_transform(object_pose, self._height, self._frame)
-        shapes = self._tip if touching else set()
+        shapes = self.sphere if touching else set()
         pairs = [
             pair
             for pair in self._pairs(q, X_WO, shapes)

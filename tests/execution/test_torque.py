@@ -1,0 +1,60 @@
+"""Laws of what keeps joints inside their limits."""
+
+import numpy as np
+import pytest
+
+from pushpressslide.core import margins
+from pushpressslide.execution.torque import kept_inside
+
+N = 7
+LOWER = np.full(N, -2.0)
+UPPER = np.full(N, 2.0)
+REST = np.zeros(N)
+
+
+def jacobian(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(6, N))
+
+
+def near_limit(joint: int, side: float, left: float) -> np.ndarray:
+    q = np.zeros(N)
+    q[joint] = side * (2.0 - left)
+    return q
+
+
+def test_joints_well_inside_their_limits_are_left_alone() -> None:
+    q = near_limit(3, 1.0, margins.ARM.joint_buffer + 1e-6)
+    assert not kept_inside(jacobian(0), q, REST + 1.0, LOWER, UPPER).any()
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_joint_near_its_limit_is_pushed_back_without_a_force_at_the_tip(
+    seed: int, side: float
+) -> None:
+    J = jacobian(seed)
+    joint = seed % N
+    tau = kept_inside(J, near_limit(joint, side, 0.01), REST, LOWER, UPPER)
+    # the power against the joint's way out is positive: it is led back
+    assert side * tau[joint] < 0.0
+    # no motion of the joints by this torque moves the tip along any axis
+    assert J[3:] @ tau == pytest.approx(np.zeros(3), abs=1e-4)
+
+
+def test_the_nearer_the_limit_the_harder() -> None:
+    J = jacobian(1)
+    sizes = [
+        np.linalg.norm(kept_inside(J, near_limit(2, 1.0, left), REST, LOWER, UPPER))
+        for left in (0.025, 0.02, 0.01, 0.0)
+    ]
+    assert sizes == sorted(sizes)
+    assert sizes[0] > 0.0
+
+
+def test_a_joint_on_its_way_out_is_braked() -> None:
+    J = jacobian(2)
+    q = near_limit(4, 1.0, 0.02)
+    out = np.zeros(N)
+    out[4] = 0.5
+    still = kept_inside(J, q, REST, LOWER, UPPER)
+    assert kept_inside(J, q, out, LOWER, UPPER)[4] < still[4]
