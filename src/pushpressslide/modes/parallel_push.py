@@ -18,6 +18,7 @@ from math import atan
 from pushpressslide.allocation.parallel import parallel_push_allocator
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, literal, refusal_of
@@ -224,7 +225,11 @@ class ParallelPush(TwistPushes):
             return super().course(task, segment, measured)
         ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
         straight = run_ins(task.motion)
-        path = gentle_path(ends, drive.curvature, measured.longest, straight)
+        planned = segment.path
+        assert isinstance(planned, ArcPath)
+        path = gentle_path(
+            ends, drive.curvature, measured.longest, straight, planned.turning
+        )
         return Course(measured.contacts, drive, path)
 
 

@@ -254,7 +254,11 @@ class PressSlide(Mode):
             car = replace(car, rho=task.scene.rho)
         steered = _steered_by(drive, car, measured.identified)
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
-        path = steered_path(task.object, ends, steered, measured.longest)
+        planned = segment.path
+        assert isinstance(planned, ArcPath)
+        path = steered_path(
+            task.object, ends, steered, measured.longest, planned.turning
+        )
         return Course((contact,), steered, path)
 
 

@@ -12,6 +12,7 @@ from functools import partial
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
@@ -167,7 +168,10 @@ class RearPush(Mode):
             return None
         drive = replace(planned, car=car)
         ends = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-        path = route_onward(ends, drive, measured.longest)
+        planned_path = segment.path
+        assert isinstance(planned_path, ArcPath)
+        turning = planned_path.turning
+        path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)
 
 

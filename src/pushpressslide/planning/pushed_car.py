@@ -168,18 +168,21 @@ def run_ins(motion: Motion) -> list[float]:
 
 
 def gentle_path(
-    ends: tuple[Pose2, Pose2], tightest: float, longest: float, run_ins: Sequence[float]
+    ends: tuple[Pose2, Pose2],
+    tightest: float,
+    longest: float,
+    run_ins: Sequence[float],
+    turning: float | None = None,
 ) -> ArcPath:
     """Return the path of up to ``longest`` [m] with the longest of ``run_ins`` [m], then
     the gentlest turns, none above ``tightest`` [1/m]; the shortest one where there is
-    none.
+    none. ``turning`` [rad] as in ``with_run_in``.
     """
-    start, goal = ends
     tried = []
     for run_in in run_ins:
         for share in TIGHTER:
             curvature = share * tightest
-            path = with_run_in(start, goal, curvature, curvature, run_in)
+            path = with_run_in(ends, curvature, curvature, run_in, turning)
             if path.length <= longest:
                 return path
             tried.append(path)

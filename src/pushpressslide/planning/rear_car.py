@@ -144,7 +144,7 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     for run_share, harder, slower in COMFORT:
         run_in = run_share * motion.run_in
         share = min(1.0, harder * motion.curvature_margin)
-        path = with_run_in(start, goal, high * share, -low * share, run_in)
+        path = with_run_in((start, goal), high * share, -low * share, run_in)
         routes.append(Route(path, run_in, share, slower * motion.speed))
         if path.length <= longest:
             break
@@ -159,17 +159,18 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
 
 
 def route_onward(
-    ends: tuple[Pose2, Pose2], drive: RearSteerDrive, longest: float
+    ends: tuple[Pose2, Pose2], drive: RearSteerDrive, longest: float, turning: float
 ) -> ArcPath | None:
     """Return the first path of the virtual front axle between its ``ends`` that is no
-    longer than ``longest`` [m], from the planned one to the tightest; None if none is.
+    longer than ``longest`` [m], from the planned one to the tightest, and turns by about
+    ``turning`` [rad]; None if none is.
     """
     low, high = drive.car.curvature_limits
     planned = drive.curvature_share
     for share in (planned, 0.5 * (1.0 + planned)):
         for run_in in (drive.run_in, 0.5 * drive.run_in):
-            path = with_run_in(*ends, share * high, -share * low, run_in)
-            if path.length <= longest:
+            path = with_run_in(ends, share * high, -share * low, run_in, turning)
+            if path.length <= longest and abs(path.turning - turning) <= math.pi:
                 return path
     return None
 

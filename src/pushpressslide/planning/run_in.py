@@ -9,16 +9,29 @@ from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
-from pushpressslide.planning.dubins import shortest_path
+from pushpressslide.planning.dubins import candidates, shortest_path
 
 
 def with_run_in(
-    start: Pose2, goal: Pose2, left: float, right: float, run_in: float
+    ends: tuple[Pose2, Pose2],
+    left: float,
+    right: float,
+    run_in: float,
+    turning: float | None = None,
 ) -> ArcPath:
     """Return the shortest path with curvature in [-right, left] [1/m] that ends with
     ``run_in`` [m] of straight line.
+
+    Of those that turn by ``turning`` [rad] in all, to half a turn, where there are any:
+    an arm that was planned to go round one way cannot go round the other.
     """
-    path = shortest_path(start, advance(goal, 0.0, -run_in), left, right)
+    start, goal = ends
+    staging = advance(goal, 0.0, -run_in)
+    path = shortest_path(start, staging, left, right)
+    if turning is not None and abs(path.turning - turning) > math.pi:
+        others = (other for _, other in candidates(start, staging, left, right))
+        alike = (p for p in others if abs(p.turning - turning) <= math.pi)
+        path = next(alike, path)
     return ArcPath(
         start, tuple(piece for piece in (*path.pieces, (0.0, run_in)) if piece[1] > 0.0)
     )
@@ -37,26 +50,26 @@ def room(start: Pose2, goal: Pose2, curvature: float) -> float:
 
 
 def gentlest(
-    start: Pose2,
-    goal: Pose2,
+    ends: tuple[Pose2, Pose2],
     curvatures: Sequence[float],
     run_ins: Sequence[float],
     longest: float | None = None,
+    turning: float | None = None,
 ) -> tuple[float, float, ArcPath]:
     """Return run-in [m], curvature [1/m] and path of the gentlest turns and the longest
     run-in there is room for.
 
     ``curvatures`` [1/m], the gentlest first; ``run_ins`` [m], the longest first.
     ``longest`` [m] is what counts as room (default: ``room`` of the curvature); where
-    nothing fits the shortest path is returned.
+    nothing fits the shortest path is returned. ``turning`` [rad] as in ``with_run_in``.
     """
     best: tuple[float, float, ArcPath] | None = None
     for curvature in curvatures:
         most = longest
         if most is None:
-            most = room(start, goal, curvature)
+            most = room(*ends, curvature)
         for run_in in run_ins:
-            path = with_run_in(start, goal, curvature, curvature, run_in)
+            path = with_run_in(ends, curvature, curvature, run_in, turning)
             if path.length <= most:
                 return run_in, curvature, path
             if best is None or path.length < best[2].length:

@@ -256,10 +256,15 @@ def driven_again(
 
 
 def steered_path(
-    body: ObjectModel, ends: tuple[Pose2, Pose2], drive: SteeredDrive, longest: float
+    body: ObjectModel,
+    ends: tuple[Pose2, Pose2],
+    drive: SteeredDrive,
+    longest: float,
+    turning: float,
 ) -> MotionPath:
     """Return the gentlest path of ``drive`` between its ``ends``, of up to ``longest``
-    [m]; straight ahead where steering along a run-in is enough.
+    [m], that turns by about ``turning`` [rad]; straight ahead where steering along a
+    run-in is enough.
     """
     aside = margins.CORRECTED * body.radius
     start, goal = ends
@@ -271,4 +276,4 @@ def steered_path(
         car.effective_wheelbase
     )
     run_ins = [k * drive.look_ahead for k in (*margins.VEHICLE_RUN_INS, 0.5, 0.0)]
-    return gentlest(start, goal, turns(car, tightest), run_ins, longest)[2]
+    return gentlest(ends, turns(car, tightest), run_ins, longest, turning)[2]

@@ -146,7 +146,7 @@ def route_to(
     routes = []
     for back_up in back_ups:
         begin = advance(start, 0.0, -back_up)
-        run_in, curvature, path = gentlest(begin, goal, curvatures, run_ins)
+        run_in, curvature, path = gentlest((begin, goal), curvatures, run_ins)
         routes.append(
             PressedRoute(
                 path,
