@@ -35,8 +35,7 @@ from pushpressslide.control.state import (
     bind,
     by_arm,
     control_log,
-    identified,
-    identified_rho,
+    findings,
     joint_progress,
     joint_reference,
     pressed,
@@ -178,6 +177,7 @@ class Controller:
             first,
             tuple(ahead),
             MODES[first.mode].identifier(self.parts[first.leg], first),
+            MODES[first.mode].center_identifier(self.parts[first.leg], first),
         )
 
     def stop(
@@ -327,8 +327,9 @@ class Controller:
         rest = rest_of(state.binding.segment, state.progress)
         longest = TOUCH_DETOUR * rest.path.length + TOUCH_SLACK
         touched = touched_points(self.object, rest, X_WB, measurement.tips)
+        found = findings(state)
         fresh = self.replanner.believing(state.rho).replan(
-            (rest, *state.ahead), X_WB, touched, longest, identified(state)
+            (rest, *state.ahead), X_WB, touched, longest, found
         )
         moving = begin(state, "move", measurement)
         if fresh:
@@ -336,6 +337,7 @@ class Controller:
                 moving,
                 binding=self._bound(fresh[0]),
                 ahead=fresh[1:],
+                followed_center=found.center,
                 progress=0.0,
                 clock_start=time,
             )
@@ -385,6 +387,8 @@ class Controller:
         most = max(tip.friction_utilisation for tip in felt)
         rate = -GRIP_FALL if most > GRIP_USE else GRIP_RISE
         dt = measurement.time - state.last_time
+        touched = touched_points(self.object, binding.segment, X_WB, measurement.tips)
+        axle, center = seen(state, measurement, X_WB, touched[0])
         next_state = replace(
             state,
             progress=guidance.progress,
@@ -392,7 +396,8 @@ class Controller:
             grip=min(1.0, max(GRIP_LEAST, state.grip + rate * dt)),
             tips=memories,
             last_time=measurement.time,
-            axle=seen(state, measurement, X_WB),
+            axle=axle,
+            center=center,
             twist=guidance.twist,
             ticks=ticks,
         )
@@ -470,7 +475,7 @@ class Controller:
             return self._touch_planned_place(state, measurement)
         if state.lost is not None:
             return state
-        state = replace(state, rho=identified_rho(state))
+        state = replace(state, rho=findings(state).rho)
         return self._replanned(state, time, X_WB, touched, guidance)
 
     def _touch_planned_place(
@@ -500,21 +505,27 @@ class Controller:
         guidance: Guidance,
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
+        found = findings(state)
         better = self.replanner.onward(
             (state.binding.segment, *state.ahead),
             X_WB,
             touched,
             guidance,
             time - state.replanned,
-            identified(state),
-            state.rho,
+            found,
         )
         if better is None:
             return state
+        first = better.segments[0]
+        if found.center != state.followed_center:
+            # the virtual axle is looked for about the centre that was found
+            identifier = MODES[first.mode].identifier(self.parts[first.leg], first)
+            state = replace(state, identifier=identifier, axle=AxleState())
         return replace(
             state,
-            binding=self._bound(better.segments[0]),
+            binding=self._bound(first),
             ahead=better.segments[1:],
+            followed_center=found.center,
             progress=better.progress,
             clock_start=time - better.clock,
             replanned=time,
@@ -551,7 +562,8 @@ class Controller:
             return ()
         segment = state.binding.segment
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
-        return self.replanner.believing(state.rho).again(segment, X_WB, touched)
+        replanner = self.replanner.believing(state.rho)
+        return replanner.again(segment, X_WB, touched, findings(state))
 
     def _next_segment(
         self,
@@ -569,12 +581,20 @@ class Controller:
         touched = touched_points(self.object, planned, X_WB, measurement.tips)
         longest = TOUCH_DETOUR * planned.path.length + TOUCH_SLACK
         replanner = self.replanner.believing(state.rho)
-        fresh = replanner.replan(ahead, X_WB, touched, longest) or ahead
+        mode = MODES[planned.mode]
+        # the axle is that of the segment before
+        found = findings(replace(state, identifier=None))
+        fresh = replanner.replan(ahead, X_WB, touched, longest, found)
+        center = found.center if fresh else state.followed_center
+        fresh = fresh or ahead
         return replace(
             state,
             segment=planned,
             ahead=fresh[1:],
-            identifier=MODES[planned.mode].identifier(part, planned),
+            identifier=mode.identifier(part, planned),
+            center_identifier=mode.center_identifier(part, planned),
+            center=state.center.onward(),
+            followed_center=center,
             joint_start=joint_progress(state),
             retries=state.retries + (not state.ahead),
             axle=AxleState(),
