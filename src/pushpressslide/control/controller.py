@@ -35,8 +35,7 @@ from pushpressslide.control.state import (
     bind,
     by_arm,
     control_log,
-    identified,
-    identified_rho,
+    findings,
     joint_progress,
     joint_reference,
     pressed,
@@ -156,6 +155,7 @@ class Controller:
             first,
             tuple(ahead),
             MODES[first.mode].identifier(self.parts[first.leg], first),
+            MODES[first.mode].center_identifier(self.parts[first.leg], first),
         )
 
     def stop(
@@ -307,8 +307,9 @@ class Controller:
             margins.TOUCH_DETOUR, rest.path.length, self.object.radius
         )
         touched = touched_points(self.object, rest, X_WB, measurement.tips)
+        found = findings(state)
         fresh = self.replanner.believing(state.rho).replan(
-            (rest, *state.ahead), X_WB, touched, longest, identified(state)
+            (rest, *state.ahead), X_WB, touched, longest, found
         )
         moving = begin(state, "move", measurement)
         if fresh:
@@ -316,6 +317,7 @@ class Controller:
                 moving,
                 binding=self._bound(fresh[0]),
                 ahead=fresh[1:],
+                followed_center=found.center,
                 progress=0.0,
                 clock_start=time,
             )
@@ -365,6 +367,8 @@ class Controller:
         most = max(tip.friction_utilisation for tip in felt)
         rate = -GRIP_FALL if most > margins.GRIP_USE else GRIP_RISE
         dt = measurement.time - state.last_time
+        touched = touched_points(self.object, binding.segment, X_WB, measurement.tips)
+        axle, center = seen(state, measurement, X_WB, touched[0])
         next_state = replace(
             state,
             progress=guidance.progress,
@@ -372,7 +376,8 @@ class Controller:
             grip=min(1.0, max(GRIP_LEAST, state.grip + rate * dt)),
             tips=memories,
             last_time=measurement.time,
-            axle=seen(state, measurement, X_WB),
+            axle=axle,
+            center=center,
             twist=guidance.twist,
             ticks=ticks,
         )
@@ -453,7 +458,7 @@ class Controller:
             return self._touch_planned_place(state, measurement)
         if state.lost is not None:
             return state
-        state = replace(state, rho=identified_rho(state))
+        state = replace(state, rho=findings(state).rho)
         return self._replanned(state, time, X_WB, touched, guidance)
 
     def _touch_planned_place(
@@ -483,21 +488,27 @@ class Controller:
         guidance: Guidance,
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
+        found = findings(state)
         better = self.replanner.onward(
             (state.binding.segment, *state.ahead),
             X_WB,
             touched,
             guidance,
             time - state.replanned,
-            identified(state),
-            state.rho,
+            found,
         )
         if better is None:
             return state
+        first = better.segments[0]
+        if found.center != state.followed_center:
+            # the virtual axle is looked for about the centre that was found
+            identifier = MODES[first.mode].identifier(self.parts[first.leg], first)
+            state = replace(state, identifier=identifier, axle=AxleState())
         return replace(
             state,
-            binding=self._bound(better.segments[0]),
+            binding=self._bound(first),
             ahead=better.segments[1:],
+            followed_center=found.center,
             progress=better.progress,
             clock_start=time - better.clock,
             replanned=time,
@@ -536,7 +547,8 @@ class Controller:
             return ()
         segment = state.binding.segment
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
-        return self.replanner.believing(state.rho).again(segment, X_WB, touched)
+        replanner = self.replanner.believing(state.rho)
+        return replanner.again(segment, X_WB, touched, findings(state))
 
     def _next_segment(
         self,
@@ -556,12 +568,20 @@ class Controller:
             margins.TOUCH_DETOUR, planned.path.length, self.object.radius
         )
         replanner = self.replanner.believing(state.rho)
-        fresh = replanner.replan(ahead, X_WB, touched, longest) or ahead
+        mode = MODES[planned.mode]
+        # the axle is that of the segment before
+        found = findings(replace(state, identifier=None))
+        fresh = replanner.replan(ahead, X_WB, touched, longest, found)
+        center = found.center if fresh else state.followed_center
+        fresh = fresh or ahead
         return replace(
             state,
             segment=planned,
             ahead=fresh[1:],
-            identifier=MODES[planned.mode].identifier(part, planned),
+            identifier=mode.identifier(part, planned),
+            center_identifier=mode.center_identifier(part, planned),
+            center=state.center.onward(),
+            followed_center=center,
             joint_start=joint_progress(state),
             retries=state.retries + (not state.ahead),
             axle=AxleState(),

@@ -15,6 +15,7 @@ from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
@@ -56,7 +57,7 @@ class Replanner:
         X_WB: Pose2,
         touched: Sequence[Point],
         longest: float,
-        identified: Identified | None = None,
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return ``segments`` replanned from where object and contacts really are.
 
@@ -66,18 +67,23 @@ class Replanner:
         first = segments[0]
         part = self._parts[first.leg]
         fresh = MODES[first.mode].replan(
-            part, segments, X_WB, touched, longest, identified
+            part, segments, X_WB, touched, longest, findings
         )
         return fresh if _free(part, fresh) else ()
 
     def again(
-        self, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+        self,
+        segment: Segment,
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return the segments of another attempt at a segment's goal; empty if there is
         none.
         """
         part = self._parts[segment.leg]
-        made = MODES[segment.mode].again(part, segment, X_WB, touched)
+        mode = MODES[segment.mode]
+        made = mode.again(part, segment, X_WB, touched, findings)
         fresh = tuple(replace(piece, leg=segment.leg) for piece in made)
         return fresh if _free(part, fresh) else ()
 
@@ -88,15 +94,14 @@ class Replanner:
         touched: Sequence[Point],
         guidance: Guidance,
         since_last: float,
-        identified: Identified | None = None,
-        rho: float | None = None,
+        findings: Findings = NOTHING,
     ) -> Replan | None:
         """Return better segments from here; None if all is well.
 
         Made when a contact has slid or the tracking point is off the path, unless that
-        would take a detour; or when the virtual axle is ``identified`` elsewhere.
-        ``since_last`` [s] is the time since the last replan; ``rho`` [m] as in
-        ``believing``.
+        would take a detour; or when the virtual axle or the centre of mass is found
+        elsewhere.
+        ``since_last`` [s] is the time since the last replan.
         """
         followed = segments[0]
         left = followed.path.length - guidance.progress
@@ -104,8 +109,9 @@ class Replanner:
         arm = margins.ARM
         off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
         slid = slide(followed.contacts, touched) > arm.slid
-        moved = _axle_error(followed, identified)
-        if not (off_path or slid or moved > arm.off_axle):
+        moved = _axle_error(followed, findings.axle)
+        aside = findings.aside > arm.off_heading
+        if not (off_path or slid or moved > arm.off_axle or aside):
             return None
         if left < arm.least_left or since_last < arm.replan_pause:
             return None
@@ -113,8 +119,8 @@ class Replanner:
         if moved > arm.off_axle:  # the path of another point has another length
             longest += 2.0 * moved
         rest = (rest_of(followed, guidance.progress), *segments[1:])
-        replanner = self.believing(rho)
-        fresh = replanner.replan(rest, X_WB, touched, longest, identified)
+        replanner = self.believing(findings.rho)
+        fresh = replanner.replan(rest, X_WB, touched, longest, findings)
         if not fresh:
             return None
         return _at_speed(fresh, followed.profile)

@@ -22,7 +22,9 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.execution.normal_force import NormalForceState
-from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
+from pushpressslide.identification.center import CenterIdentifier, CenterState
+from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.online import AxleIdentifier, AxleState
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import Allocator, Tracker
 
@@ -34,6 +36,7 @@ ALIGN_SPEED = 0.10  # [m/s] of the free tip
 # [m] that the joint reference may be ahead of the object or behind it: a spring
 # stretched round a bend would pull the tip sideways off its face
 JOINT_LEAD = 0.03
+NOTHING_SEEN = CenterState()
 NO_TWIST = Twist(0.0, 0.0, 0.0)
 
 
@@ -101,6 +104,7 @@ class ControllerState:
     segment: Segment  # as planned: what is being followed, before any replanning
     ahead: tuple[Segment, ...]  # the segments that come after it
     identifier: AxleIdentifier | None  # of the virtual axle in this segment
+    center_identifier: CenterIdentifier | None  # of the CoM, the same
     joint_start: float = 0.0  # [m] of joint path before this segment
     progress: float = 0.0  # [m] on the binding's path
     clock_start: float = 0.0  # [s] time zero of the binding's profile
@@ -117,6 +121,9 @@ class ControllerState:
     # what is identified of the virtual axle in this segment
     axle: AxleState = AxleState()
     rho: float | None = None  # [m] as last identified in this placement
+    center: CenterState = NOTHING_SEEN  # what is identified of the CoM
+    # p_BCom [m] of the plan that is followed
+    followed_center: Point = (0.0, 0.0)
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
     # of the object, as measured or, where the camera missed it, as predicted
@@ -253,28 +260,42 @@ def joint_reference(state: ControllerState, time: float, tracking: bool) -> floa
     return max(0.0, min(max(timed, here - JOINT_LEAD), here + JOINT_LEAD))
 
 
-def seen(state: ControllerState, measurement: Measurement, X_WB: Pose2) -> AxleState:
-    """Return what is identified of the virtual axle, this tick included."""
-    identifier = state.identifier
-    if identifier is None:
-        return state.axle
+def seen(
+    state: ControllerState, measurement: Measurement, X_WB: Pose2, touched: Point
+) -> tuple[AxleState, CenterState]:
+    """Return what is identified of the virtual axle and of the CoM, this tick included;
+    ``touched`` [m] in B is the first contact.
+    """
     arm = state.binding.segment.contacts[0].arm
     fx, fy, _ = measurement.tips[arm].force
     force = X_WB.unrotate((fx, fy))
-    return identifier.step(state.axle, measurement.time, X_WB, force)
+    time = measurement.time
+    axle = state.axle
+    center = state.center
+    if state.identifier is not None:
+        axle = state.identifier.step(axle, time, X_WB, force)
+    if state.center_identifier is not None:
+        center = state.center_identifier.step(center, time, X_WB, force, touched)
+    return axle, center
 
 
-def identified(state: ControllerState) -> Identified | None:
-    """Return the virtual axle where it contradicts the plan."""
-    if state.identifier is None:
-        return None
-    return state.identifier.identified(state.axle)
-
-
-def identified_rho(state: ControllerState) -> float | None:
-    """Return rho [m] as it is identified in this segment, or was before."""
-    found = identified(state)
-    return state.rho if found is None else found.rho
+def findings(state: ControllerState) -> Findings:
+    """Return what is identified: the virtual axle where it contradicts the plan; rho as
+    it is identified in this segment, or was before; the CoM.
+    """
+    rho = state.rho
+    axle = None
+    if state.identifier is not None:
+        axle = state.identifier.identified(state.axle)
+    if axle is not None:
+        rho = axle.rho
+    center = state.center.center
+    aside = 0.0
+    if state.center_identifier is not None:
+        (contact,) = state.binding.segment.contacts
+        lever = math.dist(contact.point, center)
+        aside = math.dist(center, state.followed_center) / lever
+    return Findings(axle, rho, center, aside)
 
 
 def control_log(

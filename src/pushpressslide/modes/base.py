@@ -22,7 +22,9 @@ from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.task import Task, Vehicle
-from pushpressslide.identification.online import AxleIdentifier, Identified
+from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.findings import NOTHING, Findings
+from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import contact_refusal
@@ -69,7 +71,7 @@ class Measured:
     X_WB: Pose2
     contacts: tuple[Contact, ...]  # where they really are
     longest: float  # [m] that the way may be
-    identified: Identified | None = None  # of the virtual axle, on the way
+    findings: Findings = NOTHING  # what was identified on the way
 
 
 class Course(NamedTuple):
@@ -142,17 +144,17 @@ class Mode(ABC):
         X_WB: Pose2,
         touched: Sequence[Point],
         longest: float,
-        identified: Identified | None = None,
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return ``segments`` replanned from where object and contacts (points in B
-        [m]) really are; none if that takes more than ``longest`` [m]. ``identified``:
-        what was seen of the virtual axle on the way.
+        [m]) really are; none if that takes more than ``longest`` [m]. ``findings``:
+        what was identified on the way.
         """
         contacts = tuple(
             replace(contact, point=point)
             for contact, point in zip(segments[0].contacts, touched, strict=True)
         )
-        measured = Measured(X_WB, contacts, longest, identified)
+        measured = Measured(X_WB, contacts, longest, findings)
         return self.onward(task, segments, measured)
 
     def onward(
@@ -169,16 +171,29 @@ class Mode(ABC):
         return (led.follows(course.path), *others)
 
     def again(
-        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+        self,
+        task: Task,
+        segment: Segment,
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return the segments of another attempt at the goal, with the same contacts,
         from ``X_WB`` near it; none where the mode cannot go back.
         """
-        return self.replan(task, (segment,), X_WB, touched, math.inf)
+        return self.replan(task, (segment,), X_WB, touched, math.inf, findings)
 
     def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the mode's virtual axle on the way; None where nothing
         is identified.
+        """
+        return None
+
+    def center_identifier(
+        self, task: Task, segment: Segment
+    ) -> CenterIdentifier | None:
+        """Return what identifies the centre of mass on the way; None where it is of no
+        use.
         """
         return None
 

@@ -14,6 +14,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 from pushpressslide.allocation.one_press import one_press_allocator
 from pushpressslide.core import margins
@@ -23,6 +24,8 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
     OFF,
     OFF_RHO,
@@ -57,9 +60,12 @@ from pushpressslide.planning.pressed.placements import (
     PressPlacements,
     press_placements,
 )
+from pushpressslide.planning.pressed.turning import turning_of
+from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.planning.segments import ends_onward
 from pushpressslide.rom.drives import (
     ORIGIN,
+    PressedDrive,
     SpinDrive,
     SteeredDrive,
     TurnDrive,
@@ -175,18 +181,54 @@ class PressSlide(Mode):
         off = OFF if task.scene.rho is None else OFF_RHO
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness, cop, off)
 
+    def center_identifier(
+        self, task: Task, segment: Segment
+    ) -> CenterIdentifier | None:
+        """Return what identifies the CoM across the heading axis on the way.
+
+        None for a turn on the spot, whose force says nothing of it, for a press at the
+        CoM, and where rho was told, which may be wrong by more than is allowed for.
+        """
+        (contact,) = segment.contacts
+        lever = math.hypot(*contact.point)
+        spins = isinstance(segment.drive, SpinDrive)
+        if spins or lever == 0.0 or task.scene.rho is not None:
+            return None
+        turning = turning_of(press_of(task.scene, contact))
+        across = (-contact.point[1] / lever, contact.point[0] / lever)
+        size = task.object.shape.inner_radius
+        share = contact.load / (contact.load + task.scene.weight_on)
+        return CenterIdentifier(across, lever, turning, size, share)
+
     def again(
-        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+        self,
+        task: Task,
+        segment: Segment,
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return segments that go back and then to the goal; none for a turn on the
         spot, or where the object would tip.
         """
+        contact = replace(segment.contacts[0], point=touched[0])
+        measured = Measured(X_WB, (contact,), math.inf, findings)
+        if findings.center != ORIGIN:
+            there = _seen_from(task, (segment,), measured)
+            made = self._again(there.task, there.segments[0], there.measured)
+            return _shifted(made, findings.center)
+        return self._again(task, segment, measured)
+
+    def _again(
+        self, task: Task, segment: Segment, measured: Measured
+    ) -> tuple[Segment, ...]:
         drive = segment.drive
         if isinstance(drive, SpinDrive):
             return ()
         assert isinstance(drive, SteeredDrive)
+        X_WB = measured.X_WB
         here = replace(task, start=X_WB.compose(task.X_GB.inverse()))
-        contact = replace(segment.contacts[0], point=touched[0])
+        (contact,) = measured.contacts
         if isinstance(drive, UnicycleDrive):
             choice = driven_again(here, self.name, contact, drive)
             if choice.feasible:
@@ -200,11 +242,15 @@ class PressSlide(Mode):
         self, task: Task, segments: Sequence[Segment], measured: Measured
     ) -> tuple[Segment, ...]:
         """Return ``segments`` led on: the first one, or all turns of a manoeuvre."""
+        center = measured.findings.center
+        if center != ORIGIN:
+            there = _seen_from(task, segments, measured)
+            return _shifted(self.onward(*there), center)
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
         drive = segments[0].drive
-        if isinstance(drive, SpinDrive) and measured.identified is not None:
+        if isinstance(drive, SpinDrive) and measured.findings.axle is not None:
             spun = self._spun(task, segments, measured)
             if spun:
                 return spun
@@ -222,7 +268,7 @@ class PressSlide(Mode):
         first, *others = segments
         drive = first.drive
         assert isinstance(drive, SpinDrive)
-        X_BV = _pivot(drive, measured.identified)
+        X_BV = _pivot(drive, measured.findings.axle)
         start, goal = ends_onward(task.object, first, measured.X_WB, X_BV)
         if math.dist(start.position, goal.position) <= task.tolerance.position:
             return ()
@@ -245,14 +291,14 @@ class PressSlide(Mode):
         assert isinstance(drive, UnicycleDrive | TurnDrive | SpinDrive)
         car = replace(drive.car, contact=contact.point, cop=cop)
         if isinstance(drive, SpinDrive):
-            X_BV = _pivot(drive, measured.identified)
+            X_BV = _pivot(drive, measured.findings.axle)
             ends = ends_onward(task.object, segment, measured.X_WB, X_BV)
             radius = math.dist(contact.point, X_BV.position)
             spin = TwistPath.between(ends, radius)
             return Course((contact,), replace(drive, car=car, X_BV=X_BV), spin)
         if isinstance(drive, UnicycleDrive) and task.scene.rho is not None:
             car = replace(car, rho=task.scene.rho)
-        steered = _steered_by(drive, car, measured.identified)
+        steered = _steered_by(drive, car, measured.findings.axle)
         ends = ends_onward(task.object, segment, measured.X_WB, steered.X_BV)
         planned = segment.path
         assert isinstance(planned, ArcPath)
@@ -293,6 +339,53 @@ def _steered(
         else choice
         for i, choice in enumerate(straight)
     ]
+
+
+class _Seen(NamedTuple):
+    """A task, segments and what was measured, about the CoM where it was identified."""
+
+    task: Task
+    segments: tuple[Segment, ...]
+    measured: Measured
+
+
+def _seen_from(task: Task, segments: Sequence[Segment], measured: Measured) -> _Seen:
+    """Return all of it with B at the identified CoM."""
+    x, y = measured.findings.center
+    back = (-x, -y)
+    told = task.told
+    gx, gy = told.object.center_of_mass
+    body = replace(told.object, center_of_mass=(gx + x, gy + y))
+    axle = measured.findings.axle
+    if axle is not None:
+        drive = segments[0].drive
+        assert isinstance(drive, PressedDrive)
+        ex, ey = drive.car.axis
+        axle = axle._replace(axle=axle.axle - x * ex - y * ey)
+    findings = measured.findings._replace(axle=axle, center=ORIGIN)
+    return _Seen(
+        replace(told, object=body),
+        _shifted(segments, back),
+        replace(
+            measured,
+            X_WB=measured.X_WB.compose(Pose2(x, y, 0.0)),
+            contacts=tuple(contact.shifted(back) for contact in measured.contacts),
+            findings=findings,
+        ),
+    )
+
+
+def _shifted(segments: Sequence[Segment], offset: Point) -> tuple[Segment, ...]:
+    """Return ``segments`` in a body frame whose origin is at -``offset`` [m] of the one
+    they are given in; their paths and goals are where they were.
+    """
+    out = []
+    for segment in segments:
+        drive = segment.drive
+        assert isinstance(drive, PressedDrive)
+        contacts = tuple(contact.shifted(offset) for contact in segment.contacts)
+        out.append(replace(segment, contacts=contacts, drive=drive.shifted(offset)))
+    return tuple(out)
 
 
 def _pivot(drive: SpinDrive, identified: Identified | None) -> Pose2:

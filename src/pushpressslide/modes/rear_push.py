@@ -14,10 +14,13 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.pose import Point, Pose2, turned_left
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
+from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.mechanics.faces import Face
+from pushpressslide.mechanics.turning import Turning
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.rear_car import (
     cone_margin,
@@ -121,8 +124,18 @@ class RearPush(Mode):
         reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
         bounds = (low + reserve, high - reserve)
         law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
-        axle = math.hypot(*drive.X_BV.position)
-        return RearPushTracker(law, car, axle, drive.max_friction)
+        return RearPushTracker(law, car, drive.X_BV, drive.max_friction)
+
+    def center_identifier(self, task: Task, segment: Segment) -> CenterIdentifier:
+        """Return what identifies the CoM across the heading axis on the way: along it,
+        it changes the effective wheelbase alone.
+        """
+        drive = segment.drive
+        assert isinstance(drive, RearSteerDrive)
+        turning = Turning((0.0,), (drive.rho * drive.rho,))
+        across = turned_left(drive.car.axis)
+        size = task.object.shape.inner_radius
+        return CenterIdentifier(across, drive.car.lever, turning, size)
 
     def allocator(
         self,
@@ -131,24 +144,29 @@ class RearPush(Mode):
         rho: float | None = None,
         cop: Point = ORIGIN,
     ) -> Allocator:
-        """Return ``allocate(fx, fy, tau)`` about the CoM, wherever the ``cop`` is.
-
+        """Return ``allocate(fx, fy, tau)`` about ``cop`` [m], the CoM as identified;
         ``rho`` [m] weighs torque errors (default: half the lever).
         """
         (contact,) = contacts
+        point = (contact.point[0] - cop[0], contact.point[1] - cop[1])
         if rho is None:
-            rho = 0.5 * math.hypot(*contact.point)
-        return one_contact_allocator(contact.point, contact.normal, friction, rho)
+            rho = 0.5 * math.hypot(*point)
+        return one_contact_allocator(point, contact.normal, friction, rho)
 
     def again(
-        self, task: Task, segment: Segment, X_WB: Pose2, touched: Sequence[Point]
+        self,
+        task: Task,
+        segment: Segment,
+        X_WB: Pose2,
+        touched: Sequence[Point],
+        findings: Findings = NOTHING,
     ) -> tuple[Segment, ...]:
         """Return nothing: a push does not go back."""
         return ()
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
         """Return the course by the true contact; the car keeps its own length, what
-        changes is its heading axis, from the true contact through the CoM.
+        changes is its heading axis, from the true contact through the CoM as identified.
         """
         planned = segment.drive
         assert isinstance(planned, RearSteerDrive)
@@ -160,7 +178,8 @@ class RearPush(Mode):
         contact = replace(contact, normal=side.normal_at(contact.point))
         old = planned.car
         try:
-            car = RearSteerCar(contact.point, contact.normal, ORIGIN, old.rho, old.mu)
+            center = measured.findings.center
+            car = RearSteerCar(contact.point, contact.normal, center, old.rho, old.mu)
         except ValueError:
             return None
         low, high = car.curvature_limits

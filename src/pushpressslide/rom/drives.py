@@ -7,7 +7,8 @@ Lengths in metres, angles in radians, forces in newtons; points in the body fram
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.mechanics.height_term import DraggedSurface
@@ -36,6 +37,11 @@ class VehicleDrive:
         return ORIGIN
 
 
+def _further(X_BV: Pose2, offset: Point) -> Pose2:
+    """Return ``X_BV`` with its origin ``offset`` [m] further on."""
+    return Pose2(X_BV.x + offset[0], X_BV.y + offset[1], X_BV.yaw)
+
+
 @dataclass(frozen=True, slots=True)
 class RearSteerDrive(VehicleDrive):
     """One side push: a rear-steer car tracked at its virtual front axle."""
@@ -53,6 +59,11 @@ class RearSteerDrive(VehicleDrive):
         dy = self.shift * math.sin(X.yaw)
         return Pose2(X.x + dx, X.y + dy, X.yaw)
 
+    @property
+    def center(self) -> Point:
+        """The CoM, as the car has it."""
+        return self.car.cop
+
 
 @dataclass(frozen=True, slots=True)
 class PressedDrive(VehicleDrive):
@@ -64,6 +75,10 @@ class PressedDrive(VehicleDrive):
     def center(self) -> Point:
         """The CoP."""
         return self.car.cop
+
+    def shifted(self, offset: Point) -> Self:
+        """Return the drive ``offset`` [m] further on."""
+        return replace(self, car=self.car.shifted(offset))
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,12 +153,22 @@ class TurnDrive(PressedDrive):
         """Angle [rad] that the force may be turned by to either side."""
         return min(-self.right, self.left)
 
+    def shifted(self, offset: Point) -> Self:
+        """Return the drive ``offset`` [m] further on."""
+        X_BV = _further(self.X_BV, offset)
+        return replace(self, car=self.car.shifted(offset), X_BV=X_BV)
+
 
 @dataclass(frozen=True, slots=True)
 class SpinDrive(PressedDrive):
     """One press, the force across the axis: a turn on the spot."""
 
     X_BV: Pose2  # at the pivot, which stays in its place, x along the axis
+
+    def shifted(self, offset: Point) -> Self:
+        """Return the drive ``offset`` [m] further on."""
+        X_BV = _further(self.X_BV, offset)
+        return replace(self, car=self.car.shifted(offset), X_BV=X_BV)
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,6 +86,15 @@ class Unicycle:
         car = replace(self, rho=rho, shift=0.0)
         return replace(car, shift=axle - car.axle)
 
+    def shifted(self, offset: Point) -> Unicycle:
+        """Return the vehicle ``offset`` [m] further on."""
+        x, y = offset
+        return replace(
+            self,
+            contact=(self.contact[0] + x, self.contact[1] + y),
+            cop=(self.cop[0] + x, self.cop[1] + y),
+        )
+
     @property
     def length(self) -> float:
         """Distance from the axle to the contact [m], the shift left out."""

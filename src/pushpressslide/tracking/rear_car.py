@@ -15,7 +15,6 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
-ORIGIN = (0.0, 0.0)
 new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
 
@@ -23,18 +22,21 @@ class RearPushTracker:
     """Rear Stanley law, and the wrench on the limit surface that steers so."""
 
     def __init__(
-        self, steer: Steering, car: RearSteerCar, axle: float, max_friction: float
+        self, steer: Steering, car: RearSteerCar, X_BV: Pose2, max_friction: float
     ) -> None:
-        """Bind the law to a car whose axle is ``axle`` [m] ahead of the CoM.
+        """Bind the law to a car that is led along the path at ``X_BV``.
 
         ``max_friction`` is mu_s N [N].
         """
         self._steer = steer
         ex, ey = car.axis
         stretch = 1.0 + (car.lever / car.rho) ** 2
+        self._axle = X_BV.position
+        self._cop = car.cop
         self._figures = (
-            axle,
             math.atan2(ey, ex),
+            math.hypot(*X_BV.position),
+            math.atan2(X_BV.y, X_BV.x),
             ex,
             ey,
             max_friction,
@@ -50,10 +52,13 @@ class RearPushTracker:
         ``X_WB``.
         """
         assert isinstance(path, ArcPath)
-        axle, heading_axis, ex, ey, max_friction, stretch, arm, turning = self._figures
+        heading_axis, reach, bearing, ex, ey, max_friction, stretch, arm, turning = (
+            self._figures
+        )
         yaw = X_WB.yaw + heading_axis
+        ahead = X_WB.yaw + bearing
         progress, left, heading, curvature = path.nearest(
-            X_WB.x + axle * cos(yaw), X_WB.y + axle * sin(yaw), progress
+            X_WB.x + reach * cos(ahead), X_WB.y + reach * sin(ahead), progress
         )
         heading_error = remainder(heading - yaw, TURN)
         delta, saturated = self._steer(left, heading_error, curvature, grip)
@@ -62,10 +67,9 @@ class RearPushTracker:
         along = max_friction / sqrt(1.0 + stretch * k * k)
         across = along * k
         w = turning * speed * k
-        drift = axle * w  # the axle moves along e, the CoM is behind it
         force = (along * ex - across * ey, along * ey + across * ex)
-        wrench = new(Wrench, (*force, arm * across, ORIGIN))
-        velocity = (speed * ex + drift * ey, speed * ey - drift * ex)
-        twist = new(Twist, (*velocity, w, ORIGIN))
+        wrench = new(Wrench, (*force, arm * across, self._cop))
+        # the axle moves along e
+        twist = new(Twist, (speed * ex, speed * ey, w, self._axle))
         error = (0.0, left, heading_error)
         return new(Guidance, (progress, wrench, twist, delta, error, saturated))
