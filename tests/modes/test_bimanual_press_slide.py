@@ -11,7 +11,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.slide_loads import UTILISATION
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
@@ -21,7 +21,6 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.modes.bimanual_press_slide import MODE
 from pushpressslide.planar.engine import run as run_planar
-from pushpressslide.planning.press_pairs import APART
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import HeldDrive
 
@@ -155,7 +154,9 @@ def test_balanced_loads_hold_the_object_in_every_twist() -> None:
         assert allocation.status == "ok"
         assert (
             allocation.margin
-            > (1.0 - UTILISATION[-1]) * task.contact_friction * choice.contacts[0].load
+            > (1.0 - margins.FRICTION_USES[-1])
+            * task.contact_friction
+            * choice.contacts[0].load
         )
 
 
@@ -251,7 +252,7 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
     held = replace_press(task, 7.5)
     why = refusal(replace_press(task, 6.2))
     use = float(why.split("takes ")[1].split()[0])
-    assert UTILISATION[-1] < use < 1.0
+    assert margins.FRICTION_USES[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4
     lost = replace_press(task, 5.0)
     choice = MODE.choices(lost)[0]
@@ -262,7 +263,7 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
 
 def test_wrong_contacts_are_refused_with_the_distance() -> None:
     near = ((0.0, 0.04), (0.0, -0.04))
-    assert f"80 mm apart, allowed from {APART * 1e3:.0f} mm" in refusal(
+    assert f"80 mm apart, allowed from {margins.ARM.hand_room * 1e3:.0f} mm" in refusal(
         slide(contacts=near)
     )
     assert "12 mm inside" in refusal(slide(contacts=((0.0, 0.145), (0.0, -0.1))))
@@ -278,7 +279,7 @@ def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction()
     task = random_task(pps.load_task("bimanual-slide"), 12, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
-    assert driven(choice).friction_utilisation <= UTILISATION[-1]
+    assert driven(choice).friction_utilisation <= margins.FRICTION_USES[-1]
     assert choice.contacts[0].load > 33.8  # [N] which would do without a lever
     loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
     given = replace(task, motion=replace(task.motion, press_force=33.8))

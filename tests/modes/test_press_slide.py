@@ -50,4 +50,4 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     drive = best.segments[-1].drive
     assert isinstance(drive, UnicycleDrive)
     press = press_of(task.scene, best.contacts[0])
-    assert steering_of(press, drive.car.backward) == 0.0
+    assert steering_of(press, drive.car.backward, task.motion.speed) == 0.0
