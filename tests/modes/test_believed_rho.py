@@ -56,9 +56,9 @@ def test_nothing_is_planned_with_the_rho_of_the_shape_in_its_place() -> None:
 
 
 def test_a_rho_with_which_nothing_is_possible_is_refused() -> None:
-    choices = pps.select(believing("press-slide", 0.2175))
+    choices = pps.select(believing("press-slide", 0.25))
     assert not any(choice.feasible for choice in choices)
-    assert all(choice.reason.endswith("with belief.rho 0.2175 m") for choice in choices)
+    assert all(choice.reason.endswith("with belief.rho 0.25 m") for choice in choices)
 
 
 @pytest.mark.parametrize("rho", [SMALL, LARGE])

@@ -213,7 +213,7 @@ def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that
         assert 0.0 < low < 0.5 < high < 1.0
         assert not low <= cop <= high
     assert best(task, round(low + 0.02, 2)).feasible
-    assert "allowed from 4 N" in refusal(replace_press(task, 54.0), 0.02)
+    assert "allowed from 3 N" in refusal(replace_press(task, 54.0), 0.02)
 
 
 def test_the_strategy_of_the_task_file_is_the_one_that_is_planned() -> None:
@@ -276,15 +276,16 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
 def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> (
     None
 ):
-    task = random_task(pps.load_task("bimanual-slide"), 12, 2)
+    task = random_task(pps.load_task("bimanual-slide"), 14, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
     assert driven(choice).friction_utilisation <= margins.FRICTION_USES[-1]
-    assert choice.contacts[0].load > 33.8  # [N] which would do without a lever
-    loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
-    given = replace(task, motion=replace(task.motion, press_force=33.8))
-    assert "the tips slip before the object" in refusal(given)
-    assert loads == [min(task.limits.planned_force, 1.3 * 33.8)] * 2
+    level = 24.8  # [N] which would do without a lever
+    assert "the tips slip before the object" in refusal(replace_press(task, level))
+    harder = margins.HARDER * level
+    assert harder < task.limits.planned_force
+    loads = [contact.load for contact in choice.contacts]
+    assert loads == pytest.approx([harder] * 2, rel=1e-3)
 
 
 def test_an_object_that_would_tip_is_refused() -> None:

@@ -231,7 +231,8 @@ def test_forces_beyond_the_limit_are_refused() -> None:
 
 def test_no_lever_no_pivot() -> None:
     sphere = replace(pivot((0.0, 0.0)), motion=Motion(face=7))
-    assert "no face has a lever of 30 mm" in refusal(sphere)
+    least = margins.LEAST_LEVER * sphere.object.radius * 1e3
+    assert f"no face has a lever of {least:.0f} mm" in refusal(sphere)
 
 
 def test_a_plan_made_anew_keeps_to_where_the_tips_truly_are() -> None:
