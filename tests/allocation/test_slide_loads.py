@@ -8,11 +8,10 @@ from hypothesis import strategies as st
 
 from pushpressslide import load_task
 from pushpressslide.allocation.slide_loads import (
-    LEAST_PRESS,
-    UTILISATION,
     cop_fraction,
     slide_loads,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import RefusedError
@@ -46,7 +45,7 @@ def test_loads_stay_between_what_is_felt_and_the_cap_and_the_second_ones_are_har
         SCENE, TASK.motion, CAP, POINTS, path(x + 1e-3, y, yaw)
     )
     assert refusal is None
-    assert min(first) >= LEAST_PRESS
+    assert min(first) >= margins.ARM.least_press
     assert max(first) <= max(harder) <= CAP
 
 
@@ -68,12 +67,12 @@ def test_a_given_press_is_the_only_one_and_one_above_the_cap_is_refused() -> Non
 
 
 def test_where_the_cap_is_too_low_the_tips_slip_at_it_with_their_utilisation() -> None:
-    low = LEAST_PRESS
+    low = margins.ARM.least_press
     refusal, loads = slide_loads(SCENE, TASK.motion, low, POINTS, path(0.2, 0.0, 0.0))
     assert refusal is not None
     assert refusal.code == "friction"
     assert refusal.figure is not None
-    assert refusal.figure > UTILISATION[-1]
+    assert refusal.figure > margins.FRICTION_USES[-1]
     assert loads == [(low, low)]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pushpressslide.control.tip_motion import LEAST_SHARE, Felt, missing
+from pushpressslide.control.tip_motion import Felt, missing
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 
 SIDES = tuple(
@@ -21,8 +22,8 @@ THERE = Felt(False, 0.5)
     ("share", "lost"),
     [
         (0.0, False),
-        (LEAST_SHARE - 0.01, False),
-        (LEAST_SHARE + 0.01, True),
+        (margins.LEAST_SHARE - 0.01, False),
+        (margins.LEAST_SHARE + 0.01, True),
         (0.5, True),
     ],
 )

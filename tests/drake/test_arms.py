@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
-from pushpressslide.control.controller import RETREAT
+from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Point, Pose2
@@ -81,7 +81,9 @@ def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
     above, contact = (
         np.asarray(kin.tip_pose(q)[1]) for q in (postures[0], first[0][0].move[-1])
     )
-    np.testing.assert_allclose(above - contact, (0.0, 0.0, RETREAT), atol=1e-5)
+    np.testing.assert_allclose(
+        above - contact, (0.0, 0.0, margins.ARM.retreat), atol=1e-5
+    )
     start = press.segments[-1].goal
     push = pps.plan(
         replace(

@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 
 from pushpressslide import load_task
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.pressure import center_of_pressure
-from pushpressslide.mechanics.wall import LEAN, lean, lean_press, lever, weights
+from pushpressslide.mechanics.wall import lean, lean_press, lever, weights
 
 TASK = load_task("press-fit")
 WEIGHT = 2.0 * 9.81
@@ -60,7 +61,7 @@ def test_contacts_moved_by_the_lean_put_the_load_in_the_middle_at_the_goal() -> 
     press = lean_press(TASK.scene)
     x, y = lean(TASK.scene, TASK.goal, press)
     # body x: the side that is down in the end
-    assert (x, y) == pytest.approx((LEAN * 0.125, 0.0))
+    assert (x, y) == pytest.approx((margins.LEAN * 0.125, 0.0))
     moved_by_weight = lever(TASK.scene, 2.0 * press) * WEIGHT
     assert x == pytest.approx(moved_by_weight)
     heavier = replace(TASK, object=replace(TASK.object, mass=4.0))

@@ -11,7 +11,7 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.allocation.slide_loads import UTILISATION
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Task
@@ -21,7 +21,6 @@ from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.modes.bimanual_press_slide import MODE
 from pushpressslide.planar.engine import run as run_planar
-from pushpressslide.planning.press_pairs import APART
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import HeldDrive
 
@@ -155,7 +154,9 @@ def test_balanced_loads_hold_the_object_in_every_twist() -> None:
         assert allocation.status == "ok"
         assert (
             allocation.margin
-            > (1.0 - UTILISATION[-1]) * task.contact_friction * choice.contacts[0].load
+            > (1.0 - margins.FRICTION_USES[-1])
+            * task.contact_friction
+            * choice.contacts[0].load
         )
 
 
@@ -212,7 +213,7 @@ def test_a_pivot_on_a_contact_that_would_not_press_is_refused_with_the_span_that
         assert 0.0 < low < 0.5 < high < 1.0
         assert not low <= cop <= high
     assert best(task, round(low + 0.02, 2)).feasible
-    assert "allowed from 4 N" in refusal(replace_press(task, 54.0), 0.02)
+    assert "allowed from 3 N" in refusal(replace_press(task, 54.0), 0.02)
 
 
 def test_the_strategy_of_the_task_file_is_the_one_that_is_planned() -> None:
@@ -251,7 +252,7 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
     held = replace_press(task, 7.5)
     why = refusal(replace_press(task, 6.2))
     use = float(why.split("takes ")[1].split()[0])
-    assert UTILISATION[-1] < use < 1.0
+    assert margins.FRICTION_USES[-1] < use < 1.0
     assert run(pps.plan(held, best(held)))["slip_distance"] < 1e-4
     lost = replace_press(task, 5.0)
     choice = MODE.choices(lost)[0]
@@ -262,7 +263,7 @@ def test_the_press_at_which_a_motion_is_refused_is_the_one_at_which_the_tips_sli
 
 def test_wrong_contacts_are_refused_with_the_distance() -> None:
     near = ((0.0, 0.04), (0.0, -0.04))
-    assert f"80 mm apart, allowed from {APART * 1e3:.0f} mm" in refusal(
+    assert f"80 mm apart, allowed from {margins.ARM.hand_room * 1e3:.0f} mm" in refusal(
         slide(contacts=near)
     )
     assert "12 mm inside" in refusal(slide(contacts=((0.0, 0.145), (0.0, -0.1))))
@@ -275,15 +276,16 @@ def test_wrong_contacts_are_refused_with_the_distance() -> None:
 def test_presses_are_harder_where_the_drags_lever_takes_more_of_their_friction() -> (
     None
 ):
-    task = random_task(pps.load_task("bimanual-slide"), 12, 2)
+    task = random_task(pps.load_task("bimanual-slide"), 14, 2)
     choice = MODE.choices(task, 1)[0]
     assert choice.feasible
-    assert driven(choice).friction_utilisation <= UTILISATION[-1]
-    assert choice.contacts[0].load > 33.8  # [N] which would do without a lever
-    loads = [pytest.approx(c.load, rel=1e-9) for c in choice.contacts]
-    given = replace(task, motion=replace(task.motion, press_force=33.8))
-    assert "the tips slip before the object" in refusal(given)
-    assert loads == [min(task.limits.planned_force, 1.3 * 33.8)] * 2
+    assert driven(choice).friction_utilisation <= margins.FRICTION_USES[-1]
+    level = 24.8  # [N] which would do without a lever
+    assert "the tips slip before the object" in refusal(replace_press(task, level))
+    harder = margins.HARDER * level
+    assert harder < task.limits.planned_force
+    loads = [contact.load for contact in choice.contacts]
+    assert loads == pytest.approx([harder] * 2, rel=1e-3)
 
 
 def test_an_object_that_would_tip_is_refused() -> None:

@@ -32,6 +32,8 @@ SHIPPED = load_task(
     ],
 )
 HANDS = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.5, -0.5))
+# on which every pair of places leaves room for the tools
+WIDE = ObjectModel(Box((0.4, 0.46, 0.2)), 2.0, (0.0, 0.0))
 REAR = 3
 D = 0.2
 
@@ -111,7 +113,7 @@ def test_a_goal_aside_is_a_loop_for_the_car_and_one_twist_for_both_mixed() -> No
 
 @pytest.mark.parametrize("goal", [(-0.3, 0.0, 0.0), (0.0, 0.0, 40.0), (0.0, 0.3, 0.0)])
 def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> None:
-    choices = MODE.choices(to(*goal))
+    choices = MODE.choices(to(*goal, object=WIDE))
     assert not any(c.feasible for c in choices)
     for choice in choices:
         assert "a loop of" in choice.reason
@@ -120,7 +122,8 @@ def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> Non
 
 def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
     told = replace(SHIPPED.believed, rho=0.13)
-    for choice in MODE.choices(to(0.46, 0.05, 10.0, "differential", belief=told)):
+    task = to(0.46, 0.05, 10.0, "differential", belief=told, object=WIDE)
+    for choice in MODE.choices(task):
         half_width = 0.5 * math.dist(*(c.point for c in choice.contacts))
         drive = choice.segments[0].drive
         assert isinstance(drive, CarDrive)
@@ -133,12 +136,12 @@ def test_what_stands_against_it_is_told_with_the_number() -> None:
     assert "no flat face" in MODE.choices(to(0.3, 0.0, 0.0, object=cylinder))[0].reason
     narrow = ObjectModel(Box((0.4, 0.1, 0.2)), 2.0, (0.0, 0.0))
     refusal = MODE.choices(to(0.3, 0.0, 0.0, object=narrow))[0]
-    assert "contacts 70 mm apart, two tools need 100 mm" in refusal.reason
+    assert "contacts 76 mm apart, two tools need 100 mm" in refusal.reason
     weak = replace(SHIPPED.limits, normal_force=4.0)
     assert "needs 5.9 N" in MODE.choices(to(0.3, 0.0, 0.0, limits=weak))[0].reason
     beside = ObjectModel(Box((0.4, 0.4, 0.2)), 2.0, (0.0, 0.19))
     assert (
-        "contacts 30 mm apart"
+        "contacts 24 mm apart"
         in MODE.choices(to(0.3, 0.0, 0.0, object=beside))[0].reason
     )
 

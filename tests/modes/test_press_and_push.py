@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.record import Record
@@ -26,8 +27,6 @@ from pushpressslide.jobs.sampling import varied_task
 from pushpressslide.modes.press_and_push import MODE
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.planning import levers
-from pushpressslide.planning.held_twist import EDGE
-from pushpressslide.planning.pressed.pin import UTILISATION
 from pushpressslide.report import series
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import PinnedDrive
@@ -165,10 +164,10 @@ def test_every_push_has_a_lever_to_the_right_side_the_longest_first(
 def test_the_press_is_the_least_that_is_safe() -> None:
     choice = best(pivot())
     assert driven(choice).friction_utilisation == pytest.approx(
-        UTILISATION[0], abs=0.02
+        margins.PIN_USES[0], abs=0.02
     )
     lighter = replace(pivot(), motion=Motion(press_force=0.8 * choice.contacts[0].load))
-    assert driven(best(lighter)).friction_utilisation > UTILISATION[0]
+    assert driven(best(lighter)).friction_utilisation > margins.PIN_USES[0]
 
 
 @pytest.mark.parametrize(
@@ -205,7 +204,7 @@ def test_a_goal_that_is_not_turned_about_a_point_of_the_top_is_refused_with_the_
     )
     why = refusal(pivot(goal=turned(start, (-0.25, 0.0), 40.0)))
     assert "-50 mm inside the top, allowed from 12 mm" in why
-    edge = 0.5 * 0.4 - EDGE
+    edge = 0.5 * 0.4 - pivot().scene.inset
     assert best(pivot(goal=turned(start, (-edge + 0.001, 0.0), 40.0))).feasible
     assert "11 mm inside the top" in refusal(
         pivot(goal=turned(start, (-edge - 0.001, 0.0), 40.0))
@@ -232,7 +231,8 @@ def test_forces_beyond_the_limit_are_refused() -> None:
 
 def test_no_lever_no_pivot() -> None:
     sphere = replace(pivot((0.0, 0.0)), motion=Motion(face=7))
-    assert "no face has a lever of 30 mm" in refusal(sphere)
+    least = margins.LEAST_LEVER * sphere.object.radius * 1e3
+    assert f"no face has a lever of {least:.0f} mm" in refusal(sphere)
 
 
 def test_a_plan_made_anew_keeps_to_where_the_tips_truly_are() -> None:

@@ -70,7 +70,7 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
     ("overrides", "says"),
     [
         (
-            ["contact.friction=0.21", "support.friction=0.2"],
+            ["contact.friction=0.205", "support.friction=0.2"],
             "must exceed the wall's, 0.20",
         ),
         (["limits.normal_force=5"], "to hold 19.6 N on the wall"),

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide import load_task
+from pushpressslide.core import margins
 from pushpressslide.core.scene import ObjectModel, Scene
 from pushpressslide.core.shapes import Box
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.planning.face_placements import (
-    CORNER_CLEARANCE,
     angle_between,
     on_two_faces,
     side_by_side,
@@ -34,7 +34,7 @@ def scene_of(length: float, width: float, center: tuple[float, float]) -> Scene:
 
 def face_of(scene: Scene, index: int) -> Face:
     """The face of the object with an index."""
-    return faces(scene.body, CORNER_CLEARANCE)[index]
+    return faces(scene.body, scene.inset)[index]
 
 
 def beside(face: Face, point: tuple[float, float]) -> float:
@@ -53,7 +53,7 @@ def test_contacts_side_by_side_are_alike_on_either_side_and_clear_of_the_corners
     for a, b in side_by_side(scene, face, HEIGHT):
         assert beside(face, a.point) == pytest.approx(-beside(face, b.point))
         assert beside(face, a.point) > 0.0
-        assert beside(face, a.point) <= max(left - CORNER_CLEARANCE, CORNER_CLEARANCE)
+        assert beside(face, a.point) <= max(left - scene.inset, scene.inset)
         assert (a.height, b.height) == (HEIGHT, HEIGHT)
         assert (a.normal, b.normal) == (face.normal, face.normal)
 
@@ -70,19 +70,21 @@ def test_contacts_on_two_faces_leave_room_for_the_tools_and_for_the_corners(
         for face, contact in zip(pair, contacts, strict=True):
             right, left = span(scene.body, face)
             place = beside(face, contact.point)
-            clear = min(CORNER_CLEARANCE, 0.5 * (left - right))
+            clear = min(scene.inset, 0.5 * (left - right))
             assert right + clear - 1e-9 <= place <= left - clear + 1e-9
 
 
 def test_two_tools_that_have_no_room_on_a_face_are_refused_with_the_distance() -> None:
     scene = scene_of(0.3, 0.08, (0.0, 0.0))
     face = face_of(scene, 3)
-    narrowest = side_by_side(scene, face, HEIGHT)[-1]
-    refusal = side_by_side_refusal(scene, TASK.limits, face, narrowest)
-    assert refusal is not None
-    assert refusal.code == "too_close"
-    assert refusal.figure == pytest.approx(0.05)
-    assert refusal.allowed == least_distance(scene)
+    widest = 0.08 - 2.0 * scene.inset
+    placed = side_by_side(scene, face, HEIGHT)
+    for share, contacts in zip(margins.WIDTHS, placed, strict=True):
+        refusal = side_by_side_refusal(scene, TASK.limits, face, contacts)
+        assert refusal is not None
+        assert refusal.code == "too_close"
+        assert refusal.figure == pytest.approx(share * widest)
+        assert refusal.allowed == least_distance(scene)
 
 
 def test_neighbouring_faces_of_a_box_are_at_right_angles_and_opposite_ones_at_180() -> (

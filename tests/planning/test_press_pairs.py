@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from pushpressslide import load_task
-from pushpressslide.planning.press_pairs import APART, placed_pairs
+from pushpressslide.core import margins
+from pushpressslide.planning.press_pairs import placed_pairs
 
 TASK = load_task("bimanual-slide")
 
@@ -19,7 +20,7 @@ def test_chosen_pairs_lie_opposite_each_other_about_the_com_and_far_enough_apart
     for pair in pairs:
         a, b = (contact.point for contact in pair.contacts)
         assert a == pytest.approx((-b[0], -b[1]))
-        assert math.dist(a, b) >= APART
+        assert math.dist(a, b) >= margins.ARM.hand_room
         assert pair.refusal is None
 
 

@@ -28,6 +28,7 @@ HEIGHT = TASK.motion.contact_height
 HALF = 0.09
 D = 0.2
 MU = TASK.scene.contact_friction
+RUN_INS = (0.16, 0.08, 0.04)  # [m]
 
 
 def test_on_the_ellipsoid_normal_forces_turn_it_with_w_over_rho_squared_about_the_cop() -> (
@@ -65,8 +66,8 @@ def test_the_car_turns_like_the_exact_surface_where_it_is_used_and_no_tighter(
 def test_the_path_ends_straight_where_there_is_room_and_is_the_shortest_where_there_is_none() -> (
     None
 ):
-    roomy = gentle_path(Pose2(), Pose2(0.6, 0.05, 0.1), 5.0, 0.7)
-    assert roomy.pieces[-1] == pytest.approx((0.0, 0.16))
+    roomy = gentle_path((Pose2(), Pose2(0.6, 0.05, 0.1)), 5.0, 0.7, RUN_INS)
+    assert roomy.pieces[-1] == pytest.approx((0.0, RUN_INS[0]))
     assert roomy.length <= 0.7
-    back = gentle_path(Pose2(), Pose2(-0.3, 0.0, 0.0), 5.0, 0.7)
+    back = gentle_path((Pose2(), Pose2(-0.3, 0.0, 0.0)), 5.0, 0.7, RUN_INS)
     assert back.length > 0.7 + math.pi / 5.0

@@ -13,10 +13,11 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath, moved
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
-from pushpressslide.tracking.holonomic import DECAY, HolonomicTracker
+from pushpressslide.tracking.holonomic import HolonomicTracker
 
 SURFACE = DraggedSurface(6.0, 0.12, 0.03, (0.01, -0.02))
 X_BV = Pose2(0.03, 0.02, 0.4)
+DECAY = 0.04  # [m]
 PATH = TwistPath.between((Pose2(), Pose2(0.3, -0.1, 0.5), Pose2(0.5, -0.1, 0.2)), 0.15)
 small = st.floats(-0.01, 0.01)
 
@@ -38,7 +39,7 @@ def drive(tracker, path, X_WV, speed=0.05, dt=0.004, grip=1.0):
 
 
 def test_on_the_path_it_asks_for_the_twist_of_the_path() -> None:
-    tracker = HolonomicTracker(X_BV, SURFACE)
+    tracker = HolonomicTracker(X_BV, SURFACE, DECAY)
     s = 0.1
     guidance = tracker.step(PATH, PATH.pose(s).compose(X_BV.inverse()), s, 0.05, 1.0)
     at_V = guidance.twist.moved_to(X_BV.position)
@@ -55,7 +56,7 @@ def test_on_the_path_it_asks_for_the_twist_of_the_path() -> None:
 def test_errors_are_gone_at_the_end_whatever_they_were(
     x: float, y: float, yaw: float
 ) -> None:
-    off = drive(HolonomicTracker(X_BV, SURFACE), PATH, Pose2(x, y, yaw))
+    off = drive(HolonomicTracker(X_BV, SURFACE, DECAY), PATH, Pose2(x, y, yaw))
     assert off[-1][1] < 2e-5
 
 
@@ -65,7 +66,7 @@ def test_an_error_falls_to_1_over_e_over_the_same_way_at_any_speed(
 ) -> None:
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.0)), 0.15)
     off = drive(
-        HolonomicTracker(X_BV, SURFACE),
+        HolonomicTracker(X_BV, SURFACE, DECAY),
         path,
         Pose2(0.0, 0.002, 0.0),
         speed,
@@ -80,7 +81,7 @@ def test_a_large_error_is_taken_down_by_half_the_speed_and_by_less_with_less_gri
 ):
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.0)), 0.15)
     for grip in (1.0, 0.4):
-        guidance = HolonomicTracker(Pose2(), SURFACE).step(
+        guidance = HolonomicTracker(Pose2(), SURFACE, DECAY).step(
             path, Pose2(0.1, 0.2, 0.0), 0.1, 0.05, grip
         )
         assert guidance.saturated
@@ -89,7 +90,7 @@ def test_a_large_error_is_taken_down_by_half_the_speed_and_by_less_with_less_gri
 
 
 def test_the_wrench_is_on_the_surface_and_drives_the_twist() -> None:
-    tracker = HolonomicTracker(X_BV, SURFACE)
+    tracker = HolonomicTracker(X_BV, SURFACE, DECAY)
     for s in (0.0, 0.1, 0.4):
         X_WB = PATH.pose(s).compose(Pose2(0.003, -0.006, 0.05)).compose(X_BV.inverse())
         guidance = tracker.step(PATH, X_WB, s, 0.05, 1.0)
@@ -113,8 +114,8 @@ class HalfSpace:
 def test_what_the_contacts_cannot_give_is_left_out_and_the_rest_kept() -> None:
     surface = DraggedSurface(6.0, 0.12)
     path = TwistPath.between((Pose2(), Pose2(0.5, 0.0, 0.3)), 0.15)
-    free = HolonomicTracker(Pose2(), surface)
-    held = HolonomicTracker(Pose2(), surface, HalfSpace().nearest)
+    free = HolonomicTracker(Pose2(), surface, DECAY)
+    held = HolonomicTracker(Pose2(), surface, DECAY, HalfSpace().nearest)
     X_WB = path.pose(0.1).compose(Pose2(0.0, -0.02, 0.0))  # the path is to the left
     wanted, given = (
         tracker.step(path, X_WB, 0.1, 0.05, 1.0) for tracker in (free, held)
@@ -132,5 +133,5 @@ def test_what_the_contacts_cannot_give_is_left_out_and_the_rest_kept() -> None:
 
 
 def test_progress_never_goes_back() -> None:
-    off = drive(HolonomicTracker(X_BV, SURFACE), PATH, Pose2(-0.02, 0.01, -0.1))
+    off = drive(HolonomicTracker(X_BV, SURFACE, DECAY), PATH, Pose2(-0.02, 0.01, -0.1))
     assert all(a <= b for (a, _), (b, _) in pairwise(off))

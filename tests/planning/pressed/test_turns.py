@@ -15,6 +15,7 @@ from pushpressslide.planning.pressed.turns import (
     steering_of,
 )
 
+SPEED = 0.05  # [m/s]
 TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
 BODIES = [
     (ObjectModel(Box((0.2, 0.12, 0.12)), 1.0, (0.0, 0.0)), (0.05, 0.01)),
@@ -51,13 +52,13 @@ def test_a_low_object_is_a_unicycle_pulled_and_pushed_with_the_axle_of_the_close
     for backward in (False, True):
         straight = [
             t
-            for t in pressed_turns([press])[0]
+            for t in pressed_turns([press], SPEED)[0]
             if abs(t.angle) == (math.pi if backward else 0.0)
         ]
         ahead, reach = press.steered(0.0, backward)
         assert straight[0].X_BV.x - press.cop[0] == pytest.approx(ahead, abs=5e-3)
         assert abs(straight[0].effective_wheelbase) == pytest.approx(reach, rel=0.05)
-        assert steering_of(press, backward) == pytest.approx(STEERING * STEP)
+        assert steering_of(press, backward, SPEED) == pytest.approx(STEERING * STEP)
 
 
 def test_where_the_drag_moves_the_axle_beyond_the_contact_it_is_not_pulled() -> None:
@@ -70,5 +71,5 @@ def test_where_the_drag_moves_the_axle_beyond_the_contact_it_is_not_pulled() -> 
     )
     ahead, _ = press.steered(0.0, False)
     assert ahead > press.lever
-    assert steering_of(press, False) == 0.0
-    assert steering_of(press, True) > 0.0
+    assert steering_of(press, False, SPEED) == 0.0
+    assert steering_of(press, True, SPEED) > 0.0

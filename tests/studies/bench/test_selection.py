@@ -3,7 +3,7 @@
 import pytest
 
 from pushpressslide.cli.bench_table import print_benchmarks
-from pushpressslide.planning.overhead import APPROACH
+from pushpressslide.core import margins
 from pushpressslide.studies.bench import bench, selection
 from pushpressslide.studies.bench.selection import CASES
 
@@ -38,7 +38,7 @@ def test_times_are_estimated_to_half_a_second(rows):
     ]
     assert len(runs) > len(rows)
     for figures in runs:  # the planar engine begins before the touch
-        assert figures["estimated"] - APPROACH == pytest.approx(
+        assert figures["estimated"] - margins.ARM.approach == pytest.approx(
             figures["true"], abs=0.5
         )
 
