@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pushpressslide import load_task
 from pushpressslide.core import margins
-from pushpressslide.core.scene import ObjectModel, Scene
+from pushpressslide.core.scene import Belief, ObjectModel, Scene
 from pushpressslide.core.shapes import Box
 from pushpressslide.mechanics.faces import Face, faces
 from pushpressslide.planning.face_placements import (
@@ -76,11 +76,12 @@ def test_contacts_on_two_faces_leave_room_for_the_tools_and_for_the_corners(
 
 def test_two_tools_that_have_no_room_on_a_face_are_refused_with_the_distance() -> None:
     scene = scene_of(0.3, 0.08, (0.0, 0.0))
+    task = replace(TASK, object=scene.body, belief=Belief())
     face = face_of(scene, 3)
     widest = 0.08 - 2.0 * scene.inset
     placed = side_by_side(scene, face, HEIGHT)
     for share, contacts in zip(margins.WIDTHS, placed, strict=True):
-        refusal = side_by_side_refusal(scene, TASK.limits, face, contacts)
+        refusal = side_by_side_refusal(task, face, contacts)
         assert refusal is not None
         assert refusal.code == "too_close"
         assert refusal.figure == pytest.approx(share * widest)

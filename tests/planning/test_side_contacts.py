@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from pushpressslide import load_task
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box
+from pushpressslide.core.task import Box, Sensing
 from pushpressslide.mechanics.faces import faces
 from pushpressslide.planning.side_contacts import (
     assignments,
@@ -85,15 +86,27 @@ def test_the_span_of_a_face_is_told_from_the_com() -> None:
 
 
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:
-    assert drag_refusal(TASK.scene, TASK.limits, (REAR,), 0.09) is None
-    assert "200 mm high" in str(drag_refusal(TASK.scene, TASK.limits, (REAR,), 0.21))
+    assert drag_refusal(TASK, (REAR,), 1, 0.09) is None
+    assert "200 mm high" in str(drag_refusal(TASK, (REAR,), 1, 0.21))
     heavy = replace(TASK, belief=replace(TASK.believed, mass=20.0))
-    assert "needs 58.9 N" in str(drag_refusal(heavy.scene, heavy.limits, (REAR,), 0.09))
+    assert "needs 58.9 N" in str(drag_refusal(heavy, (REAR,), 1, 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
-    assert "allowed up to 141.7 mm" in str(
-        drag_refusal(tall.scene, tall.limits, (rear,), 0.4)
-    )
+    assert "allowed up to 141.7 mm" in str(drag_refusal(tall, (rear,), 1, 0.4))
+
+
+def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
+    """A box of 50 g slides at 0.15 N; a contact is felt from 0.25 N on."""
+    light = replace(TASK, belief=replace(TASK.believed, mass=0.05))
+    refusal = drag_refusal(light, (REAR,), 1, 0.09)
+    assert refusal is not None
+    assert refusal.code == "light"
+    assert refusal.allowed == margins.ARM.felt_force
+    noisy = replace(TASK, sensing=Sensing(force_noise=1.0))
+    assert noisy.sensing.felt_force == pytest.approx(4.0)
+    refusal = drag_refusal(noisy, (REAR,), 2, 0.09)
+    assert refusal is not None
+    assert refusal.allowed == pytest.approx(8.0)
 
 
 def test_tools_need_room() -> None:

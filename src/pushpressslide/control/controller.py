@@ -98,7 +98,7 @@ class Controller:
         self.robots = task.robots
         self.floor_speed = margins.FLOOR_SPEED * motion.speed  # [m/s]
         self.replanner = Replanner(told)
-        threshold = max(0.25, 4.0 * task.sensing.force_noise)
+        threshold = task.sensing.felt_force
         regulator = NormalForceRegulator(f_max=task.limits.normal_force)
         self.touches = tuple(
             TipTouch(

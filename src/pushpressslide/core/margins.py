@@ -170,6 +170,8 @@ LOSS_SHARE = 0.6
 """Of its planned load, below which a press counts as lost."""
 LEAST_SHARE = 0.2
 """Of its planned force, below which a push counts as lost."""
+FELT_SIGMAS = 4.0
+"""Standard deviations of a force sensor's noise, from which on a contact is felt."""
 LOSS_SIGMAS = 6.0
 """Standard deviations of the mean force between a contact that holds and one that counts
 as lost: one false loss in 10^9 measurements.
@@ -205,6 +207,8 @@ class ArmMargins:
     """The same as ``response`` of an object that tips hold from above."""
     turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
     """Of a pushed object: beyond it the tip slips where the steering jumps."""
+    felt_force: float = field(default=0.25, metadata={"unit": "N"})
+    """Of a contact, that a sensor without noise is sure of."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Below it a contact is not felt for sure, and bounces."""
     table_gap: float = field(default=0.006, metadata={"unit": "m"})

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
@@ -142,6 +143,11 @@ class Sensing:
         "probability that a control period brings no pose of the object",
         within="[0, 0.95]",
     )
+
+    @property
+    def felt_force(self) -> float:
+        """Normal force [N] from which on a contact is felt."""
+        return max(margins.ARM.felt_force, margins.FELT_SIGMAS * self.force_noise)
 
     @property
     def delay_of_pose(self) -> float:

@@ -100,7 +100,7 @@ class OrthogonalPush(TwistPushes):
         )
         names = f"faces {pair[0].index} and {pair[1].index}"
         none = Choice(self.name, names, middles)
-        refusal = drag_refusal(scene, task.limits, pair, height)
+        refusal = drag_refusal(task, pair, 2, height)
         placements = on_two_faces(scene, pair, height)
         if refusal is None and not placements:
             text = "no two contacts {allowed:mm.0f} apart, as two tools need"

@@ -122,7 +122,7 @@ class ParallelPush(TwistPushes):
         choice = Choice(self.name, f"face {face.index} at {places}", contacts)
         if not evaluated:
             return [replace(choice, time=_least_time(task, face))]
-        refusal = side_by_side_refusal(task.scene, task.limits, face, contacts)
+        refusal = side_by_side_refusal(task, face, contacts)
         if refusal is not None:
             return [choice.refused(refusal)]
         why = []

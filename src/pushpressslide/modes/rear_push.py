@@ -68,7 +68,7 @@ class RearPush(Mode):
         height = contact_height(scene, task.motion)
         contact = Contact(0, "side", face.foot, face.normal, height)
         choice = Choice(self.name, f"face {face.index}", (contact,))
-        refusal = contact_refusal(scene, task.limits, face, height)
+        refusal = contact_refusal(task, face, height)
         try:
             car, shift = fitted_car(scene, task.motion, face, twists)
         except ValueError as error:

@@ -16,7 +16,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Limits, Motion, Task
+from pushpressslide.core.task import Motion, Task
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.virtual_axle import turned
@@ -72,13 +72,11 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     return slid.twists.reshape(-1, 2, 3)
 
 
-def contact_refusal(
-    scene: Scene, limits: Limits, face: Face, height: float
-) -> Refusal | None:
+def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
     """Return what stands against one push on a face at ``height`` [m]: the contact's
     place, tipping, the force; None if nothing.
     """
-    allowed = scene.contact_friction * face.depth
+    allowed = task.scene.contact_friction * face.depth
     offset = abs(face.offset)
     if offset >= allowed:
         text = (
@@ -86,7 +84,7 @@ def contact_refusal(
             "through the CoM, it is {figure:mm.0f} off"
         )
         return Refusal("offset_contact", text, offset, allowed, "m")
-    return drag_refusal(scene, limits, (face,), height)
+    return drag_refusal(task, (face,), 1, height)
 
 
 def fitted_car(

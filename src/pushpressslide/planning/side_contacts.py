@@ -14,7 +14,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross, turned_left
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, ObjectModel
+from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, ObjectModel, Task
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
@@ -68,11 +68,13 @@ def span(body: ObjectModel, face: Face) -> tuple[float, float]:
 
 
 def drag_refusal(
-    scene: Scene, limits: Limits, pushed: Sequence[Face], height: float
+    task: Task, pushed: Sequence[Face], contacts: int, height: float
 ) -> Refusal | None:
-    """Return what stands against pushing faces at ``height`` [m]: the object's height,
-    tipping, the force; None if nothing.
+    """Return what stands against pushing faces with some ``contacts`` at ``height`` [m]:
+    the object's height, tipping, a force that is too large, or too small to be felt;
+    None if nothing.
     """
+    scene = task.scene
     top = scene.body.shape.height
     if height >= top:
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
@@ -87,7 +89,14 @@ def drag_refusal(
         )
         return Refusal("tipping", text, height, highest, "m")
     max_friction = scene.max_friction()
-    limit = limits.planned_force
+    felt = contacts * task.sensing.felt_force
+    if max_friction < felt:
+        text = (
+            "the object slides at {figure:N.2f}, before the contacts are felt: allowed "
+            "from {allowed:N.2f}"
+        )
+        return Refusal("light", text, max_friction, felt, "N")
+    limit = task.limits.planned_force
     if max_friction > limit:
         text = f"needs {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, max_friction, limit, "N")
