@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.core import margins
-from pushpressslide.execution.torque import kept_inside
+from pushpressslide.execution.torque import kept_inside, task_torque
 
 N = 7
 LOWER = np.full(N, -2.0)
@@ -58,3 +58,25 @@ def test_a_joint_on_its_way_out_is_braked() -> None:
     out[4] = 0.5
     still = kept_inside(J, q, REST, LOWER, UPPER)
     assert kept_inside(J, q, out, LOWER, UPPER)[4] < still[4]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_posture_makes_no_force_at_the_tip_and_little_moment(seed: int) -> None:
+    J = jacobian(seed)
+    posture = np.random.default_rng(seed + 10).normal(size=N)
+    tau = task_torque(J, np.zeros(3), np.zeros(3), posture, np.zeros(N))
+    # J_v tau = 0: the torque does no work on any motion of the tip
+    assert J[3:] @ tau == pytest.approx(np.zeros(3), abs=1e-4)
+    assert np.linalg.norm(J[:3] @ tau) < 0.1 * np.linalg.norm(J[:3] @ posture)
+
+
+def test_where_the_arm_can_hardly_turn_the_tool_the_posture_holds_the_joints() -> None:
+    """Two joints turn the tool about nearly one axis: what they do against each other
+    moves neither tip nor tool, and only the posture damps it.
+    """
+    J = np.eye(6, N)
+    J[:, 6] = J[:, 0]
+    J[1, 6] = 0.03  # the axes differ by 2 degrees
+    against = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
+    tau = task_torque(J, np.zeros(3), np.zeros(3), against, np.zeros(N))
+    assert tau @ against > 0.9 * (against @ against)

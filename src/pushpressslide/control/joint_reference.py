@@ -28,8 +28,15 @@ def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
 
 def path_reference(path: JointPath, progress: float) -> Array:
     """Return joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's
-    path, those of its nearer end beyond it.
+    path, those of its nearer end beyond it; below zero those of a tip that has so much
+    left to its touch.
     """
+    touch = path.touch
+    if progress < 0.0 and touch is not None and len(touch) > 1:
+        way = np.linspace(-path.gap, 0.0, len(touch))
+        i, share = _interval(way, progress)
+        before: Array = touch[i] + share * (touch[i + 1] - touch[i])
+        return before
     q = path.move
     if path.arc_length[-1] <= 0.0:  # the goal is the start
         start: Array = q[0]

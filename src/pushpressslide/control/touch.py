@@ -67,6 +67,9 @@ class TipTouch:
         contact = context.contact
         n = contact.direction(context.X_WB)
         before = tip_position(contact, context.X_WB, self.radius, self.gap)
+        begins = context.joint_progress <= 0.0
+        if begins:
+            context = replace(context, joint_progress=-self.gap)
         if elapsed < aligned:
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
@@ -78,6 +81,9 @@ class TipTouch:
             origin = _ahead(start, n, -ahead)
             depth += min(max(ahead, 0.0), self.gap)
         memory = self._felt(memory, pressed(context.tip.force, n), context.time, depth)
+        if begins:
+            left = self.gap - (depth if memory.felt is None else memory.touch_depth)
+            context = replace(context, joint_progress=-max(left, 0.0))
         felt = memory.felt
         if felt is not None and context.time - felt >= margins.ARM.felt_time:
             place = _ahead(origin, n, memory.touch_depth)

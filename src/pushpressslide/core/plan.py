@@ -248,3 +248,5 @@ class JointPath:
     condition: float  # largest condition number of the tip's 6 x n Jacobian
     clearance: float  # [m] least distance of the arm to table, object and obstacles
     gap: float  # [m] free way before the touch that the approach leaves
+    # (g, n) [rad] along that way, evenly spaced, the last in contact; None: not known
+    touch: NDArray[np.float64] | None = None

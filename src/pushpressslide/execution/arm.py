@@ -26,8 +26,8 @@ from pushpressslide.execution.torque import (
 ROTATION_STIFFNESS = 60.0
 ROTATION_DAMPING = 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
 # [N m/rad], [N m s/rad] of the joints, felt in the null space only
-POSTURE_STIFFNESS = 20.0
-POSTURE_DAMPING = 8.0
+POSTURE_STIFFNESS = 50.0
+POSTURE_DAMPING = 14.0
 # [N m s/rad] per root of the joint-tracking stiffness: half of critical at 1 kg m^2 of
 # arm and rotor. Less lets the spring bounce the tip off the face
 JOINT_DAMPING = 1.0
@@ -74,10 +74,16 @@ class ArmExecutor:
         return limited(tau, previous, self.effort, self.rate, self.dt)
 
     def contact(
-        self, arm: ArmState, command: TipCommand, q_ref: Array, previous: Array
+        self,
+        arm: ArmState,
+        command: TipCommand,
+        q_ref: Array,
+        v_ref: Array,
+        previous: Array,
     ) -> LimitedTorque:
-        """Return the torques that execute a tip command; ``previous`` (n,) [N m] are
-        those of the tick before.
+        """Return the torques that execute a tip command, in the posture ``q_ref`` (n,)
+        [rad] that changes by ``v_ref`` (n,) [rad/s]; ``previous`` (n,) [N m] are those
+        of the tick before.
         """
         frame = self.frame
         place = frame.coordinates(arm.position)
@@ -94,7 +100,7 @@ class ArmExecutor:
             ROTATION_DAMPING,
         )
         error = q_ref - arm.q
-        posture = POSTURE_STIFFNESS * error - POSTURE_DAMPING * arm.v
+        posture = POSTURE_STIFFNESS * error + POSTURE_DAMPING * (v_ref - arm.v)
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
         if any(command.acceleration):

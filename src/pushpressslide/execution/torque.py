@@ -14,6 +14,9 @@ from pushpressslide.core.arrays import Array
 
 LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
 LIMIT_DAMPING = 10.0
+# squares of the singular values below which the tool's rotation, and the tip's motion,
+# are left to the posture
+SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
 
 
 class LimitedTorque(NamedTuple):
@@ -30,15 +33,17 @@ def task_torque(
     """Return tau (n,) = J^T [moment; force] + null-space ``posture`` torque + ``bias``.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m]
-    of a joint-space spring and damper, projected so that it makes no force at the tip;
-    ``bias`` (n,) [N m] gravity and Coriolis compensation.
+    of a joint-space spring and damper, projected so that it makes no force at the tip,
+    and next to no moment but where the arm can hardly turn the tool: there the posture
+    says how it is held, since nothing else damps those joints. ``bias`` (n,) [N m]
+    gravity and Coriolis compensation.
     """
     n = J.shape[1]
     tau: Array = J.T @ np.concatenate([moment, force]) + bias
     if n > 6:
         # I - J^T (J J^T + eps)^-1 J: keeps what the tip does not feel
         JJt = J @ J.T
-        JJt.flat[::7] += 1e-6
+        JJt.flat[::7] += SOFTENING
         tau += posture - J.T @ np.linalg.solve(JJt, J @ posture)
     return tau
 

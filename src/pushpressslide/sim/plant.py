@@ -40,6 +40,7 @@ Array = NDArray[np.float64]
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 FAR = 2.0  # [m] from the start: the simulation has diverged
 FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
+RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
 NO_POINT = [math.nan] * 3
 
 
@@ -63,6 +64,7 @@ class DrivenArm:
         self.path: JointPath
         self._limited: LimitedTorque | None = None  # of the tick before
         self._reference = np.zeros(0)  # (n,) [rad]
+        self._rate = np.zeros(0)  # (n,) [rad/s] of the reference, smoothed
 
     def follow(self, task: Task, path: JointPath, attitude: ToolAttitude) -> None:
         """Take ``path`` as the joint reference, with the tool held as in ``attitude``."""
@@ -91,11 +93,12 @@ class DrivenArm:
     def execute(self, command: TipCommand | JointCommand | None) -> None:
         """Compute the torque for a command."""
         if isinstance(command, TipCommand):
-            self._reference = self._posture(command)
+            self._take_posture(self._posture(command))
             self._limited = self._executor.contact(
-                self.state, command, self._reference, self.torque
+                self.state, command, self._reference, self._rate, self.torque
             )
             return
+        self._rate = np.zeros(0)
         if command is None:
             start = path_reference(self.path, 0.0)
             command = JointCommand(start, np.zeros_like(start))
@@ -119,6 +122,17 @@ class DrivenArm:
             return ArmReading(state.q, state.v)
         asked = self._limited
         return ArmReading(state.q, state.v, asked.share, asked.rate_share)
+
+    def _take_posture(self, posture: Array) -> None:
+        """Take ``posture`` (n,) [rad] as the reference, and how it changes."""
+        if len(self._rate) == 0:
+            self._rate = np.zeros_like(posture)
+        else:
+            dt = self._executor.dt
+            most = self.model.instance.facts.velocity_limit
+            change = np.clip((posture - self._reference) / dt, -most, most)
+            self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
+        self._reference = posture
 
     def _posture(self, command: TipCommand) -> Array:
         if command.posture is not None:

@@ -61,6 +61,11 @@ class Descent:
     up: Array
     heights: Array  # (m,) [m] above the place beside the object
 
+    @property
+    def touch(self) -> Array:
+        """Postures (k, n) from beside the object to the contact, evenly spaced."""
+        return self.retreat.q[: _reached(self.retreat)][::-1]
+
     def down(self, count: int) -> tuple[Array, float]:
         """Return the last ``count`` postures (count, n) down to beside the object, and
         the drop [m].

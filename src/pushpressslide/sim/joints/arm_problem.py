@@ -143,6 +143,13 @@ class ArmProblem:
         """
         return self.clearance.least(postures, self.object_path.shapes, touching=True)
 
+    def touch_clearance(self, postures: Array) -> tuple[float, str]:
+        """Return the least distance [m] of postures (k, n) from beside the object to the
+        contact, and of which pair.
+        """
+        poses = self.object_path.shapes[:1] * len(postures)
+        return self.clearance.least(postures, poses, touching=True)
+
     def approach_clearance(
         self, model: ClearanceModel, postures: Array
     ) -> tuple[float, str]:

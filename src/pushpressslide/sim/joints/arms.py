@@ -24,7 +24,7 @@ Pair = Sequence[Solution]  # one joint path of each arm
 
 # [m] least distance of the arms' capsules, which contain the real outline with 1 cm to
 # spare
-APART = 0.005
+APART = 0.01
 SAMPLES = 60  # of an approach at which the distance is computed
 GLANCE = 6  # every sixth sample along the contacts is checked before all of them are
 RETREAT_SAMPLES = 7
@@ -155,14 +155,27 @@ class _TwoArms:
             yield from self._in_turn(pair, along)
 
     def _along(self, pair: Pair) -> float:
-        """Return the arms' least distance [m] along the contacts, of every sixth sample
-        where that is too small already.
+        """Return the arms' least distance [m] at the touch and along the contacts, of
+        every sixth sample where that is too small already.
         """
+        touching = self._touching(pair)
+        if touching < APART:
+            return touching
         left, right = (solution.move.posture.q for solution in pair)
         coarse = self._least(left[::GLANCE], right[::GLANCE])
         if coarse < APART:
             return coarse
-        return self._least(left, right)
+        return min(touching, self._least(left, right))
+
+    def _touching(self, pair: Pair) -> float:
+        """Return the arms' least distance [m] as both go from beside the object to
+        their contacts.
+        """
+        left, right = (solution.path.touch for solution in pair)
+        if left is None or right is None:
+            return LOOK
+        count = min(len(left), len(right))
+        return self._least(left[-count:], right[-count:])
 
     def _least(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of

@@ -159,6 +159,10 @@ def path_of_move(
         return _joint_path(problem, move, Trajectory(STANDING, still), clear, math.inf)
     least_gap = 0.0 if force else LEAST_GAP
     descent = problem.approach.descent(along.tip, along.normal, posture, least_gap)
+    touching = problem.touch_clearance(descent.touch)
+    if touching[0] < CLEARANCE and not force:
+        return _approach_miss(posture, descent, *touching)
+    clear = min(clear, touching[0])
     model = problem.clearance
     if others is not None:
         model = ClearanceModel(problem.plan, problem.arm, {**problem.others, **others})
@@ -171,7 +175,8 @@ def path_of_move(
         gap = _approach_clearance(problem, model, trajectory.postures)
         if gap[0] >= CLEARANCE or force:
             least = min(clear, gap[0])
-            return _joint_path(problem, move, trajectory, least, descent.gap)
+            path = _joint_path(problem, move, trajectory, least, descent.gap)
+            return replace(path, touch=descent.touch)
         if gap[0] > nearest[0]:
             nearest = gap
     return _approach_miss(posture, descent, *nearest)
