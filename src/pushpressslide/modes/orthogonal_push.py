@@ -30,6 +30,7 @@ from pushpressslide.modes.base import Allocator, Draft
 from pushpressslide.modes.shared.twist_pushes import (
     TwistPushes,
     driven_by_twists,
+    exact_margin,
     in_free_arms,
 )
 from pushpressslide.planning.face_placements import (
@@ -128,7 +129,7 @@ class OrthogonalPush(TwistPushes):
         usable = sum(margin >= margins.CONE_MARGIN for margin in inside.values())
         driven = []
         for cone in cones[: max(PIECEWISE, usable)]:
-            path = cone_goal.path(cone)
+            path = cone_goal.path(cone, exact_margin(task, cone.contacts))
             if path is not None:
                 driven.append(self._driven(task, names, path, cone))
         if driven:

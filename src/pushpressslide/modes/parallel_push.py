@@ -31,6 +31,7 @@ from pushpressslide.modes.base import Allocator, Course, Draft, Measured, Tracke
 from pushpressslide.modes.shared.twist_pushes import (
     TwistPushes,
     driven_by_twists,
+    exact_margin,
     in_free_arms,
 )
 from pushpressslide.planning.face_placements import (
@@ -165,7 +166,7 @@ class ParallelPush(TwistPushes):
         height = choice.contacts[0].height
         surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
         cone = TwistCone(choice.contacts, task.scene.contact_friction, surface)
-        path = cone_goal.path(cone)
+        path = cone_goal.path(cone, exact_margin(task, choice.contacts))
         if path is not None:
             return driven_by_twists(task, choice, path, cone)
         margin = cone.angle(*cone_goal.direct)

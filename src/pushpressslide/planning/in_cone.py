@@ -8,7 +8,9 @@ where the goal lies, last back to its yaw.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Protocol
 
 import numpy as np
@@ -21,7 +23,11 @@ from pushpressslide.core.twist_path import TwistPath, TwistRate, reached, screw,
 from pushpressslide.planning.run_in import longest_way
 
 # lengths of the first and the last piece, in units of the screw to the goal
+TRIED = 4  # paths in the cone that are looked at exactly
 SHARES = (0.15, 0.3, 0.5, 0.75)
+
+
+Margin = Callable[[TwistRate], float]
 
 
 class Cone(Protocol):
@@ -64,29 +70,51 @@ class ConeGoal:
         """The one twist that leads there."""
         return screw(self.start, self.goal)
 
-    def path(self, cone: Cone) -> TwistPath | None:
-        """Return the path by twists well inside ``cone``; None if there is none."""
-        return path_in_cone(
-            self.start, self.goal, cone, margins.CONE_MARGIN, self.radius, self.longest
+    def path(self, cone: Cone, exact: Margin | None = None) -> TwistPath | None:
+        """Return the path by twists well inside ``cone``; None if there is none.
+
+        ``exact``: the margin [rad] of a twist by the limit surface at that very twist,
+        where that of ``cone`` is one at the direct way.
+        """
+        least = margins.CONE_MARGIN
+        paths = paths_in_cone(
+            self.start, self.goal, cone, least, self.radius, self.longest
         )
+        for path in islice(paths, TRIED):
+            direct = len(path.pieces) == 1
+            if exact is None or direct or _inside(path, exact):
+                return path
+        return None
+
+
+def _inside(path: TwistPath, exact: Margin) -> bool:
+    return all(exact(rate) >= margins.REPLAN_MARGIN for rate, _ in path.pieces)
 
 
 def path_in_cone(
     start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the shortest path found from ``start`` to ``goal`` whose twists are all
+    """Return the shortest of ``paths_in_cone``; None where there is none."""
+    return next(paths_in_cone(start, goal, cone, least, radius, longest), None)
+
+
+def paths_in_cone(
+    start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
+) -> Iterator[TwistPath]:
+    """Yield paths from ``start`` to ``goal``, the shortest first, whose twists are all
     ``least`` [rad] inside ``cone``.
 
     A screw; or one with a piece along a ray of the cone before it, after it, or both.
-    Lengths are measured with ``radius`` [m]. Deterministic; None where nothing of up to
-    ``longest`` [m] is found.
+    Lengths are measured with ``radius`` [m]. Deterministic; nothing of more than
+    ``longest`` [m].
     """
     direct = screw(start, goal)
     whole = _size(direct, radius)
     if whole > longest:
-        return None
+        return
     if cone.cone_margin(*direct) >= least:
-        return TwistPath.between((start, goal), radius)
+        yield TwistPath.between((start, goal), radius)
+        return
     scale = np.array([1.0, 1.0, radius])
     rays = np.array(cone.rays(least)).reshape(-1, 3)
     rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
@@ -103,12 +131,12 @@ def path_in_cone(
         lengths,
         math.inf,
     )
-    i, j = divmod(int(np.argmin(lengths)), len(ends))
-    if lengths[i, j] >= longest:
-        return None
-    return TwistPath.between(
-        (start, Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()), goal), radius
-    )
+    for best in np.argsort(lengths, axis=None, kind="stable"):
+        i, j = divmod(int(best), len(ends))
+        if not lengths[i, j] < longest:
+            return
+        middle = (Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()))
+        yield TwistPath.between((start, *middle, goal), radius)
 
 
 def least_cone_margin(path: TwistPath, cone: Cone) -> float:

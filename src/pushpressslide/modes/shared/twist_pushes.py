@@ -4,15 +4,20 @@ and the course.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.core import margins
-from pushpressslide.core.plan import Choice, Segment
+from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.task import Task
-from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.core.twist_path import TwistPath, TwistRate
+from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.push_surface import push_surface
 from pushpressslide.modes.base import Course, Measured, Mode, Tracker, in_arms
 from pushpressslide.planning.in_cone import (
+    Margin,
     describe_cone_margin,
     least_cone_margin,
     path_in_cone,
@@ -48,6 +53,24 @@ class TwistPushes(Mode):
             start, goal, cone, margins.REPLAN_MARGIN, drive.radius, measured.longest
         )
         return None if path is None else Course(contacts, drive, path)
+
+
+def exact_margin(task: Task, contacts: Sequence[Contact]) -> Margin:
+    """Return how far inside the cone of ``contacts`` [rad] a twist is, by the limit
+    surface that touches at that twist; far outside where it tips the object.
+    """
+    scene = task.scene
+
+    def margin(rate: TwistRate) -> float:
+        """Return the margin of a twist."""
+        try:
+            surface = push_surface(scene, contacts[0].height, Twist(*rate))
+        except ValueError:
+            return -math.inf
+        cone = TwistCone(contacts, scene.contact_friction, surface)
+        return cone.cone_margin(*rate)
+
+    return margin
 
 
 def driven_by_twists(
