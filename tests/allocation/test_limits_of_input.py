@@ -193,11 +193,15 @@ def of_friction(friction: float):
         lambda: two_press_allocator(BEHIND, friction),
         lambda: TwoPresses((0.0, 0.3), (0.0, -0.3), 20.0, 0.3, friction, 0.2, 100.0),
         lambda: WrenchCone(ASIDE, ASIDE_NORMALS, friction, RHO),
+        lambda: batch.push_forces(ASIDE, ASIDE_NORMALS, friction, np.zeros((1, 3))),
+        lambda: batch.press_forces(
+            BEHIND, friction, np.zeros((1, 3)), np.ones((1, 2)), np.zeros((1, 2))
+        ),
     ]
 
 
 @pytest.mark.parametrize("friction", [-0.1, math.nan, math.inf])
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(10))
 def test_a_friction_that_cannot_be_is_named_with_its_value(friction, number):
     with pytest.raises(ValueError, match=rf"friction {friction}; must be finite and"):
         of_friction(friction)[number]()

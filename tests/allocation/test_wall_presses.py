@@ -73,3 +73,20 @@ def test_what_cannot_be_is_refused_with_the_number_that_decides(
     step = (Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))
     with pytest.raises(ValueError, match=says):
         wall_loads(presses(**given), [step], USES, least)
+
+
+@pytest.mark.parametrize(("up", "motion"), [(1.0, (0.0, 2.0)), (0.0, (3.0, 0.0))])
+def test_a_refusal_names_the_press_that_the_direction_of_sliding_takes(
+    up, motion
+) -> None:
+    step = (Twist(*motion, 0.0), (0.0, -WEIGHT))
+    each = 0.5 * wall_press(WEIGHT, USES[-1] * 0.8, 0.2, up)
+    with pytest.raises(ValueError, match=f"takes {each:.1f} N or more"):
+        wall_loads(presses(cap=0.8 * each), [step], USES, 2.0)
+
+
+def test_a_turn_on_the_spot_does_not_lift() -> None:
+    step = (Twist(0.0, 0.0, 1.0), (0.0, -WEIGHT))
+    each = 0.5 * wall_press(WEIGHT, USES[-1] * 0.8, 0.2, 0.0)
+    with pytest.raises(ValueError, match=f"takes {each:.1f} N or more"):
+        wall_loads(presses(cap=0.95 * each), [step], USES, 2.0)
