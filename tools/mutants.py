@@ -108,26 +108,33 @@ def run_tests(package: str, mutation: Mutation | None, answer: Connection) -> No
     if mutation is not None:
         sys.meta_path.insert(0, MutatedModule(mutation))
     failure = FirstFailure()
-    files = [str(path) for path in ordered_tests(package, mutation)]
     options = ["-m", "not long", "-x", "-q", "-p", "no:cacheprovider"]
     options += ["--hypothesis-profile", "mutants", "--capture", "no"]
-    status = int(pytest.main([*options, *files], plugins=[failure]))
+    status = 0
+    for files in ordered_tests(package, mutation):
+        status = int(pytest.main([*options, *map(str, files)], plugins=[failure]))
+        if status not in (0, 5):  # 5: all of these tests are long
+            break
     answer.send((status, failure.test))
 
 
-def ordered_tests(package: str, mutation: Mutation | None) -> list[Path]:
-    """Return the test files of a package, those that name the mutated module first."""
-    files = sorted((ROOT / "tests" / package).glob("test_*.py"))
-    if mutation is None:
-        return files
-    module = Path(mutation.file).stem
+def ordered_tests(package: str, mutation: Mutation | None) -> list[list[Path]]:
+    """Return the test files of a package: first that of the mutated module, then those
+    that name it, then the others.
 
-    def distance(path: Path) -> int:
-        if path.stem == f"test_{module}":
-            return 0
-        return 1 if f"{package}.{module} " in path.read_text("utf-8") else 2
-
-    return sorted(files, key=distance)
+    Each part is collected only if the one before finds nothing.
+    """
+    parts: list[list[Path]] = [[], [], []]
+    for path in sorted((ROOT / "tests" / package).glob("test_*.py")):
+        place = 2
+        if mutation is not None and path.stem == f"test_{Path(mutation.file).stem}":
+            place = 0
+        elif mutation is not None and f"{package}.{Path(mutation.file).stem} " in (
+            path.read_text("utf-8")
+        ):
+            place = 1
+        parts[place].append(path)
+    return [part for part in parts if part]
 
 
 @dataclass
@@ -163,9 +170,9 @@ class Job:
             status, test = self.answer.recv()
         except EOFError:
             return "killed", "the process ended", seconds
-        if status not in (0, 1, 2):
+        if status not in (0, 1, 2, 5):
             raise RuntimeError(f"pytest ended with status {status}: {self.mutation}")
-        return ("survived" if status == 0 else "killed"), test, seconds
+        return ("survived" if status in (0, 5) else "killed"), test, seconds
 
 
 def own_time(package: str) -> float:

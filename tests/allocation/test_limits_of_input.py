@@ -244,3 +244,14 @@ def test_without_friction_rows_are_feasible_where_one_call_is(rows):
     _, feasible = batch.push_forces(ASIDE, ASIDE_NORMALS, 0.0, wrenches)
     single = [allocate(*wrench).status == "ok" for wrench in wrenches.tolist()]
     assert feasible.tolist() == single
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_point_that_is_nowhere_is_named_with_its_value(bad, place):
+    point = [-0.2, 0.03]
+    point[place] = bad
+    with pytest.raises(ValueError, match=rf"point .*{bad}.* m; must be finite"):
+        one_contact_allocator(tuple(point), FORWARD, 0.5, RHO)
+    with pytest.raises(ValueError, match=r"need two distinct, finite points"):
+        two_press_allocator((tuple(point), (0.1, 0.1)), 0.5)

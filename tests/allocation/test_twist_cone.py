@@ -63,7 +63,9 @@ def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_s
     None
 ):
     rng = random.Random(4)
-    for ray in CONE.rays(0.1):
+    rays = CONE.rays(0.1)
+    assert len(rays) >= 4
+    for ray in rays:
         spare = CONE.cone_margin(*ray)
         fx, fy, tau, _ = CONE.wrench(*ray)
         size = math.hypot(fx, fy, tau / RHO)
