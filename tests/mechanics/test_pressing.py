@@ -69,3 +69,15 @@ def test_places_on_top_are_inside_its_outline(body: ObjectModel) -> None:
         assert room_inside(body, place) > 0.0
     assert not inside_top(body, (1.0, 0.0), 0.0)
     assert room_inside(body, (1.0, 0.0)) < 0.0
+
+
+@pytest.mark.parametrize("pushed", [0.0, 1.5])
+def test_with_the_friction_that_a_refusal_says_is_needed_the_press_is_just_allowed(
+    pushed: float,
+) -> None:
+    with pytest.raises(RefusedError) as caught:
+        press_loads(2.943, 0.3, 0.35, 60.0, 8.0, pushed=pushed)
+    needed = float(str(caught.value.refusal).rpartition("needed ")[2])
+    assert friction_use(8.0, 2.943, 0.3, needed, pushed) == pytest.approx(
+        MOST_USE, abs=2e-3
+    )
