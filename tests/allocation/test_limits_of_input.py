@@ -255,3 +255,14 @@ def test_a_point_that_is_nowhere_is_named_with_its_value(bad, place):
         one_contact_allocator(tuple(point), FORWARD, 0.5, RHO)
     with pytest.raises(ValueError, match=r"need two distinct, finite points"):
         two_press_allocator((tuple(point), (0.1, 0.1)), 0.5)
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_press_that_is_no_number_gives_no_force(bad, place):
+    normals = [4.0, 4.0]
+    normals[place] = bad
+    for wrench in ((1.0, 0.5, 0.1), (50.0, 0.0, 0.0), (0.0, 0.0, 9.0)):
+        out = two_press_allocator(BEHIND, 0.5)(*wrench, tuple(normals))
+        assert out.status == "infeasible"
+        assert out.forces == ((0.0, 0.0), (0.0, 0.0))

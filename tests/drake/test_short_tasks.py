@@ -58,6 +58,7 @@ def done(task: Task) -> tuple[dict[str, Any], Record]:
     assert measured["success"], measured["reason"]
     assert measured["torque_limit_violation_fraction"] == 0.0
     assert measured["max_mean_normal_force"] < task.limits.normal_force
+    assert set(measured["planning_time"]) == {"selection", "joint_paths"}
     return measured, record
 
 

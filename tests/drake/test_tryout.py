@@ -229,7 +229,6 @@ def test_watching_live_changes_nothing_but_tells_where() -> None:
     unseen = run_drake(plan)
     assert len(told) == 1
     assert told[0].startswith("http://localhost:")
-    assert seen.wall_time > 0.45
     for name, values in unseen.arrays.items():
         if not name.startswith("tick_"):
             assert np.array_equal(values, seen.arrays[name], equal_nan=True), name
