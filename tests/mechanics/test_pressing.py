@@ -81,3 +81,14 @@ def test_with_the_friction_that_a_refusal_says_is_needed_the_press_is_just_allow
     assert friction_use(8.0, 2.943, 0.3, needed, pushed) == pytest.approx(
         MOST_USE, abs=2e-3
     )
+
+
+def test_under_any_cap_that_the_least_press_keeps_a_press_is_found_the_safest_first() -> (
+    None
+):
+    every = press_loads(10.0, 0.3, 0.6, math.inf)
+    assert every == sorted(every, reverse=True)
+    for least, cap in enumerate(every):
+        assert press_loads(10.0, 0.3, 0.6, 1.001 * cap) == every[least:]
+    with pytest.raises(RefusedError, match="needs a press of"):
+        press_loads(10.0, 0.3, 0.6, 0.999 * every[-1])
