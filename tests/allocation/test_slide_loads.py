@@ -74,6 +74,7 @@ def test_where_the_cap_is_too_low_the_tips_slip_at_it_with_their_utilisation() -
     assert refusal is not None
     assert refusal.code == "friction"
     assert refusal.figure is not None
+    assert refusal.allowed == UTILISATION[-1]
     assert refusal.figure > UTILISATION[-1]
     assert loads == [(low, low)]
 
