@@ -90,3 +90,9 @@ def test_many_twists_have_the_wrenches_of_each(lift: float) -> None:
         assert surface.wrench(Twist(*twist, surface.center))[:3] == pytest.approx(
             wrench
         )
+
+
+@pytest.mark.parametrize(("force", "rho"), [(0.0, 0.1), (-1.0, 0.1), (1.0, 0.0)])
+def test_a_surface_needs_a_force_and_a_length(force: float, rho: float) -> None:
+    with pytest.raises(ValueError, match="must be finite and > 0"):
+        DraggedSurface(force, rho)

@@ -274,3 +274,10 @@ def test_the_length_of_a_unicycle_is_from_its_axle_to_its_contact_either_way(car
 def test_a_pushed_car_turns_both_ways_with_the_lesser_of_its_curvatures():
     assert PushedCar(0.0, 0.05, 0.05, 0.08, 3.0, 4.0).tightest == 3.0
     assert PushedCar(0.0, 0.05, 0.05, 0.08, 5.0, 4.0).tightest == 4.0
+
+
+@given(unicycles())
+def test_the_contact_of_a_unicycle_is_ahead_unless_it_is_driven_backward(car):
+    assert (car.lever < 0.0) == car.backward
+    ahead = (car.contact[0] - car.cop[0], car.contact[1] - car.cop[1])
+    assert dot(car.axis, ahead) == pytest.approx(car.lever)

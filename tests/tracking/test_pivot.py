@@ -45,6 +45,7 @@ def test_on_its_place_it_turns_about_the_pivot_by_a_force_across_the_axis(
     along, across = DRIVE.X_BV.unrotate(guidance.wrench[:2])
     assert along == pytest.approx(0.0, abs=1e-9)
     assert across * turn > 0.0
+    assert not guidance.saturated
     assert guidance.steering == pytest.approx(math.copysign(0.5 * math.pi, turn))
     assert guidance.error == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
 
