@@ -12,7 +12,8 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
 QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
-.PHONY: demo test test-all test-newest quick lint results random-tasks picture lock clean
+.PHONY: demo test test-long test-all test-newest quick mutants lint results \
+  random-tasks picture lock clean
 
 demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
@@ -20,8 +21,10 @@ demo: $(READY)
 test: $(READY) lint
 	$(BIN)/pytest -n auto -m "not long"
 
-test-all: $(READY) lint
-	$(BIN)/pytest -n auto
+test-long: $(READY)
+	$(BIN)/pytest -n auto -m long
+
+test-all: test test-long
 
 quick: $(READY)
 	$(BIN)/pytest -n auto -m "not long" $(QUICK)
@@ -32,6 +35,10 @@ ifeq ($(NEWEST),)
 else
 	$(MAKE) quick PYTHON=$(NEWEST) VENV=.venv-newest
 endif
+
+# Small faults in the physics, each against the tests of its own package; resumable.
+mutants: $(READY)
+	$(BIN)/python tools/mutants.py
 
 # The paper's experiments, and the documents that show their figures.
 results: $(READY)

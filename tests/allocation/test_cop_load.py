@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy import optimize
 
+from pushpressslide.allocation.contact_line import ContactLine
+from pushpressslide.allocation.cop_load import cop_friction
 from pushpressslide.allocation.press_loads import TwoPresses
 from pushpressslide.core.wrench import Twist
 
@@ -131,3 +133,25 @@ def test_an_object_at_rest_needs_only_the_presses_that_shift_its_load():
     loads = presses.for_cop(0.5, Twist(0.0, 0.0, 0.0))
     assert loads.normals == (0.0, 0.0)
     assert loads.status == "ok"
+
+
+def test_between_two_edges_the_surplus_does_not_change_its_sign():
+    rng = random.Random(5)
+    changes = 0
+    for _ in range(200):
+        presses, fraction, twist = drawn(rng)
+        line = ContactLine(presses.left, presses.right)
+        frictions = (presses.support_friction, presses.contact_friction)
+        friction = cop_friction(
+            line, presses.left, fraction, twist, presses.rho, frictions
+        )
+        edges = friction.edges()
+        grid = np.linspace(0.02, 1.0, 200).tolist()
+        signs = [friction.surplus(u) >= 0.0 for u in grid]
+        for i in range(1, len(grid)):
+            if signs[i] != signs[i - 1]:
+                changes += 1
+                slack = 1e-6
+                inside = (edges > grid[i - 1] - slack) & (edges < grid[i] + slack)
+                assert inside.any(), (presses, fraction, twist, grid[i])
+    assert changes > 30

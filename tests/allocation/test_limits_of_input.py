@@ -193,11 +193,15 @@ def of_friction(friction: float):
         lambda: two_press_allocator(BEHIND, friction),
         lambda: TwoPresses((0.0, 0.3), (0.0, -0.3), 20.0, 0.3, friction, 0.2, 100.0),
         lambda: WrenchCone(ASIDE, ASIDE_NORMALS, friction, RHO),
+        lambda: batch.push_forces(ASIDE, ASIDE_NORMALS, friction, np.zeros((1, 3))),
+        lambda: batch.press_forces(
+            BEHIND, friction, np.zeros((1, 3)), np.ones((1, 2)), np.zeros((1, 2))
+        ),
     ]
 
 
 @pytest.mark.parametrize("friction", [-0.1, math.nan, math.inf])
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(10))
 def test_a_friction_that_cannot_be_is_named_with_its_value(friction, number):
     with pytest.raises(ValueError, match=rf"friction {friction}; must be finite and"):
         of_friction(friction)[number]()
@@ -240,3 +244,25 @@ def test_without_friction_rows_are_feasible_where_one_call_is(rows):
     _, feasible = batch.push_forces(ASIDE, ASIDE_NORMALS, 0.0, wrenches)
     single = [allocate(*wrench).status == "ok" for wrench in wrenches.tolist()]
     assert feasible.tolist() == single
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_point_that_is_nowhere_is_named_with_its_value(bad, place):
+    point = [-0.2, 0.03]
+    point[place] = bad
+    with pytest.raises(ValueError, match=rf"point .*{bad}.* m; must be finite"):
+        one_contact_allocator(tuple(point), FORWARD, 0.5, RHO)
+    with pytest.raises(ValueError, match=r"need two distinct, finite points"):
+        two_press_allocator((tuple(point), (0.1, 0.1)), 0.5)
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_press_that_is_no_number_gives_no_force(bad, place):
+    normals = [4.0, 4.0]
+    normals[place] = bad
+    for wrench in ((1.0, 0.5, 0.1), (50.0, 0.0, 0.0), (0.0, 0.0, 9.0)):
+        out = two_press_allocator(BEHIND, 0.5)(*wrench, tuple(normals))
+        assert out.status == "infeasible"
+        assert out.forces == ((0.0, 0.0), (0.0, 0.0))

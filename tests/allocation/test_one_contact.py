@@ -2,12 +2,14 @@
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from pushpressslide.allocation.one_contact import one_contact_allocator
 from pushpressslide.core.pose import cross
+from pushpressslide.mechanics.contacts import wrench_of_forces
 
 angles = st.floats(-math.pi, math.pi)
 frictions = st.floats(0.1, 1.5)
@@ -94,3 +96,15 @@ def test_a_pull_is_infeasible_and_says_so():
     out = one_contact_allocator((-0.07, 0.0), (1.0, 0.0), 0.5, 0.05)(-1.0, 0.0, 0.0)
     assert out.status == "infeasible"
     assert out.forces == ((0.0, 0.0),)
+
+
+@pytest.mark.parametrize("rho", [0.02, 0.1, 0.5])
+def test_a_billionth_of_the_wrench_in_the_norm_of_the_surface_decides_what_is_ok(rho):
+    point = (-0.2, 0.03)
+    allocate = one_contact_allocator(point, (1.0, 0.0), 0.5, rho)
+    wrench = wrench_of_forces([point], [(1.0, 0.2)])
+    size = 1.2 + abs(wrench.tau) / rho
+    lever = 1.0 + math.hypot(*point) / rho  # the error may go into force or moment
+    for error, status in ((20e-9 * lever, "projected"), (0.1e-9, "ok")):
+        tau = wrench.tau + error * size * rho
+        assert allocate(wrench.fx, wrench.fy, tau).status == status

@@ -43,3 +43,14 @@ def test_a_force_of_the_contact_is_given_exactly() -> None:
 def test_without_a_load_there_is_no_allocator() -> None:
     with pytest.raises(ValueError, match="load"):
         one_press_allocator((0.1, 0.0), 0.0, 0.5, 0.1)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(1e-6, 1.0))
+def test_only_a_moment_that_the_force_has_about_the_centre_of_pressure_is_ok(
+    fx, fy, off
+) -> None:
+    allocate = one_press_allocator((0.12, -0.05), 8.0, 0.9, 0.1, (0.03, 0.01))
+    tau = cross((0.09, -0.06), (fx, fy))
+    assert allocate(fx, fy, tau).status == "ok"
+    assert allocate(fx, fy, tau + off).status == "projected"
+    assert allocate(fx, fy, tau - off).status == "projected"

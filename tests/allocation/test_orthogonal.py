@@ -5,7 +5,7 @@ section 6).
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pushpressslide.allocation import orthogonal, published
@@ -176,3 +176,13 @@ def test_the_single_arm_tracking_points_are_on_the_border_of_the_regions(mu):
         s = 1.0 + 1e-9
         moved = (K * s, y * s) if left else (K / s, y * s)
         assert orthogonal.can_turn_about(moved, left, D, mu, RHO)
+
+
+@given(*[st.floats(-5.0, 5.0)] * 3, st.sampled_from([0.2, 0.7, 1.0, 1.3]))
+def test_the_interval_of_friction_is_empty_just_where_a_wrench_is_impossible(
+    fx, fy, t, mu
+):
+    spare = orthogonal.feasibility(fx, fy, t * D, D, mu).spare
+    assume(abs(spare) > 1e-6)
+    low, high = orthogonal.friction_interval(fx, fy, t * D, D, mu)
+    assert (low <= high) == (spare > 0.0)

@@ -1,5 +1,6 @@
 """Loads of two presses for a motion: they slide the object, or a number says why not."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -72,6 +73,7 @@ def test_where_the_cap_is_too_low_the_tips_slip_at_it_with_their_utilisation() -
     assert refusal is not None
     assert refusal.code == "friction"
     assert refusal.figure is not None
+    assert refusal.allowed == margins.FRICTION_USES[-1]
     assert refusal.figure > margins.FRICTION_USES[-1]
     assert loads == [(low, low)]
 
@@ -80,3 +82,18 @@ def test_tips_that_are_no_rougher_than_the_support_drag_nothing() -> None:
     smooth = replace(SCENE, contact_friction=SCENE.support.friction)
     with pytest.raises(RefusedError, match="must exceed the support's"):
         slide_loads(smooth, TASK.motion, CAP, POINTS, path(0.2, 0.0, 0.0))
+
+
+def test_on_a_wall_both_loads_are_the_same_and_hold_the_weight_whatever_the_motion() -> (
+    None
+):
+    wall = load_task("press-fit")
+    assert wall.scene.weight_along.count(0.0) == 1  # straight down
+    for goal in (path(0.1, 0.0, 0.0), path(0.0, 0.1, 0.0), path(0.0, 0.0, 0.8)):
+        refusal, ((left, right),) = slide_loads(
+            wall.scene, wall.motion, wall.limits.planned_force, POINTS, goal
+        )
+        assert refusal is None
+        assert left == right
+        mu = UTILISATION[-1] * wall.contact_friction + wall.support.friction
+        assert mu * (left + right) > math.hypot(*wall.scene.weight_along)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from pushpressslide.allocation.orthogonal import feasibility
-from pushpressslide.allocation.twist_cone import TwistCone
+from pushpressslide.allocation.twist_cone import INWARD, TwistCone
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.wrench import Wrench
+from pushpressslide.mechanics.friction import cone_edges
 from pushpressslide.mechanics.height_term import DraggedSurface
 
 D = 0.2
@@ -62,7 +63,9 @@ def test_a_twist_stays_inside_when_its_wrench_is_turned_by_less_than_it_has_to_s
     None
 ):
     rng = random.Random(4)
-    for ray in CONE.rays(0.1):
+    rays = CONE.rays(0.1)
+    assert len(rays) >= 4
+    for ray in rays:
         spare = CONE.cone_margin(*ray)
         fx, fy, tau, _ = CONE.wrench(*ray)
         size = math.hypot(fx, fy, tau / RHO)
@@ -113,3 +116,26 @@ def test_what_only_a_squeeze_could_give_is_outside() -> None:
     cone = TwistCone(facing, 1.2, SURFACE)
     assert cone.cone_margin(1.0, 0.0, 0.0) > 0.5
     assert cone.cone_margin(-1.0, 0.0, 0.0) < 0.0
+
+
+def test_the_rays_lie_between_the_edges_or_their_middles_and_the_middle_of_the_cone() -> (
+    None
+):
+    """In the norm of the surface, each INWARD of the way to the middle of the edges."""
+    edges = []
+    for contact in ORTHOGONAL:
+        for fx, fy in cone_edges(contact.normal, MU):
+            x, y = contact.point
+            edge = np.array([fx, fy, (x * fy - y * fx) / RHO])
+            edges.append(edge / np.linalg.norm(edge))
+    middle = sum(edges) / 4.0
+    ends = [0.5 * (a + b) for i, a in enumerate(edges) for b in edges[i:]]
+    wanted = [(1.0 - INWARD) * end + INWARD * middle for end in ends]
+    wanted = [ray / np.linalg.norm(ray) for ray in wanted]
+    rays = CONE.rays(-1.0)
+    assert len(rays) == len(wanted)
+    for ray in rays:
+        fx, fy, tau, _ = CONE.wrench(*ray)
+        found = np.array([fx, fy, tau / RHO])
+        found /= np.linalg.norm(found)
+        assert min(np.linalg.norm(found - ray) for ray in wanted) < 1e-9

@@ -76,8 +76,9 @@ def test_any_wrench_gets_forces_inside_the_cones_and_an_honest_residual(
         *wrench
     )
     largest = max(1.0, *(math.hypot(*f) for f in out.forces))
-    for force, normal in zip(out.forces, normals, strict=True):
-        assert cone_margin(force, normal, mu) >= -1e-9 * largest
+    margins = [cone_margin(f, n, mu) for f, n in zip(out.forces, normals, strict=True)]
+    assert min(margins) >= -1e-9 * largest
+    assert out.margin == pytest.approx(min(margins), abs=1e-9 * largest)
     realised = wrench_of_forces(points, out.forces)
     for wanted, got, missing in zip(wrench, realised[:3], out.residual, strict=True):
         assert wanted - got == pytest.approx(missing, abs=1e-9 * largest)

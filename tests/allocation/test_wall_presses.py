@@ -73,3 +73,31 @@ def test_what_cannot_be_is_refused_with_the_number_that_decides(
     step = (Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))
     with pytest.raises(ValueError, match=says):
         wall_loads(presses(**given), [step], USES, least)
+
+
+@pytest.mark.parametrize(("up", "motion"), [(1.0, (0.0, 2.0)), (0.0, (3.0, 0.0))])
+def test_a_refusal_names_the_press_that_the_direction_of_sliding_takes(
+    up, motion
+) -> None:
+    step = (Twist(*motion, 0.0), (0.0, -WEIGHT))
+    each = 0.5 * wall_press(WEIGHT, USES[-1] * 0.8, 0.2, up)
+    with pytest.raises(ValueError, match=f"takes {each:.1f} N or more"):
+        wall_loads(presses(cap=0.8 * each), [step], USES, 2.0)
+
+
+def test_a_turn_on_the_spot_does_not_lift() -> None:
+    step = (Twist(0.0, 0.0, 1.0), (0.0, -WEIGHT))
+    each = 0.5 * wall_press(WEIGHT, USES[-1] * 0.8, 0.2, 0.0)
+    with pytest.raises(ValueError, match=f"takes {each:.1f} N or more"):
+        wall_loads(presses(cap=0.95 * each), [step], USES, 2.0)
+
+
+def test_one_step_that_the_cap_does_not_allow_is_enough_to_refuse_all() -> None:
+    down_the_wall = (Twist(0.0, -1.0, 0.0), (0.0, -WEIGHT))
+    up_the_wall = (Twist(0.0, 1.0, 0.0), (0.0, -WEIGHT))
+    each = 0.5 * wall_press(WEIGHT, USES[-1] * 0.8, 0.2, 1.0)
+    tight = presses(cap=0.95 * each)
+    assert max(wall_loads(tight, [down_the_wall], USES, 2.0)) <= 0.95 * each
+    for steps in ([down_the_wall, up_the_wall], [up_the_wall, down_the_wall]):
+        with pytest.raises(ValueError, match=f"takes {each:.1f} N or more"):
+            wall_loads(tight, steps, USES, 2.0)

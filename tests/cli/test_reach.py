@@ -34,7 +34,10 @@ def test_reach_is_of_the_arm_where_it_stands(refusal: Refusal) -> None:
 
 
 def test_a_free_tip_reaches_what_no_arm_does() -> None:
-    pps.load_task("rear-push-rear", ["robots.0.model=hand", "goal={x: 2.4, y: 0.1}"])
+    far = pps.load_task(
+        "rear-push-rear", ["robots.0.model=hand", "goal={x: 2.4, y: 0.1}"]
+    )
+    assert far.goal.x == 2.4
 
 
 def test_nothing_is_refused_that_selection_could_do() -> None:

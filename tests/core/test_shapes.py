@@ -128,7 +128,9 @@ def test_half_widths_are_zero_on_the_outline_and_fall_outwards(shape: Shape) -> 
 
 @every_shape
 def test_side_points_are_on_the_outline_with_inward_normals(shape: Shape) -> None:
-    for (x, y), (nx, ny) in shape.side_points(0.02, ORIGIN):
+    sides = shape.side_points(0.02, ORIGIN)
+    assert len(sides) >= 3
+    for (x, y), (nx, ny) in sides:
         assert math.hypot(nx, ny) == pytest.approx(1.0)
         assert shape.depth(in_g((x, y))) == pytest.approx(0.0, abs=1e-9)
         inside = in_g((x + 0.002 * nx, y + 0.002 * ny))
@@ -141,7 +143,9 @@ def test_a_tip_before_a_side_is_as_far_off_it_as_its_gap_says(
     shape: Shape, gap: float, along: float
 ) -> None:
     radius = 0.02
-    for point, (nx, ny) in shape.side_points(0.02, ORIGIN):
+    sides = shape.side_points(0.02, ORIGIN)
+    assert len(sides) >= 3
+    for point, (nx, ny) in sides:
         side = shape.side(point, (nx, ny), ORIGIN)
         off = radius + gap
         tip = (

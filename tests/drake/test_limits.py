@@ -139,4 +139,3 @@ def test_nothing_is_broken_in_a_run_as_planned() -> None:
     assert 0.0 < measured["max_joint_speed_share"] < 1.0
     assert measured["clearance_driven"] > 0.0
     assert 0.0 <= measured["cone_use_commanded"]["share"] < 0.2
-    assert set(measured["planning_time"] or {}) <= {"selection", "joint_paths"}

@@ -145,7 +145,10 @@ def test_a_bar_pushes_a_cube_to_its_place(overrides: list[str]) -> None:
     assert turned < 3.0
 
 
-@pytest.mark.parametrize("name", ["press-slide", "press-slide-forklift"])
+@pytest.mark.parametrize(
+    "name",
+    ["press-slide", pytest.param("press-slide-forklift", marks=pytest.mark.long)],
+)
 def test_the_planar_engine_takes_the_same_way(name: str) -> None:
     task = load_task(name)
     paths = []

@@ -17,6 +17,7 @@ from pushpressslide.report.metrics import result
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.engine import run as run_drake
+from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.taskfile.load import task_from_data
 
 ROD = '<frame name="tool" link="panda_link8" xyz="0 0 0.15" rpy="0 0 0"/></robot>'
@@ -175,8 +176,8 @@ def post(x: float, y: float, **more: Any) -> list[dict[str, Any]]:
 @pytest.mark.long
 @pytest.mark.parametrize("x", [0.38, 0.62])
 def test_the_arm_stays_clear_of_a_post_beside_the_path(x: float) -> None:
-    _, record = close(task(obstacles=post(x, 0.0)))
-    assert record.meta["clearance_planned"] >= 0.005
+    measured, _ = close(task(obstacles=post(x, 0.0)))
+    assert measured["clearance_driven"] > 0.5 * CLEARANCE  # of what was planned with
 
 
 def test_a_movable_obstacle_out_of_the_way_stays_where_it_is() -> None:
@@ -228,7 +229,6 @@ def test_watching_live_changes_nothing_but_tells_where() -> None:
     unseen = run_drake(plan)
     assert len(told) == 1
     assert told[0].startswith("http://localhost:")
-    assert seen.wall_time > 0.45
     for name, values in unseen.arrays.items():
         if not name.startswith("tick_"):
             assert np.array_equal(values, seen.arrays[name], equal_nan=True), name

@@ -4,6 +4,7 @@ import ast
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,9 +34,14 @@ HEIGHTS = {
     "bimanual-slide": (0.05, 0.15),
 }
 BASES = {name: load_task(name) for name in TURNS}
-DRAWN = {
-    name: [random_task(base, i, 3) for i in range(60)] for name, base in BASES.items()
-}
+ONE_ARM = ("press-slide", "rear-push-rear")
+ANY = (*ONE_ARM, "parallel-push", "bimanual-slide")
+
+
+@cache
+def drawn(name: str, count: int = 60, draw: sampling.Draw = "ahead") -> list[Task]:
+    base = load_task(name)
+    return [random_task(base, i, 3, draw) for i in range(count)]
 
 
 def centers(task: Task) -> list[tuple[float, float]]:
@@ -53,7 +59,7 @@ def normals(task: Task) -> list[float]:
 
 @pytest.mark.parametrize("name", TURNS)
 def test_the_draws_are_within_what_is_published(name: str) -> None:
-    for task in DRAWN[name]:
+    for task in drawn(name):
         start, goal = centers(task)
         assert 0.5 <= task.object.mass <= 4.0
         assert 0.2 <= task.support.friction <= 0.5
@@ -75,7 +81,7 @@ def test_the_draws_are_within_what_is_published(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["parallel-push", "orthogonal-push"])
 def test_a_push_goes_ahead_and_away_from_the_robots(name: str) -> None:
-    for task in DRAWN[name]:
+    for task in drawn(name):
         start, goal = centers(task)
         way = math.atan2(goal[1] - start[1], goal[0] - start[0])
         faces = normals(task)
@@ -94,7 +100,7 @@ def test_a_push_goes_ahead_and_away_from_the_robots(name: str) -> None:
 
 
 def test_pressed_objects_are_of_all_kinds_and_go_any_way() -> None:
-    tasks = DRAWN["bimanual-slide"]
+    tasks = drawn("bimanual-slide")
     assert any(isinstance(task.object.shape, Cylinder) for task in tasks)
     back = [task for task in tasks if task.goal.x < task.start.x - 0.05]
     assert len(back) > 10
@@ -133,15 +139,9 @@ def test_a_sweep_draws_for_the_mode_and_goes_on_where_it_was(tmp_path: Path) -> 
     assert names == {"bimanual-slide-random-1-000", "bimanual-slide-random-1-001"}
 
 
-ONE_ARM = {
-    name: [random_task(load_task(name), i, 3) for i in range(80)]
-    for name in ("press-slide", "rear-push-rear")
-}
-
-
 @pytest.mark.parametrize("name", ONE_ARM)
 def test_one_arm_gets_starts_and_goals_within_its_reach(name: str) -> None:
-    for task in ONE_ARM[name]:
+    for task in drawn(name, 80):
         (robot,) = task.robots
         assert 0.3 <= task.object.mass <= 3.0
         assert 0.2 <= task.support.friction <= 0.5
@@ -162,14 +162,14 @@ def test_only_pressed_objects_are_round_or_have_a_given_contact() -> None:
     def marked(task: Task) -> tuple[bool, bool]:
         return isinstance(task.object.shape, Cylinder), bool(task.motion.contacts)
 
-    round_pressed, given = zip(*map(marked, ONE_ARM["press-slide"]), strict=True)
+    round_pressed, given = zip(*map(marked, drawn("press-slide", 80)), strict=True)
     assert any(round_pressed)
     assert 0.1 < sum(given) / len(given) < 0.4
-    assert all(marked(task) == (False, False) for task in ONE_ARM["rear-push-rear"])
+    assert all(marked(task) == (False, False) for task in drawn("rear-push-rear", 80))
 
 
 def test_a_given_contact_is_inside_the_top() -> None:
-    for task in ONE_ARM["press-slide"]:
+    for task in drawn("press-slide", 80):
         for x, y in task.motion.contacts or ():
             cx, cy = task.object.center_of_mass
             place = (x - cx, y - cy)
@@ -180,27 +180,18 @@ def test_a_given_contact_is_inside_the_top() -> None:
 def test_without_one_mode_tasks_of_all_kinds_are_drawn() -> None:
     for name, kinds in (("press-slide", 2), ("parallel-push", 3)):
         free = replace(load_task(name), modes=None)
-        drawn = [random_task(free, i, 3) for i in range(60)]
-        assert drawn == [random_task(free, i, 3) for i in range(60)]
-        heights = {task.object.shape.height for task in drawn}
+        tasks = [random_task(free, i, 3) for i in range(60)]
+        assert tasks == [random_task(free, i, 3) for i in range(60)]
+        heights = {task.object.shape.height for task in tasks}
         assert len(heights) == 60
-        pressed = sum(isinstance(task.object.shape, Cylinder) for task in drawn)
+        pressed = sum(isinstance(task.object.shape, Cylinder) for task in tasks)
         assert 0 < pressed < 60 / kinds
-
-
-ANY_BASES = [
-    load_task(name)
-    for name in ("rear-push-rear", "press-slide", "parallel-push", "bimanual-slide")
-]
-ANY = {
-    base.name: [random_task(base, i, 3, "any") for i in range(80)] for base in ANY_BASES
-}
 
 
 @pytest.mark.parametrize("name", ANY)
 def test_goals_of_any_draw_lie_in_all_directions(name: str) -> None:
     quadrants = set()
-    for task in ANY[name]:
+    for task in drawn(name, 80, "any"):
         x, y = task.start.unapply(task.goal.position)
         quadrants.add((x > 0.0, y > 0.0))
     assert len(quadrants) == 4
@@ -210,11 +201,13 @@ def test_goals_of_any_draw_lie_in_all_directions(name: str) -> None:
 def test_objects_of_any_draw_are_small_and_large_and_off_centre(name: str) -> None:
     arms = len(load_task(name).robots)
     low, high = sampling.ANY_SIZE[arms]
-    sizes = [max(2.0 * task.object.shape.half_width, low) for task in ANY[name]]
+    sizes = [
+        max(2.0 * task.object.shape.half_width, low) for task in drawn(name, 80, "any")
+    ]
     assert min(sizes) < 2.5 * low
     assert max(sizes) > 0.5 * high
     off = 0
-    for task in ANY[name]:
+    for task in drawn(name, 80, "any"):
         body = task.object
         assert body.shape.depth(body.center_of_mass) > 0.0
         off += math.dist(body.center_of_mass, body.shape.centroid) > 1e-3
@@ -225,7 +218,7 @@ def test_objects_of_any_draw_are_small_and_large_and_off_centre(name: str) -> No
 
 @pytest.mark.parametrize("name", ANY)
 def test_nothing_is_drawn_over_a_base(name: str) -> None:
-    for task in ANY[name]:
+    for task in drawn(name, 80, "any"):
         for robot in task.robots:
             for pose in (task.start, task.goal):
                 base = pose.unapply(robot.base[:2])

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
-from pushpressslide.mechanics.dragging import DraggedBase
+from pushpressslide.mechanics.contacts import wrench_of_forces
+from pushpressslide.mechanics.dragging import DraggedBase, DraggedEllipsoid
+from pushpressslide.mechanics.limit_surface import (
+    EllipsoidLimitSurface,
+    exact_level,
+    exact_twist_direction,
+)
 from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.virtual_axle import dragged_twist
 
@@ -71,3 +77,54 @@ def test_where_the_object_tips_nothing_is_said() -> None:
     assert np.isnan(
         base.slide(np.zeros((1, 2)), np.array([BEHIND]), np.array([(1.0, 0.0)])).twists
     ).all()
+
+
+def test_an_ellipsoid_slides_about_the_centre_of_pressure_that_the_drag_moves() -> None:
+    """Against the surface about that moved centre, one force at a time."""
+    rng = np.random.default_rng(3)
+    rho = 0.07
+    shift = 0.03
+    angles = rng.uniform(-math.pi, math.pi, 50)
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    cops = rng.uniform(-0.05, 0.05, (50, 2))
+    contacts = rng.uniform(-0.2, 0.2, (50, 2))
+    slid = DraggedEllipsoid(rho, shift).slide(cops, contacts, directions)
+    for cop, contact, force, twist, share in zip(
+        cops, contacts, directions, slid.twists, slid.shares, strict=True
+    ):
+        moved = cop + shift * share * force
+        surface = EllipsoidLimitSurface(1.0, rho, tuple(moved))
+        wrench = wrench_of_forces([tuple(contact)], [tuple(share * force)])
+        assert surface.level(wrench) == pytest.approx(1.0)
+        driven = surface.twist_direction(wrench).moved_to((0.0, 0.0))
+        k = math.hypot(*twist) / math.hypot(*driven[:3])
+        assert twist == pytest.approx([k * part for part in driven[:3]], abs=1e-12)
+
+
+def test_from_any_place_it_slides_as_on_the_exact_surface_under_the_moved_load() -> (
+    None
+):
+    """Of many bodies, places and angles; 5 mN/N and 2 % are the rule's coarseness."""
+    rng = np.random.default_rng(4)
+    for body in BODIES:
+        base = DraggedBase(body, 0.3 * MU * body.shape.height, 4)
+        count = 60
+        angles = rng.uniform(-math.pi, math.pi, count)
+        directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        contacts = rng.uniform(-0.12, 0.12, (count, 2))
+        slid = base.slide(np.zeros((count, 2)), contacts, directions)
+        assert np.isfinite(slid.twists).all()
+        for contact, force, twist, share in zip(
+            contacts, directions, slid.twists, slid.shares, strict=True
+        ):
+            cop = 0.3 * MU * body.shape.height * share * force
+            pressure = support_pressure(
+                body.shape, 1.0, body.center_of_mass, tuple(cop), 4
+            )
+            wrench = wrench_of_forces([tuple(contact)], [tuple(share * force)])
+            exact = exact_twist_direction(pressure, wrench).moved_to((0.0, 0.0))
+            assert exact_level(pressure, 1.0, wrench) == pytest.approx(1.0, abs=5e-3)
+            size = np.array([1.0, 1.0, 0.1])
+            a = twist * size / np.linalg.norm(twist * size)
+            b = np.array(exact[:3]) * size / np.linalg.norm(np.array(exact[:3]) * size)
+            assert np.linalg.norm(a - b) < 0.02

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -78,3 +79,20 @@ def test_the_surface_of_a_push_gives_the_exact_wrench_of_its_twist(turn: float) 
     exact = exact_wrench(samples, mu, twist).moved_to((0.0, 0.0))
     assert wrench[:2] == pytest.approx(exact[:2], abs=0.01 * mu * load)
     assert wrench.tau == pytest.approx(exact.tau, abs=0.01 * mu * load * 0.13)
+
+
+@pytest.mark.parametrize("lift", [0.0, 0.03, 0.2])
+def test_many_twists_have_the_wrenches_of_each(lift: float) -> None:
+    surface = DraggedSurface(6.0, 0.08, lift, (0.02, -0.01))
+    twists = np.random.default_rng(7).normal(size=(50, 3)) * (1.0, 1.0, 10.0)
+    many = surface.wrenches(twists)
+    for twist, wrench in zip(twists.tolist(), many, strict=True):
+        assert surface.wrench(Twist(*twist, surface.center))[:3] == pytest.approx(
+            wrench
+        )
+
+
+@pytest.mark.parametrize(("force", "rho"), [(0.0, 0.1), (-1.0, 0.1), (1.0, 0.0)])
+def test_a_surface_needs_a_force_and_a_length(force: float, rho: float) -> None:
+    with pytest.raises(ValueError, match="must be finite and > 0"):
+        DraggedSurface(force, rho)

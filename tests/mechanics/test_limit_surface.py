@@ -232,3 +232,11 @@ def test_without_extent_or_without_wrench_there_is_no_direction():
         exact_twist_direction(PATCHES["disc"], Wrench(0.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="twists"):
         exact_wrenches(PATCHES["disc"], 0.3, np.zeros(3))
+
+
+@given(surfaces)
+def test_at_rest_there_is_no_wrench_and_without_a_wrench_no_twist(surface):
+    at_rest = surface.wrench(Twist(0.0, 0.0, 0.0, surface.center))
+    assert at_rest == Wrench(0.0, 0.0, 0.0, surface.center)
+    still = surface.twist_direction(Wrench(0.0, 0.0, 0.0, surface.center))
+    assert still == Twist(0.0, 0.0, 0.0, surface.center)

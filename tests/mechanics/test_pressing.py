@@ -69,3 +69,26 @@ def test_places_on_top_are_inside_its_outline(body: ObjectModel) -> None:
         assert room_inside(body, place) > 0.0
     assert not inside_top(body, (1.0, 0.0), 0.0)
     assert room_inside(body, (1.0, 0.0)) < 0.0
+
+
+@pytest.mark.parametrize("pushed", [0.0, 1.5])
+def test_with_the_friction_that_a_refusal_says_is_needed_the_press_is_just_allowed(
+    pushed: float,
+) -> None:
+    with pytest.raises(RefusedError) as caught:
+        press_loads(2.943, 0.3, 0.35, 60.0, 8.0, pushed=pushed)
+    needed = float(str(caught.value.refusal).rpartition("needed ")[2])
+    assert friction_use(8.0, 2.943, 0.3, needed, pushed) == pytest.approx(
+        MOST_USE, abs=2e-3
+    )
+
+
+def test_under_any_cap_that_the_least_press_keeps_a_press_is_found_the_safest_first() -> (
+    None
+):
+    every = press_loads(10.0, 0.3, 0.6, math.inf)
+    assert every == sorted(every, reverse=True)
+    for least, cap in enumerate(every):
+        assert press_loads(10.0, 0.3, 0.6, 1.001 * cap) == every[least:]
+    with pytest.raises(RefusedError, match="needs a press of"):
+        press_loads(10.0, 0.3, 0.6, 0.999 * every[-1])

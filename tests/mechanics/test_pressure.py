@@ -215,6 +215,12 @@ def test_samples_are_checked_and_cannot_be_changed():
     for loads in ([-1.0, 2.0], [0.0, 0.0], [math.nan, 1.0]):
         with pytest.raises(ValueError, match="loads >= 0"):
             PressureSamples([[0.0, 0.0], [1.0, 0.0]], loads)
+    for points, radii in (
+        ([[0.0, 0.0], [1.0, math.nan]], [0.1, 0.1]),
+        ([[0.0, 0.0], [1.0, 0.0]], [0.1, math.inf]),
+    ):
+        with pytest.raises(ValueError, match="must be finite"):
+            PressureSamples(points, [1.0, 1.0], radii)
 
 
 def test_a_centre_of_pressure_outside_the_base_is_refused():

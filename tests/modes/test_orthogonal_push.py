@@ -70,7 +70,9 @@ def test_the_shipped_task_is_done_by_one_twist_with_the_left_arm_on_the_left_fac
     "goal", [(0.4, -0.25, 20.0), (0.3, -0.3, -25.0), (0.35, -0.1, -10.0)]
 )
 def test_every_wrench_of_a_plan_is_given_with_both_contacts_pushing(goal) -> None:
-    for choice in (c for c in MODE.choices(to(*goal)) if c.feasible):
+    feasible = [c for c in MODE.choices(to(*goal)) if c.feasible]
+    assert feasible
+    for choice in feasible:
         (segment,) = plan(to(*goal), choice).segments
         drive = segment.drive
         allocate = MODE.allocator(choice.contacts, MU, drive.rho, drive.center)

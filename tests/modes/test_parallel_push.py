@@ -123,7 +123,9 @@ def test_back_on_the_spot_and_sideways_are_refused_with_the_numbers(goal) -> Non
 def test_the_differential_car_may_turn_with_w_over_rho_squared() -> None:
     told = replace(SHIPPED.believed, rho=0.13)
     task = to(0.46, 0.05, 10.0, "differential", belief=told, object=WIDE)
-    for choice in MODE.choices(task):
+    choices = MODE.choices(task)
+    assert choices
+    for choice in choices:
         half_width = 0.5 * math.dist(*(c.point for c in choice.contacts))
         drive = choice.segments[0].drive
         assert isinstance(drive, CarDrive)

@@ -143,7 +143,9 @@ def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew(
 
 def test_where_it_turned_is_told_beside_what_was_predicted() -> None:
     made, record, _ = simulate(task(HELD), engine="planar")
-    for pivot in result(task(HELD), made, record, {})["pivots"]:
+    pivots = result(task(HELD), made, record, {})["pivots"]
+    assert pivots
+    for pivot in pivots:
         assert pivot["distance"]["pressed"] < 5e-3
         assert (
             min(

@@ -50,7 +50,9 @@ def test_contacts_side_by_side_are_alike_on_either_side_and_clear_of_the_corners
     scene = scene_of(length, width, (0.0, 0.0))
     face = face_of(scene, 3)
     _, left = span(scene.body, face)
-    for a, b in side_by_side(scene, face, HEIGHT):
+    pairs = side_by_side(scene, face, HEIGHT)
+    assert pairs
+    for a, b in pairs:
         assert beside(face, a.point) == pytest.approx(-beside(face, b.point))
         assert beside(face, a.point) > 0.0
         assert beside(face, a.point) <= max(left - scene.inset, scene.inset)
@@ -64,7 +66,9 @@ def test_contacts_on_two_faces_leave_room_for_the_tools_and_for_the_corners(
 ) -> None:
     scene = scene_of(length, width, (x * length, y * width))
     pair = (face_of(scene, 3), face_of(scene, 2))
-    for contacts in on_two_faces(scene, pair, HEIGHT):
+    placements = on_two_faces(scene, pair, HEIGHT)
+    assert placements or min(length, width) < 0.15  # two tools beside each other
+    for contacts in placements:
         apart = math.dist(contacts[0].point, contacts[1].point)
         assert apart >= least_distance(scene)
         for face, contact in zip(pair, contacts, strict=True):

@@ -14,6 +14,7 @@ from pushpressslide.mechanics.contacts import velocity_of_force, wrench_of_force
 from pushpressslide.mechanics.friction import cone_margin
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
 from pushpressslide.rom.differential_car import DifferentialCar
+from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.rom.rear_steer_car import STEERING_LIMIT, RearSteerCar
 from pushpressslide.rom.unicycle import Unicycle
 
@@ -263,3 +264,20 @@ def test_the_differential_car_only_goes_forward_and_needs_a_width():
     assert Pose2(0.0, 0.0, 0.5) == car.X_BV
     with pytest.raises(ValueError, match="must be > 0"):
         DifferentialCar((0.0, 0.0), 0.5, 0.0, 0.05, 0.06)
+
+
+@given(unicycles())
+def test_the_length_of_a_unicycle_is_from_its_axle_to_its_contact_either_way(car):
+    assert car.length == pytest.approx(math.dist(car.X_BV.position, car.contact))
+
+
+def test_a_pushed_car_turns_both_ways_with_the_lesser_of_its_curvatures():
+    assert PushedCar(0.0, 0.05, 0.05, 0.08, 3.0, 4.0).tightest == 3.0
+    assert PushedCar(0.0, 0.05, 0.05, 0.08, 5.0, 4.0).tightest == 4.0
+
+
+@given(unicycles())
+def test_the_contact_of_a_unicycle_is_ahead_unless_it_is_driven_backward(car):
+    assert (car.lever < 0.0) == car.backward
+    ahead = (car.contact[0] - car.cop[0], car.contact[1] - car.cop[1])
+    assert dot(car.axis, ahead) == pytest.approx(car.lever)
