@@ -95,5 +95,5 @@ def test_on_a_wall_both_loads_are_the_same_and_hold_the_weight_whatever_the_moti
         )
         assert refusal is None
         assert left == right
-        mu = UTILISATION[-1] * wall.contact_friction + wall.support.friction
+        mu = margins.FRICTION_USES[-1] * wall.contact_friction + wall.support.friction
         assert mu * (left + right) > math.hypot(*wall.scene.weight_along)
