@@ -56,6 +56,7 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Sensing
 from pushpressslide.core.twist_path import moved
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
+from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
 
@@ -70,6 +71,7 @@ GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
 RETRIES = 2
+HARDER = 1.3  # times, that a press which crept is pressed
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -155,7 +157,7 @@ class Controller:
             first,
             tuple(ahead),
             MODES[first.mode].identifier(self.parts[first.leg], first),
-            MODES[first.mode].center_identifier(self.parts[first.leg], first),
+            self._center_identifier(first, (0.0, 0.0)),
         )
 
     def stop(
@@ -318,6 +320,8 @@ class Controller:
                 binding=self._bound(fresh[0]),
                 ahead=fresh[1:],
                 followed_center=found.center,
+                center_identifier=self._center_identifier(fresh[0], found.center),
+                center=_onward(state),
                 progress=0.0,
                 clock_start=time,
             )
@@ -332,6 +336,13 @@ class Controller:
         if state.began is None:
             moving = replace(moving, began=time)
         return moving
+
+    def _center_identifier(
+        self, segment: Segment, center: Point
+    ) -> CenterIdentifier | None:
+        """Return what identifies the CoM in a segment planned with it at ``center``."""
+        part = self.parts[segment.leg]
+        return MODES[segment.mode].center_identifier(part, segment, center)
 
     def _bound(self, segment: Segment) -> Binding:
         return bind(self.parts[segment.leg], segment)
@@ -455,22 +466,32 @@ class Controller:
         slid = side_slide(state.segment.contacts, touched) > retouch
         crept = press_creep(self.segments[0].contacts, touched) > margins.CREPT
         if (slid or crept) and left > retouch and state.retouches < RETOUCHES:
-            return self._touch_planned_place(state, measurement)
+            return self._touch_planned_place(state, measurement, crept)
         if state.lost is not None:
             return state
         state = replace(state, rho=findings(state).rho)
         return self._replanned(state, time, X_WB, touched, guidance)
 
     def _touch_planned_place(
-        self, state: ControllerState, measurement: Measurement
+        self, state: ControllerState, measurement: Measurement, crept: bool
     ) -> ControllerState:
-        """Let go, and touch again where the segment was planned to be touched."""
+        """Let go, and touch again where the segment was planned to be touched; harder a
+        press that ``crept``.
+        """
         followed = state.binding.segment
         planned = self.segments[0].contacts  # those of the whole placement
         contacts = tuple(
             replace(contact, point=at.point)
             for contact, at in zip(followed.contacts, planned, strict=True)
         )
+        if crept:
+            most = self.parts[followed.leg].limits.planned_force
+            contacts = tuple(
+                replace(
+                    contact, load=max(contact.load, min(HARDER * contact.load, most))
+                )
+                for contact in contacts
+            )
         segment = replace(followed, contacts=contacts, drive=state.segment.drive)
         again = replace(state, binding=self._bound(segment))
         return replace(
@@ -574,16 +595,25 @@ class Controller:
         fresh = replanner.replan(ahead, X_WB, touched, longest, found)
         center = found.center if fresh else state.followed_center
         fresh = fresh or ahead
+        retries = state.retries
+        if not state.ahead:
+            retries += 1
+        elif retries < RETRIES and mode.misses(part, fresh, X_WB):
+            anew = replanner.again(fresh[-1], X_WB, touched, found)
+            if anew:
+                fresh = anew
+                center = found.center
+                retries += 1
         return replace(
             state,
             segment=planned,
             ahead=fresh[1:],
             identifier=mode.identifier(part, planned),
-            center_identifier=mode.center_identifier(part, planned),
-            center=state.center.onward(),
+            center_identifier=self._center_identifier(fresh[0], center),
+            center=_onward(state),
             followed_center=center,
             joint_start=joint_progress(state),
-            retries=state.retries + (not state.ahead),
+            retries=retries,
             axle=AxleState(),
             binding=self._bound(fresh[0]),
             progress=0.0,
@@ -625,6 +655,13 @@ class Controller:
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def _onward(state: ControllerState) -> CenterState:
+    """Return what stays known of the CoM when a segment ends."""
+    if state.center_identifier is None:
+        return state.center
+    return state.center_identifier.onward(state.center)
 
 
 def _at_rest(measurement: Measurement, contacts: Sequence[Contact]) -> bool:

@@ -109,6 +109,10 @@ way of ten radii it is off by 0.3 radii, which the run-in takes.
 """
 CORRECTED = 0.02
 """Radii of the object: the lateral error that all of a turn's steering is used for."""
+MISSED = 0.1
+"""Radii of the object: the error that is left where a run-in begins, above which other
+turns are sought: it decays by no more than ten times on a run-in.
+"""
 LOOK_AHEAD = 0.35
 """Lengths of a pressed vehicle: its look-ahead, where the arm allows it. Longer ones
 correct less, shorter ones swing the contact more.

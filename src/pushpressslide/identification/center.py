@@ -14,6 +14,7 @@ line from p; along it, another c and another R turn the object alike.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -54,36 +55,12 @@ class CenterState(NamedTuple):
     time: float = 0.0  # [s] of its start
     force: Point = (0.0, 0.0)  # [N] summed over its ticks, in B
 
-    def onward(self) -> CenterState:
-        """Return what stays known when a segment ends."""
-        return CenterState(self.center, self.windows)
+    known: float = 0.0  # [1/rad^2] what windows of segments before weigh
+    before: Point = (0.0, 0.0)  # the centre at the end of the segment before
 
 
-class CenterIdentifier:
-    """Least squares about a prediction; its state goes in and out.
-
-    Besides the centre a factor on R is unknown, which a model has wrong.
-    """
-
-    def __init__(
-        self,
-        across: Point,
-        lever: float,
-        turning: Turning,
-        size: float,
-        pressed: float = 0.0,
-    ) -> None:
-        """Bind to a contact ``lever`` [m] from the believed CoM; ``across`` is the unit
-        vector in B across the line between them.
-
-        ``size`` [m] is the object's inner radius, ``pressed`` the share of the load that
-        the contact presses with.
-        """
-        self._lever = lever
-        self._turning = turning
-        self._size = size
-        self._pressed = pressed
-        self._grid = np.outer(np.linspace(-1.0, 1.0, 2 * GRID + 1), across)
+class CenterIdentifier(ABC):
+    """What identifies the CoM from windows; its state goes in and out."""
 
     def step(
         self,
@@ -109,9 +86,7 @@ class CenterIdentifier:
         size = math.hypot(fx, fy)
         power = 0.0
         if size > 0.0:
-            at = self._pressed
-            x = state.center[0] + at * (contact[0] - state.center[0])
-            y = state.center[1] + at * (contact[1] - state.center[1])
+            x, y = self._slider(state, contact)
             power = ((vx - w * y) * fx + (vy + w * x) * fy) / size
         slides = power > LEAST_SPEED
         fresh = state._replace(pose=X_WB, time=time, force=(0.0, 0.0), slides=slides)
@@ -120,11 +95,50 @@ class CenterIdentifier:
             return fresh
         seen = Window(contact, (fx / size, fy / size), (vx, vy, w))
         windows = (*state.windows[1 - WINDOWS :], seen)
-        return fresh._replace(windows=windows, center=self._fit(windows))
+        return fresh._replace(windows=windows, center=self._fit(state, windows))
 
-    def _fit(self, windows: Sequence[Window]) -> Point:
-        """Return p_BCom [m] that fits ``windows`` best: of a grid, of finer ones about
-        the best place of the one before.
+    @abstractmethod
+    def onward(self, state: CenterState) -> CenterState:
+        """Return what stays known when a segment ends."""
+
+    @abstractmethod
+    def _slider(self, state: CenterState, contact: Point) -> Point:
+        """Return the point in B [m] whose motion along the force says that the object
+        slides.
+        """
+
+    @abstractmethod
+    def _fit(self, state: CenterState, windows: Sequence[Window]) -> Point:
+        """Return p_BCom [m] that fits ``windows`` best."""
+
+
+class PushedCenter(CenterIdentifier):
+    """Of a pushed object: least squares about a prediction.
+
+    Besides the centre a factor on R is unknown, which a model has wrong.
+    """
+
+    def __init__(
+        self, across: Point, lever: float, turning: Turning, size: float
+    ) -> None:
+        """Bind to a contact ``lever`` [m] from the believed CoM; ``across`` is the unit
+        vector in B across the line between them, ``size`` [m] the object's inner radius.
+        """
+        self._lever = lever
+        self._turning = turning
+        self._size = size
+        self._grid = np.outer(np.linspace(-1.0, 1.0, 2 * GRID + 1), across)
+
+    def onward(self, state: CenterState) -> CenterState:
+        """Return what stays known when a segment ends."""
+        return CenterState(state.center, state.windows)
+
+    def _slider(self, state: CenterState, contact: Point) -> Point:
+        return state.center
+
+    def _fit(self, state: CenterState, windows: Sequence[Window]) -> Point:
+        """Return the best of a grid, of finer ones about the best place of the one
+        before.
         """
         best = np.zeros(2)
         most = BOUND * self._lever
@@ -147,9 +161,7 @@ class CenterIdentifier:
         cx, cy = (part[:, None] for part in places.T)
         rx = x - cx
         ry = y - cy
-        px = cx + self._pressed * rx
-        py = cy + self._pressed * ry
-        speed = (vx - w * py) * ex + (vy + w * px) * ey
+        speed = (vx - w * cy) * ex + (vy + w * cx) * ey
         moment = rx * ey - ry * ex
         angle = np.arctan2(moment, rx * ex + ry * ey)
         turned = self._turned(angle) * w / np.maximum(speed, LEAST_SPEED)

@@ -183,6 +183,12 @@ class Mode(ABC):
         """
         return self.replan(task, (segment,), X_WB, touched, math.inf, findings)
 
+    def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
+        """Whether ``segments``, led on from ``X_WB``, do not lead to the goal, so that
+        another attempt is better begun at once.
+        """
+        return False
+
     def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
         """Return what identifies the mode's virtual axle on the way; None where nothing
         is identified.
@@ -190,10 +196,10 @@ class Mode(ABC):
         return None
 
     def center_identifier(
-        self, task: Task, segment: Segment
+        self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier | None:
-        """Return what identifies the centre of mass on the way; None where it is of no
-        use.
+        """Return what identifies the centre of mass on the way, in a segment that was
+        planned with it at ``center`` [m] in B; None where it is of no use.
         """
         return None
 

@@ -24,7 +24,6 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
     OFF,
@@ -32,6 +31,7 @@ from pushpressslide.identification.online import (
     AxleIdentifier,
     Identified,
 )
+from pushpressslide.identification.pressed_center import PressedCenter
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
@@ -55,13 +55,15 @@ from pushpressslide.planning.pressed.manoeuvre import (
     pressed_manoeuvres,
 )
 from pushpressslide.planning.pressed.manoeuvre_choices import manoeuvre_choices
-from pushpressslide.planning.pressed.onward import pressed_at, turns_onward
+from pushpressslide.planning.pressed.onward import (
+    pressed_at,
+    run_in_missed,
+    turns_onward,
+)
 from pushpressslide.planning.pressed.placements import (
     PressPlacements,
     press_placements,
 )
-from pushpressslide.planning.pressed.turning import turning_of
-from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.planning.segments import ends_onward
 from pushpressslide.rom.drives import (
     ORIGIN,
@@ -182,23 +184,23 @@ class PressSlide(Mode):
         return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness, cop, off)
 
     def center_identifier(
-        self, task: Task, segment: Segment
-    ) -> CenterIdentifier | None:
-        """Return what identifies the CoM across the heading axis on the way.
+        self, task: Task, segment: Segment, center: Point = ORIGIN
+    ) -> PressedCenter | None:
+        """Return what identifies the CoM across the line to the contact on the way.
 
-        None for a turn on the spot, whose force says nothing of it, for a press at the
-        CoM, and where rho was told, which may be wrong by more than is allowed for.
+        None for a turn on the spot, for a press at the CoM, and where rho was told,
+        which may be wrong by more than is allowed for.
         """
+        drive = segment.drive
         (contact,) = segment.contacts
-        lever = math.hypot(*contact.point)
-        spins = isinstance(segment.drive, SpinDrive)
-        if spins or lever == 0.0 or task.scene.rho is not None:
+        if isinstance(drive, SpinDrive) or contact.point == ORIGIN:
             return None
-        turning = turning_of(press_of(task.scene, contact))
-        across = (-contact.point[1] / lever, contact.point[0] / lever)
-        size = task.object.shape.inner_radius
-        share = contact.load / (contact.load + task.scene.weight_on)
-        return CenterIdentifier(across, lever, turning, size, share)
+        if task.scene.rho is not None:
+            return None
+        assert isinstance(drive, SteeredDrive)
+        return PressedCenter(
+            drive.X_BV, drive.effective_wheelbase, contact.point, center
+        )
 
     def again(
         self,
@@ -233,10 +235,7 @@ class PressSlide(Mode):
             choice = driven_again(here, self.name, contact, drive)
             if choice.feasible:
                 return choice.segments
-        for manoeuvre in pressed_manoeuvres(here, X_WB, [contact]):
-            if manoeuvre.swing < MAX_RETRY_YAW:
-                return manoeuvre.choice(here, self.name).segments
-        return ()
+        return self._manoeuvre(here, here.goal, measured)
 
     def onward(
         self, task: Task, segments: Sequence[Segment], measured: Measured
@@ -258,6 +257,25 @@ class PressSlide(Mode):
             turns = turns_onward(task, segments, measured.X_WB, contact)
             return turns if turns[0].path.length <= measured.longest else ()
         return super().onward(task, segments, measured)
+
+    def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
+        """Whether the turns of a manoeuvre end too far from its run-in."""
+        if not isinstance(segments[-1].drive, TurnDrive):
+            return False
+        radius = task.object.radius
+        return run_in_missed(segments, X_WB, radius) > margins.MISSED * radius
+
+    def _manoeuvre(
+        self, task: Task, goal: Pose2, measured: Measured
+    ) -> tuple[Segment, ...]:
+        """Return the quickest manoeuvre to ``goal`` (X_WG) that the arm may take with
+        the contact it has; none where there is none.
+        """
+        there = replace(task, goal=goal)
+        for manoeuvre in pressed_manoeuvres(there, measured.X_WB, measured.contacts):
+            if manoeuvre.swing < MAX_RETRY_YAW:
+                return manoeuvre.choice(there, self.name).segments
+        return ()
 
     def _spun(
         self, task: Task, segments: Sequence[Segment], measured: Measured

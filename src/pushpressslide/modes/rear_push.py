@@ -17,7 +17,7 @@ from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, turned_left
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
-from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.center import PushedCenter
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.turning import Turning
@@ -126,7 +126,9 @@ class RearPush(Mode):
         law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
         return RearPushTracker(law, car, drive.X_BV, drive.max_friction)
 
-    def center_identifier(self, task: Task, segment: Segment) -> CenterIdentifier:
+    def center_identifier(
+        self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
+    ) -> PushedCenter:
         """Return what identifies the CoM across the heading axis on the way: along it,
         it changes the effective wheelbase alone.
         """
@@ -135,7 +137,7 @@ class RearPush(Mode):
         turning = Turning((0.0,), (drive.rho * drive.rho,))
         across = turned_left(drive.car.axis)
         size = task.object.shape.inner_radius
-        return CenterIdentifier(across, drive.car.lever, turning, size)
+        return PushedCenter(across, drive.car.lever, turning, size)
 
     def allocator(
         self,

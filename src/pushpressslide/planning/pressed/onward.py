@@ -93,6 +93,19 @@ def turns_onward(
     return tuple(out)
 
 
+def run_in_missed(segments: Sequence[Segment], X_WB: Pose2, radius: float) -> float:
+    """Return how far [m] the turns of a manoeuvre from ``X_WB`` on end from where its
+    run-in begins; an error of one radian counts for ``radius`` [m].
+    """
+    *turns, run_in = segments
+    end = X_WB
+    if turns:
+        end = turns[-1].path.end.compose(turns[-1].X_BV.inverse())
+    begin = run_in.path.pose(0.0).compose(run_in.X_BV.inverse())
+    yaw = math.remainder(begin.yaw - end.yaw, math.tau)
+    return math.hypot(math.dist(end.position, begin.position), radius * yaw)
+
+
 @dataclass(frozen=True, slots=True)
 class _Course:
     """Arcs from ``start`` on, of lengths to choose, the first of them steered besides;

@@ -161,15 +161,6 @@ def _slides(presses: Sequence[Press], resolution: int) -> _Slides:
     return _Slides(motion, shares, rooms)
 
 
-def slides(presses: Sequence[Press], resolution: int) -> tuple[Array, Array]:
-    """Return the angles [rad] (COUNT,) of forces from the heading axis, and how they
-    move the centres of pressure of m presses: (3, m, COUNT), along the axis, to its
-    left, and w; NaN where the object tips.
-    """
-    angles = np.arange(COUNT, dtype=np.float64) * STEP
-    return angles, _slides(presses, resolution).motion
-
-
 def _firm(motion: Array, levers: Array) -> NDArray[np.bool_]:
     """Return where the contact's motion turns with the force, from each angle to the
     next; ``levers`` (m, 1) [m].

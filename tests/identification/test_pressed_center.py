@@ -1,0 +1,104 @@
+"""What is identified of the centre of mass of a pressed object, against motions of a
+unicycle whose heading leads from the true centre to the contact.
+"""
+
+import math
+import random
+
+import pytest
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.twist_path import moved
+from pushpressslide.identification.center import CenterState
+from pushpressslide.identification.pressed_center import PressedCenter
+
+DT = 0.004
+SPEED = 0.04  # [m/s] of the virtual axle
+CONTACT = (0.05, 0.0)
+WHEELBASE = 0.06  # [m]
+AXLE = -0.05  # [m] of the virtual axle ahead of the CoM
+NOISE = 2e-4  # [m] and, over the lever, [rad] of a pose
+
+
+def driven(
+    identifier, center, curvatures, state=None, axle=AXLE, backward=False, noise=0.0
+):
+    """Return the state after arcs of a second each, of ``curvatures`` [1/m], with the
+    centre of mass at ``center`` [m] across the line to the contact.
+    """
+    rng = random.Random(1)
+    heading = math.atan2(-center, CONTACT[0])
+    speed = -SPEED if backward else SPEED
+    x = axle * math.cos(heading)
+    y = center + axle * math.sin(heading)
+    state = state or CenterState()
+    pose = Pose2(0.3, 0.1, 0.4)
+    for i in range(int(len(curvatures) / DT)):
+        w = speed * curvatures[int(i * DT)]
+        vx = speed * math.cos(heading) + w * y
+        vy = speed * math.sin(heading) - w * x
+        pose = moved(pose, (vx, vy, w), DT)
+        seen = Pose2(
+            pose.x + rng.gauss(0.0, noise),
+            pose.y + rng.gauss(0.0, noise),
+            pose.yaw + rng.gauss(0.0, noise / CONTACT[0]),
+        )
+        force = (3.0, 0.0)
+        if backward:
+            force = (-3.0, 0.0)
+        state = identifier.step(state, (i + 1) * DT, seen, force, CONTACT)
+    return state
+
+
+def planned(center=0.0, backward=False):
+    """Return what identifies it in a segment planned with ``center`` [m]."""
+    yaw = math.atan2(-center, CONTACT[0])
+    axle = (AXLE * math.cos(yaw), center + AXLE * math.sin(yaw))
+    turn = math.pi if backward else 0.0
+    return PressedCenter(Pose2(*axle, yaw + turn), WHEELBASE, CONTACT, (0.0, center))
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("across", [-0.01, 0.0, 0.006])
+@pytest.mark.parametrize("believed", [0.0, 0.004])
+def test_a_straight_way_gives_the_centre_whatever_it_is_planned_with(
+    across, believed, backward
+):
+    identifier = planned(believed, backward)
+    got = driven(identifier, across, [0.0] * 3, backward=backward).center
+    assert got[0] == 0.0
+    assert got[1] == pytest.approx(across, abs=0.0008)
+
+
+def test_the_noise_of_poses_leaves_it_within_two_millimetres():
+    got = driven(planned(), 0.008, [0.0] * 4, noise=NOISE).center
+    assert got[1] == pytest.approx(0.008, abs=0.002)
+
+
+def test_turns_to_both_sides_tell_the_axle_from_the_heading():
+    curvatures = [8.0, 0.0, -8.0, 0.0, 8.0]
+    got = driven(planned(), 0.006, curvatures, axle=AXLE + 0.01).center
+    assert got[1] == pytest.approx(0.006, abs=0.001)
+
+
+def test_a_turn_alone_with_the_axle_elsewhere_moves_the_centre_less_than_a_straight_way():
+    got = driven(planned(), 0.0, [10.0] * 3, axle=AXLE + 0.01).center
+    # taken for the heading's, the axle's error would be 10 mm x 10 / m
+    assert abs(got[1]) < 0.5 * 0.01 * 10.0 * CONTACT[0]
+
+
+def test_what_was_seen_is_kept_from_one_segment_to_the_next():
+    identifier = planned()
+    state = identifier.onward(driven(identifier, 0.008, [0.0] * 3))
+    assert state.known > 100.0
+    again = driven(planned(state.center[1]), 0.008, [10.0], state)
+    assert again.center[1] == pytest.approx(0.008, abs=0.001)
+
+
+def test_an_object_at_rest_says_nothing():
+    identifier = planned()
+    state = CenterState()
+    for i in range(300):
+        state = identifier.step(state, i * DT, Pose2(), (1.0, 0.5), CONTACT)
+    assert state.center == (0.0, 0.0)
+    assert state.windows == ()
