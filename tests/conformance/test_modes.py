@@ -308,6 +308,15 @@ def test_what_the_allocator_gives_plus_its_residual_is_what_was_asked_and_inside
                     assert press_margin(force, normal, friction) >= -1e-9
 
 
+def on_main_twist(segment: Segment, progress: float) -> bool:
+    """Whether a path is at its longest twist, and not on a lead-in or lead-out."""
+    path = segment.path
+    if not isinstance(path, TwistPath):
+        return True
+    longest, _ = max(path.pieces, key=lambda piece: piece[1])
+    return path.rate(progress) == longest
+
+
 @every_mode
 def test_on_the_path_the_forces_slide_the_object_on_the_exact_surface_as_the_tracker_says(
     mode: Mode,
@@ -317,6 +326,7 @@ def test_on_the_path_the_forces_slide_the_object_on_the_exact_surface_as_the_tra
     """
     rng = random.Random(8)
     angles = []
+    main = []
     for _, made in planned(mode, 12):
         for _ in range(4):
             guidance, segment = guided_on_path(mode, made, rng)
@@ -326,9 +336,12 @@ def test_on_the_path_the_forces_slide_the_object_on_the_exact_surface_as_the_tra
             level, twist, length = exact_motion(made, segment, allocation.forces)
             assert level == pytest.approx(1.0, abs=0.04)
             angles.append(angle_between(twist, guidance.twist, length))
-    angles.sort()
-    assert angles[-1] < 12.0
-    assert angles[int(0.95 * len(angles))] < 4.0
+            if on_main_twist(segment, guidance.progress):
+                main.append(angles[-1])
+    main.sort()
+    assert max(angles) < 12.0
+    assert len(main) > 0.5 * len(angles)
+    assert main[int(0.95 * len(main))] < 4.0
 
 
 @every_mode

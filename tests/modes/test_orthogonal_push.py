@@ -120,10 +120,10 @@ def test_what_is_refused_no_placement_on_those_faces_can_give() -> None:
 
 
 def test_a_goal_beside_the_cone_takes_several_twists() -> None:
-    """0.3 m ahead and 0.2 m to the left, of which the two faces push away."""
+    """0.3 m ahead and 0.15 m to the left, of which the two faces push away."""
     paths = [
         c.segments[0].path
-        for c in on_rear_and_left(MODE.choices(to(0.3, 0.2, 0.0)))
+        for c in on_rear_and_left(MODE.choices(to(0.3, 0.15, 0.0)))
         if c.segments
     ]
     assert paths

@@ -143,13 +143,13 @@ def test_on_a_turn_on_the_spot_errors_are_those_along_the_axes_of_the_vehicle(
 ) -> None:
     path = TwistPath.between((Pose2(), Pose2(0.0, 0.0, yaw)), 0.15)
     at = path.pose(0.04).compose(Pose2(0.002, -0.003, 0.0))
-    guidance = HolonomicTracker(Pose2(), SURFACE).step(path, at, 0.04, 0.05, 1.0)
+    guidance = HolonomicTracker(Pose2(), SURFACE, DECAY).step(path, at, 0.04, 0.05, 1.0)
     assert guidance.error == pytest.approx((-0.002, 0.003, 0.0), abs=1e-9)
 
 
 @pytest.mark.parametrize("s", [0.05, 0.2, 0.4])
 def test_the_steering_is_the_angle_of_the_force_in_the_vehicle(s: float) -> None:
     at = PATH.pose(s).compose(Pose2(0.001, -0.004, 0.02)).compose(X_BV.inverse())
-    guidance = HolonomicTracker(X_BV, SURFACE).step(PATH, at, s, 0.05, 1.0)
+    guidance = HolonomicTracker(X_BV, SURFACE, DECAY).step(PATH, at, s, 0.05, 1.0)
     fx, fy = X_BV.unrotate(guidance.wrench[:2])
     assert guidance.steering == pytest.approx(math.atan2(fy, fx))

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from pushpressslide.control.timeline import Timeline
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
     ControlLog,
@@ -295,6 +296,8 @@ def findings(state: ControllerState) -> Findings:
         (contact,) = state.binding.segment.contacts
         lever = math.dist(contact.point, center)
         aside = math.dist(center, state.followed_center) / lever
+        if aside <= margins.ARM.off_heading:  # the plan is not contradicted
+            center = state.followed_center
     return Findings(axle, rho, center, aside)
 
 
