@@ -40,6 +40,7 @@ from pushpressslide.control.state import (
     joint_reference,
     pressed,
     ramp_time,
+    remade,
     seen,
     smooth,
 )
@@ -604,15 +605,20 @@ class Controller:
                 fresh = anew
                 center = found.center
                 retries += 1
+        joint_start = joint_progress(state)
+        if remade(state, planned):
+            # the joints go on along what was planned of the whole leg
+            joint_start = state.joint_start
+            planned = state.segment
         return replace(
             state,
             segment=planned,
             ahead=fresh[1:],
-            identifier=mode.identifier(part, planned),
+            identifier=mode.identifier(part, ahead[0]),
             center_identifier=self._center_identifier(fresh[0], center),
             center=_onward(state),
             followed_center=center,
-            joint_start=joint_progress(state),
+            joint_start=joint_start,
             retries=retries,
             axle=AxleState(),
             binding=self._bound(fresh[0]),

@@ -17,10 +17,12 @@ from pushpressslide.core.control import (
     Vector3,
 )
 from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Task
+from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.execution.normal_force import NormalForceState
 from pushpressslide.identification.center import CenterIdentifier, CenterState
@@ -239,10 +241,24 @@ def begin(
 
 def joint_progress(state: ControllerState) -> float:
     """Return where on the PLANNED path the joint reference is taken: as far from the
-    end as the object is on its own path.
+    end as the object is on its own path; where a turn on the spot goes on as arcs, whose
+    lengths are another point's, where the object is nearest to it.
     """
+    planned = state.segment
+    if remade(state, state.binding.segment):
+        assert isinstance(planned.path, TwistPath)
+        assert state.X_WB is not None
+        here = planned.path.nearest(state.X_WB.compose(planned.X_BV), 0.0)
+        return state.joint_start + min(here, planned.path.length)
     left = state.binding.segment.path.length - state.progress
     return state.joint_start + max(0.0, state.segment.path.length - left)
+
+
+def remade(state: ControllerState, segment: Segment) -> bool:
+    """Whether ``segment`` drives along arcs where its leg was planned along twists."""
+    planned = state.segment
+    twists = isinstance(planned.path, TwistPath)
+    return twists and isinstance(segment.path, ArcPath) and segment.leg == planned.leg
 
 
 def joint_reference(state: ControllerState, time: float, tracking: bool) -> float:
