@@ -1,84 +1,103 @@
-"""What is identified of the centre of mass on the way, against motions made of the
-ellipsoid.
+"""What is identified of the centre of mass of an object, against motions of a
+unicycle whose heading leads from the true centre to the contact.
 """
 
 import math
 import random
 
-import numpy as np
 import pytest
 
-from pushpressslide.core.pose import Pose2, cross
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import moved
-from pushpressslide.identification.center import (
-    CenterState,
-    PushedCenter,
-)
-from pushpressslide.mechanics.turning import Turning
+from pushpressslide.identification.center import CenterIdentifier, CenterState
 
 DT = 0.004
-SPEED = 0.04  # [m/s] of the centre of pressure
-RHO = 0.06  # [m]
-CONTACT = (-0.075, 0.0)
-SIZE = 0.075  # [m]
-LEVER = 0.075  # [m]
-ACROSS = (0.0, 1.0)
+SPEED = 0.04  # [m/s] of the virtual axle
+CONTACT = (0.05, 0.0)
+WHEELBASE = 0.06  # [m]
+AXLE = -0.05  # [m] of the virtual axle ahead of the CoM
+NOISE = 2e-4  # [m] and, over the lever, [rad] of a pose
 
 
-def found(center, angles, believed=RHO, noise=0.0):
-    """Return the centre that is identified from forces that turn through ``angles``
-    [rad] in B, a second from one to the next; the object turns by an ellipsoid of RHO
-    about the centre of pressure.
-    """
-    rng = random.Random(0)
-    turning = Turning((0.0,), (believed * believed,))
-    identifier = PushedCenter(ACROSS, LEVER, turning, SIZE)
-    state = CenterState()
-    pose = Pose2(0.1, 0.2, 0.5)
-    x, y = center
-    for i in range(int((len(angles) - 1) / DT)):
-        angle = float(np.interp(i * DT, range(len(angles)), angles))
-        e = (math.cos(angle), math.sin(angle))
-        w = SPEED * cross((CONTACT[0] - x, CONTACT[1] - y), e) / RHO**2
-        pose = moved(pose, (SPEED * e[0] + w * y, SPEED * e[1] - w * x, w), DT)
-        force = (3.0 * e[0] + rng.gauss(0, noise), 3.0 * e[1] + rng.gauss(0, noise))
-        state = identifier.step(state, (i + 1) * DT, pose, force, CONTACT)
-    return state.center
-
-
-TURNS = [0.2, -0.2, 0.3, -0.1, 0.0, 0.1]
-
-
-@pytest.mark.parametrize("across", [-0.01, 0.0, 0.006])
-@pytest.mark.parametrize("believed", [0.9 * RHO, RHO, 1.1 * RHO])
-def test_curves_to_both_sides_give_the_centre_whatever_rho_is_believed(
-    across, believed
+def driven(
+    identifier, center, curvatures, state=None, axle=AXLE, backward=False, noise=0.0
 ):
-    got = found((0.0, across), TURNS, believed=believed)
+    """Return the state after arcs of a second each, of ``curvatures`` [1/m], with the
+    centre of mass at ``center`` [m] across the line to the contact.
+    """
+    rng = random.Random(1)
+    heading = math.atan2(-center, CONTACT[0])
+    speed = -SPEED if backward else SPEED
+    x = axle * math.cos(heading)
+    y = center + axle * math.sin(heading)
+    state = state or CenterState()
+    pose = Pose2(0.3, 0.1, 0.4)
+    for i in range(int(len(curvatures) / DT)):
+        w = speed * curvatures[int(i * DT)]
+        vx = speed * math.cos(heading) + w * y
+        vy = speed * math.sin(heading) - w * x
+        pose = moved(pose, (vx, vy, w), DT)
+        seen = Pose2(
+            pose.x + rng.gauss(0.0, noise),
+            pose.y + rng.gauss(0.0, noise),
+            pose.yaw + rng.gauss(0.0, noise / CONTACT[0]),
+        )
+        force = (3.0, 0.0)
+        if backward:
+            force = (-3.0, 0.0)
+        state = identifier.step(state, (i + 1) * DT, seen, force, CONTACT)
+    return state
+
+
+def planned(center=0.0, backward=False):
+    """Return what identifies it in a segment planned with ``center`` [m]."""
+    yaw = math.atan2(-center, CONTACT[0])
+    axle = (AXLE * math.cos(yaw), center + AXLE * math.sin(yaw))
+    turn = math.pi if backward else 0.0
+    return CenterIdentifier(Pose2(*axle, yaw + turn), WHEELBASE, CONTACT, (0.0, center))
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("across", [-0.01, 0.0, 0.006])
+@pytest.mark.parametrize("believed", [0.0, 0.004])
+def test_a_straight_way_gives_the_centre_whatever_it_is_planned_with(
+    across, believed, backward
+):
+    identifier = planned(believed, backward)
+    got = driven(identifier, across, [0.0] * 3, backward=backward).center
     assert got[0] == 0.0
-    assert got[1] == pytest.approx(across, abs=0.001)
+    assert got[1] == pytest.approx(across, abs=0.0008)
 
 
-def test_a_straight_push_with_noise_gives_the_line_through_the_centre():
-    angle = math.atan2(0.008 - CONTACT[1], 0.075)
-    got = found((0.0, 0.008), [angle] * 4, noise=0.2)
-    assert got[1] == pytest.approx(0.008, abs=0.001)
+def test_the_noise_of_poses_leaves_it_within_two_millimetres():
+    got = driven(planned(), 0.008, [0.0] * 4, noise=NOISE).center
+    assert got[1] == pytest.approx(0.008, abs=0.002)
 
 
-def test_a_centre_where_it_is_believed_stays_there():
-    assert found((0.0, 0.0), TURNS) == pytest.approx((0.0, 0.0), abs=2e-4)
+def test_turns_to_both_sides_tell_the_axle_from_the_heading():
+    curvatures = [8.0, 0.0, -8.0, 0.0, 8.0]
+    got = driven(planned(), 0.006, curvatures, axle=AXLE + 0.01).center
+    assert got[1] == pytest.approx(0.006, abs=0.001)
+
+
+def test_a_turn_alone_with_the_axle_elsewhere_moves_the_centre_less_than_a_straight_way():
+    got = driven(planned(), 0.0, [10.0] * 3, axle=AXLE + 0.01).center
+    # taken for the heading's, the axle's error would be 10 mm x 10 / m
+    assert abs(got[1]) < 0.5 * 0.01 * 10.0 * CONTACT[0]
+
+
+def test_what_was_seen_is_kept_from_one_segment_to_the_next():
+    identifier = planned()
+    state = identifier.onward(driven(identifier, 0.008, [0.0] * 3))
+    assert state.known > 100.0
+    again = driven(planned(state.center[1]), 0.008, [10.0], state)
+    assert again.center[1] == pytest.approx(0.008, abs=0.001)
 
 
 def test_an_object_at_rest_says_nothing():
-    identifier = PushedCenter(ACROSS, LEVER, Turning((0.0,), (RHO**2,)), SIZE)
+    identifier = planned()
     state = CenterState()
     for i in range(300):
         state = identifier.step(state, i * DT, Pose2(), (1.0, 0.5), CONTACT)
     assert state.center == (0.0, 0.0)
     assert state.windows == ()
-
-
-def test_what_was_seen_is_kept_from_one_segment_to_the_next():
-    identifier = PushedCenter(ACROSS, LEVER, Turning((0.0,), (RHO**2,)), SIZE)
-    state = CenterState((0.001, 0.002), pose=Pose2(), slides=True)
-    assert identifier.onward(state) == CenterState((0.001, 0.002))

@@ -1,47 +1,46 @@
 """Identification on the way: where the centre of mass of an object is that one contact
-moves, across the line to the contact.
+moves, across the line to the contact, from measured poses alone (docs/mechanics.md,
+sections 2 to 4).
 
-From measured poses and the measured contact force alone (docs/mechanics.md, section 2).
-A force turns the object by its moment about the centre of pressure. With the unit force
-e at p, the turn rate w and the velocity v of the centre of pressure,
+Whatever turns the object, its virtual axle does not move across its heading. A centre of
+mass elsewhere turns the whole pattern of motions with the line from it to the contact,
+and with it the heading. With the velocity of B's origin along and across the heading
+that is planned, the turn rate w, the axle's place a on the heading and the angle u by
+which the line is turned,
 
-    cross(p - c, e) = R w / (v . e),
+    across = tan(u) along - a w.
 
-c the CoM and R = rho^2 N / N_o, which the plan knows. That says where c is across the
-line from p; along it, another c and another R turn the object alike.
+Straight motion says what u is, with no force and no model of the friction; a turn says
+what a is, or u as far as a is known.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.twist_path import screw
 from pushpressslide.identification.online import LEAST_SPEED, WINDOW
-from pushpressslide.mechanics.turning import Turning
 
 WINDOWS = 40  # that are remembered
-GRID = 4  # places to either side that are tried
-FINER = 0.3  # reach of a grid over that of the one before
-PASSES = 5
-# What the prediction weighs, in windows that were seen: a window is right to some 0.03
-# of the lever, R to 0.2, the believed centre to 0.1 of the object's inner radius
-PRIOR = 0.1
-PRIOR_R = 0.02
+HEADING = 0.15  # [rad] that the line to the contact may be turned by, before it is seen
+# effective wheelbases, that the axle is elsewhere than planned: a centre of mass off
+# along the line changes the lever, a friction the drag's moment
+AXLE = 0.5
+# [rad] that the heading of a window is off: the noise of poses, and the axle's own slip
+WINDOW_HEADING = 0.05
+KEPT = 0.5  # of what the windows weigh, from one segment to the next
 BOUND = 0.5  # of the lever, that the centre is at most found to be off
+
+Row = tuple[float, float, float]  # of u, of a, and what they add up to
 
 
 class Window(NamedTuple):
     """What was seen in a window, in B."""
 
     contact: Point  # [m]
-    force: Point  # unit vector
     twist: tuple[float, float, float]  # [m/s], [rad/s] about the origin
 
 
@@ -54,13 +53,26 @@ class CenterState(NamedTuple):
     pose: Pose2 | None = None  # X_WB at the window's start
     time: float = 0.0  # [s] of its start
     force: Point = (0.0, 0.0)  # [N] summed over its ticks, in B
-
     known: float = 0.0  # [1/rad^2] what windows of segments before weigh
     before: Point = (0.0, 0.0)  # the centre at the end of the segment before
 
 
-class CenterIdentifier(ABC):
-    """What identifies the CoM from windows; its state goes in and out."""
+class CenterIdentifier:
+    """Least squares for heading and axle about a prediction, for one segment."""
+
+    def __init__(
+        self, X_BV: Pose2, effective_wheelbase: float, contact: Point, center: Point
+    ) -> None:
+        """Bind to a segment that is planned with the axle at ``X_BV`` for a ``contact``
+        and a ``center`` of mass [m] in B, with an ``effective_wheelbase`` [m].
+        """
+        lever = math.hypot(*contact)
+        self._lever = lever
+        self._across = (-contact[1] / lever, contact[0] / lever)
+        self._planned = self._ahead(center)
+        self._heading = (math.cos(X_BV.yaw), math.sin(X_BV.yaw))
+        self._axle = X_BV.x * self._heading[0] + X_BV.y * self._heading[1]
+        self._spread = AXLE * abs(effective_wheelbase)
 
     def step(
         self,
@@ -86,95 +98,65 @@ class CenterIdentifier(ABC):
         size = math.hypot(fx, fy)
         power = 0.0
         if size > 0.0:
-            x, y = self._slider(state, contact)
+            x, y = contact
             power = ((vx - w * y) * fx + (vy + w * x) * fy) / size
         slides = power > LEAST_SPEED
         fresh = state._replace(pose=X_WB, time=time, force=(0.0, 0.0), slides=slides)
         # in the first one the force has yet to turn to where it drives
         if not (slides and state.slides):
             return fresh
-        seen = Window(contact, (fx / size, fy / size), (vx, vy, w))
+        seen = Window(contact, (vx, vy, w))
         windows = (*state.windows[1 - WINDOWS :], seen)
         return fresh._replace(windows=windows, center=self._fit(state, windows))
 
-    @abstractmethod
     def onward(self, state: CenterState) -> CenterState:
         """Return what stays known when a segment ends."""
+        weight = state.known
+        if state.windows:
+            straight, mixed, turned, _, _ = self._sums(state.windows, state)
+            weight = straight - mixed * mixed / turned - 1.0 / HEADING**2
+        return CenterState(state.center, known=KEPT * weight, before=state.center)
 
-    @abstractmethod
-    def _slider(self, state: CenterState, contact: Point) -> Point:
-        """Return the point in B [m] whose motion along the force says that the object
-        slides.
-        """
-
-    @abstractmethod
-    def _fit(self, state: CenterState, windows: Sequence[Window]) -> Point:
-        """Return p_BCom [m] that fits ``windows`` best."""
-
-
-class PushedCenter(CenterIdentifier):
-    """Of a pushed object: least squares about a prediction.
-
-    Besides the centre a factor on R is unknown, which a model has wrong.
-    """
-
-    def __init__(
-        self, across: Point, lever: float, turning: Turning, size: float
-    ) -> None:
-        """Bind to a contact ``lever`` [m] from the believed CoM; ``across`` is the unit
-        vector in B across the line between them, ``size`` [m] the object's inner radius.
-        """
-        self._lever = lever
-        self._turning = turning
-        self._size = size
-        self._grid = np.outer(np.linspace(-1.0, 1.0, 2 * GRID + 1), across)
-
-    def onward(self, state: CenterState) -> CenterState:
-        """Return what stays known when a segment ends."""
-        return CenterState(state.center, state.windows)
-
-    def _slider(self, state: CenterState, contact: Point) -> Point:
-        return state.center
+    def _ahead(self, point: Point) -> float:
+        """Return how far ``point`` is across the line to the contact [m]."""
+        return point[0] * self._across[0] + point[1] * self._across[1]
 
     def _fit(self, state: CenterState, windows: Sequence[Window]) -> Point:
-        """Return the best of a grid, of finer ones about the best place of the one
-        before.
-        """
-        best = np.zeros(2)
-        most = BOUND * self._lever
-        reach = most
-        for _ in range(PASSES):
-            places = best + reach * self._grid
-            places = places[np.hypot(places[:, 0], places[:, 1]) <= most + 1e-12]
-            best = places[np.argmin(self._misfit(windows, places))]
-            reach = FINER * reach
-        return (float(best[0]), float(best[1]))
+        """Return p_BCom [m], on the line through B across the one to the contact."""
+        straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
+        u = (turned * seen - mixed * seen_turned) / (straight * turned - mixed * mixed)
+        across = self._lever * min(max(u, -BOUND), BOUND)
+        return (across * self._across[0], across * self._across[1])
 
-    def _misfit(self, windows: Sequence[Window], places: Array) -> Array:
-        """Return how badly a centre at each of ``places`` (m, 2) [m] fits, with the
-        factor on R that fits it best.
+    def _sums(
+        self, windows: Sequence[Window], state: CenterState
+    ) -> tuple[float, float, float, float, float]:
+        """Return the normal equations of the centre's place across, over the lever, and
+        of the axle's place, over the spread of what is believed of it.
         """
-        contacts, forces, twists = zip(*windows, strict=True)
-        ex, ey = np.array(forces).T
-        vx, vy, w = np.array(twists).T
-        x, y = np.array(contacts).T
-        cx, cy = (part[:, None] for part in places.T)
-        rx = x - cx
-        ry = y - cy
-        speed = (vx - w * cy) * ex + (vy + w * cx) * ey
-        moment = rx * ey - ry * ex
-        angle = np.arctan2(moment, rx * ex + ry * ey)
-        turned = self._turned(angle) * w / np.maximum(speed, LEAST_SPEED)
-        off = moment / self._lever - turned
-        share = (off * turned).sum(1) / ((turned * turned).sum(1) + PRIOR_R)
-        rest = off - share[:, None] * turned
-        far = np.hypot(cx, cy)[:, 0] / self._size
-        misfit = (rest * rest).sum(1) + PRIOR_R * share**2 + PRIOR * far**2
-        return np.asarray(misfit)
+        before = self._ahead(state.before) / self._lever
+        straight = 1.0 / HEADING**2 + state.known
+        seen = state.known * before
+        mixed = 0.0
+        turned = 1.0
+        seen_turned = 0.0
+        for window in windows:
+            u, a, off = self._row(window)
+            straight += u * u
+            mixed += u * a
+            turned += a * a
+            seen += u * off
+            seen_turned += a * off
+        return straight, mixed, turned, seen, seen_turned
 
-    def _turned(self, angle: Array) -> Array:
-        """Return R over the lever at force angles [rad]."""
-        found = np.interp(
-            angle, self._turning.angles, self._turning.values, period=2.0 * math.pi
-        )
-        return np.asarray(found / self._lever)
+    def _row(self, window: Window) -> Row:
+        """Return the equation of a window, in units of its noise."""
+        vx, vy, w = window.twist
+        ex, ey = self._heading
+        along = vx * ex + vy * ey
+        across = vy * ex - vx * ey
+        size = max(math.hypot(along, across), abs(w) * self._lever)
+        noise = WINDOW_HEADING * size
+        turned = (self._ahead(window.contact) + self._planned) / self._lever
+        off = across + self._axle * w - along * turned
+        return -along / noise, -self._spread * w / noise, off / noise

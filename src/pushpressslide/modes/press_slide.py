@@ -24,6 +24,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
+from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
     OFF,
@@ -31,7 +32,6 @@ from pushpressslide.identification.online import (
     AxleIdentifier,
     Identified,
 )
-from pushpressslide.identification.pressed_center import PressedCenter
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
@@ -185,7 +185,7 @@ class PressSlide(Mode):
 
     def center_identifier(
         self, task: Task, segment: Segment, center: Point = ORIGIN
-    ) -> PressedCenter | None:
+    ) -> CenterIdentifier | None:
         """Return what identifies the CoM across the line to the contact on the way.
 
         None for a turn on the spot, for a press at the CoM, and where rho was told,
@@ -198,7 +198,7 @@ class PressSlide(Mode):
         if task.scene.rho is not None:
             return None
         assert isinstance(drive, SteeredDrive)
-        return PressedCenter(
+        return CenterIdentifier(
             drive.X_BV, drive.effective_wheelbase, contact.point, center
         )
 

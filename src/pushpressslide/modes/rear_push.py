@@ -14,13 +14,12 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
-from pushpressslide.core.pose import Point, Pose2, turned_left
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
-from pushpressslide.identification.center import PushedCenter
+from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.mechanics.faces import Face
-from pushpressslide.mechanics.turning import Turning
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.rear_car import (
     cone_margin,
@@ -128,16 +127,16 @@ class RearPush(Mode):
 
     def center_identifier(
         self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
-    ) -> PushedCenter:
+    ) -> CenterIdentifier:
         """Return what identifies the CoM across the heading axis on the way: along it,
         it changes the effective wheelbase alone.
         """
         drive = segment.drive
         assert isinstance(drive, RearSteerDrive)
-        turning = Turning((0.0,), (drive.rho * drive.rho,))
-        across = turned_left(drive.car.axis)
-        size = task.object.shape.inner_radius
-        return PushedCenter(across, drive.car.lever, turning, size)
+        (contact,) = segment.contacts
+        return CenterIdentifier(
+            drive.X_BV, drive.car.effective_wheelbase, contact.point, center
+        )
 
     def allocator(
         self,
