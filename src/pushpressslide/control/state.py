@@ -312,7 +312,7 @@ def findings(state: ControllerState) -> Findings:
         (contact,) = state.binding.segment.contacts
         lever = math.dist(contact.point, center)
         aside = math.dist(center, state.followed_center) / lever
-        if aside <= margins.ARM.off_heading:  # the plan is not contradicted
+        if aside <= margins.ARM.off_line:  # the plan is not contradicted
             center = state.followed_center
     return Findings(axle, rho, center, aside)
 

@@ -251,6 +251,10 @@ class ArmMargins:
     """The same of the object from its path."""
     off_heading: float = field(default=math.radians(1.0), metadata={"unit": "1"})
     """The same of its heading [rad]."""
+    off_line: float = field(default=math.radians(2.0), metadata={"unit": "1"})
+    """Of the line from the centre of mass to a contact [rad], before the centre counts
+    as elsewhere: the virtual axle's own change with the force looks like a degree.
+    """
     stop: float = field(default=2e-4, metadata={"unit": "m"})
     """Of path left, at which the motion ends."""
     astray: float = field(default=0.1, metadata={"unit": "m"})
