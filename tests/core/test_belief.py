@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -40,6 +41,17 @@ def test_what_is_believed_is_told_in_place_of_the_truth() -> None:
     assert told.scene.rho == 0.11
     assert told.start_error == Pose2()
     assert told.told == told
+
+
+def test_how_sure_a_belief_is_is_told_along_with_it() -> None:
+    unsure = replace(WRONG, friction_error=0.2, center_error=0.01)
+    scene = replace(TASK, belief=unsure).scene
+    assert scene.center_error == 0.01
+    assert scene.least_contact_friction == pytest.approx(0.8 * 0.7)
+    # a use as believed, times what it is at worst, is within what is allowed
+    for use, allowed in zip(scene.friction_uses, margins.FRICTION_USES, strict=True):
+        assert use * (1.2 / 0.8) == pytest.approx(allowed)
+    assert replace(TASK, belief=WRONG).scene.friction_uses == margins.FRICTION_USES
 
 
 def test_a_changed_truth_is_believed_unless_a_belief_was_given() -> None:

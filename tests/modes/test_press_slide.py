@@ -71,3 +71,25 @@ def test_a_top_too_small_for_a_tip_is_refused_by_name() -> None:
     assert choice.refusal is not None
     assert choice.refusal.code == "off_top"
     assert "12 mm inside its edges" in choice.reason
+
+
+def test_a_press_that_may_be_wrong_by_a_fifth_is_harder_and_farther_from_the_com() -> (
+    None
+):
+    free = replace(BASE, motion=replace(BASE.motion, contacts=None, press_force=None))
+    sure = MODE.choices(free)[0]
+    told = replace(free.believed, friction_error=0.2, center_error=0.02)
+    unsure = MODE.choices(replace(free, belief=told))
+    assert unsure[0].feasible
+    for choice in unsure:
+        (contact,) = choice.contacts
+        assert math.hypot(*contact.point) >= margins.SURE_LEVER * 0.02
+        assert contact.load > sure.contacts[0].load
+
+
+def test_where_the_com_is_known_too_badly_for_any_press_it_is_said() -> None:
+    told = replace(BASE.believed, center_error=0.1)
+    (choice,) = MODE.choices(replace(BASE, belief=told))
+    assert choice.refusal is not None
+    assert choice.refusal.code == "lever"
+    assert "known to 100 mm" in choice.reason

@@ -60,18 +60,18 @@ def slide_loads(
     if any(scene.weight_along):
         steps = [(twist, along) for along in weights(scene, path)]
         least = max(margins.ARM.least_press, lean_press(scene))
-        return None, [wall_loads(presses, steps, margins.FRICTION_USES, least)]
+        return None, [wall_loads(presses, steps, scene.friction_uses, least)]
     loads = safe_loads(
-        presses, cop, twist, margins.FRICTION_USES, margins.ARM.least_press
+        presses, cop, twist, scene.friction_uses, margins.ARM.least_press
     )
     if loads is not None:
         harder = loads_with(presses(), cop, min(cap, margins.HARDER * max(loads)))
         return None, [loads, harder]
-    return _loads_at_limit(presses, cop, twist)
+    return _loads_at_limit(presses, cop, twist, scene.friction_uses[-1])
 
 
 def _loads_at_limit(
-    presses: Presses, cop: Cop, twist: Twist
+    presses: Presses, cop: Cop, twist: Twist, allowed: float
 ) -> tuple[Refusal, list[Point]]:
     """Return what stands against the loads, and loads [N] at the cap. Raises
     RefusedError where no two tips can press so.
@@ -86,21 +86,25 @@ def _loads_at_limit(
         )
         raise RefusedError(Refusal("friction", text, mu_a, mu_s))
     if not isinstance(cop, str):
-        raise RefusedError(_cop_refusal(presses, cop, twist, pair.cap))
+        raise RefusedError(_cop_refusal(presses, cop, twist, allowed))
     normals = loads_with(pair, cop, pair.cap)
     utilisation = pair.at(normals, twist).needed / sum(normals)
     limit = f"; allowed {pair.cap:g} N, 0.9 of limits.normal_force"
-    return slip_refusal(normals, utilisation, limit), [normals]
+    return slip_refusal(normals, utilisation, allowed, limit), [normals]
 
 
-def slip_refusal(normals: Point, utilisation: float, note: str = "") -> Refusal:
-    """Return that two presses of ``normals`` [N] slip at a friction ``utilisation``."""
+def slip_refusal(
+    normals: Point, utilisation: float, allowed: float, note: str = ""
+) -> Refusal:
+    """Return that two presses of ``normals`` [N] slip at a friction ``utilisation``
+    above what is ``allowed``.
+    """
     left, right = normals
     text = (
         f"pressed with {left:.1f} and {right:.1f} N the tips slip before the object: "
         f"the motion takes {{figure:.2f}} of their friction, allowed {{allowed:g}}{note}"
     )
-    return Refusal("friction", text, utilisation, margins.FRICTION_USES[-1])
+    return Refusal("friction", text, utilisation, allowed)
 
 
 def cop_fraction(scene: Scene, contacts: Sequence[Contact]) -> float:
@@ -132,11 +136,10 @@ def _given_loads(presses: TwoPresses, cop: Cop, given: float, cap: float) -> Poi
     return normals
 
 
-def _cop_refusal(presses: Presses, cop: float, twist: Twist, cap: float) -> Refusal:
+def _cop_refusal(presses: Presses, cop: float, twist: Twist, allowed: float) -> Refusal:
     """Return what stands against a wanted centre of pressure."""
-    can = possible_fractions(
-        presses, twist, margins.FRICTION_USES[-1:], margins.ARM.least_press
-    )
+    cap = presses().cap
+    can = possible_fractions(presses, twist, (allowed,), margins.ARM.least_press)
     span = "and so does any other"
     if can:
         span = f"allowed from {can[0]:.2f} to {can[1]:.2f}"

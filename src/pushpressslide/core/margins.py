@@ -26,6 +26,11 @@ LEAST_LEVER = 0.25
 """Radii of the object: the least lever of a push about a pinned point. With less, what
 the push's place is wrong by matters more than the push.
 """
+SURE_LEVER = 4.0
+"""Times the distance by which the centre of mass may be elsewhere: the least lever of a
+press that steers. With that the heading is wrong by a quarter of a radian at most, which
+the way there tells.
+"""
 LEVER_SHARE = 0.5
 """Of the longest lever about a pinned point: places with less are left out."""
 WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)

@@ -202,6 +202,18 @@ class Belief:
     rho: float | None = setting(
         None, "rho of the limit surface; null: that of the shape", "m", "(0, 10]"
     )
+    # of each: a motion is planned so that it holds for all of them
+    friction_error: float = setting(
+        0.0,
+        "share by which both frictions may be wrong, either way",
+        within="[0, 0.5]",
+    )
+    center_error: float = setting(
+        0.0,
+        "distance by which the centre of mass may be elsewhere, in any direction",
+        "m",
+        "[0, 0.5]",
+    )
 
 
 def assumption(believed: Value | None, true: Value) -> Value:
@@ -219,6 +231,8 @@ class Scene:
     robots: tuple[Robot, ...]
     obstacles: tuple[Obstacle, ...]
     rho: float | None = None  # [m] of the limit surface; None: that of the shape
+    friction_error: float = 0.0  # share by which both frictions may be wrong
+    center_error: float = 0.0  # [m] by which the centre of mass may be elsewhere
 
     @property
     def weight(self) -> Point:
@@ -242,6 +256,29 @@ class Scene:
     def inset(self) -> float:
         """How far [m] contacts stay inside the edges of a face or of the top."""
         return margins.inset(max(robot.tip_radius for robot in self.robots))
+
+    @property
+    def sure(self) -> float:
+        """What is left of a friction utilisation for a plan whose frictions may be
+        wrong: the least contact friction and the largest of the support, over those
+        believed.
+        """
+        return (1.0 - self.friction_error) / (1.0 + self.friction_error)
+
+    @property
+    def least_contact_friction(self) -> float:
+        """Friction of the pair tip/object, if it is less than believed."""
+        return (1.0 - self.friction_error) * self.contact_friction
+
+    @property
+    def friction_uses(self) -> tuple[float, ...]:
+        """Shares of contacts' friction that a motion may take, the best first."""
+        return tuple(self.sure * use for use in margins.FRICTION_USES)
+
+    @property
+    def pin_uses(self) -> tuple[float, ...]:
+        """The same of a press that holds a point."""
+        return tuple(self.sure * use for use in margins.PIN_USES)
 
     def max_friction(self, press: float = 0.0) -> float:
         """Return the friction of the support [N] against straight sliding under a

@@ -365,6 +365,8 @@ class Task:
             told.object.mass,
             told.object.center_of_mass,
             told.belief.rho,
+            told.belief.friction_error,
+            told.belief.center_error,
         )
 
     @property
@@ -384,7 +386,11 @@ class Task:
             support=replace(support, friction=friction),
             contact_friction=assumption(belief.contact_friction, self.contact_friction),
             obstacles=tuple(obstacle.told for obstacle in self.obstacles),
-            belief=Belief(rho=belief.rho),
+            belief=Belief(
+                rho=belief.rho,
+                friction_error=belief.friction_error,
+                center_error=belief.center_error,
+            ),
             start_error=Pose2(),
         )
 
@@ -399,6 +405,8 @@ class Task:
             told.robots,
             told.obstacles,
             told.belief.rho,
+            told.belief.friction_error,
+            told.belief.center_error,
         )
 
     @property

@@ -214,7 +214,12 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
         center = body.center_of_mass
     return replace(
         known,
-        belief=replace(known.believed, center_of_mass=body.center_of_mass),
+        belief=replace(
+            known.believed,
+            center_of_mass=body.center_of_mass,
+            friction_error=FRICTION_ERROR,
+            center_error=CENTER_ERROR,
+        ),
         support=replace(
             known.support, friction=min(1.9, known.support.friction * float(support))
         ),

@@ -62,21 +62,24 @@ def press_loads(
     most: float,
     wanted: float | None = None,
     pushed: float = 0.0,
+    uses: Sequence[float] = margins.FRICTION_USES,
 ) -> list[float]:
     """Return the loads [N] to try, up to ``most`` [N], the safest first.
 
     ``wanted`` [N] is the only one where it is given. ``pushed`` [N] is the drag of a
-    body that the object pushes. Raises RefusedError with what stands against any press.
+    body that the object pushes; ``uses`` are the shares of friction to try, the best
+    first. Raises RefusedError with what stands against any press.
     """
     if wanted is not None:
-        _check_press(weight, mu_support, mu_contact, most, wanted, pushed)
+        used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
+        _check_press(wanted, most, used, uses[-1], mu_contact)
         return [wanted]
     loads = [
         max(
             margins.ARM.least_press,
             least_load(weight, mu_support, mu_contact, use, pushed),
         )
-        for use in margins.FRICTION_USES
+        for use in uses
     ]
     if loads[-1] <= most:
         return sorted({load for load in loads if load <= most}, reverse=True)
@@ -91,27 +94,22 @@ def press_loads(
 
 
 def _check_press(
-    weight: float,
-    mu_support: float,
-    mu_contact: float,
-    most: float,
-    wanted: float,
-    pushed: float,
+    wanted: float, most: float, used: float, allowed: float, mu_contact: float
 ) -> None:
-    """Raise RefusedError where a press of ``wanted`` [N] is too hard or slips."""
+    """Raise RefusedError where a press of ``wanted`` [N] is harder than ``most`` [N], or
+    where more than the ``allowed`` share of its friction is ``used``.
+    """
     if wanted > most:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         raise RefusedError(Refusal("normal_force", text, wanted, most, "N"))
-    used = friction_use(wanted, weight, mu_support, mu_contact, pushed)
-    if used > MOST_USE:
-        drag = mu_support * (weight + wanted) + pushed
-        needed = drag / (wanted * MOST_USE)
+    if used > allowed:
+        needed = mu_contact * used / allowed
         text = (
             f"pressed with {wanted:g} N the tip slips before the object: straight "
             "sliding takes {figure:.2f} of its friction, allowed {allowed:g}; "
             f"contact friction {mu_contact:g}, needed {needed:.3f}"
         )
-        raise RefusedError(Refusal("friction", text, used, MOST_USE))
+        raise RefusedError(Refusal("friction", text, used, allowed))
 
 
 def pressed_cop(contact: Point, load: float, weight: float) -> Point:

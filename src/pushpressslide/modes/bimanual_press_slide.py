@@ -111,7 +111,7 @@ class BimanualPressSlide(Mode):
             except ValueError as error:
                 tips = f"it would tip: {refusal_of(error, 'tipping')}"
                 return [placed.refused(Refusal("tipping", tips))]
-            if drag.friction_utilisation <= margins.FRICTION_USES[-1]:
+            if drag.friction_utilisation <= scene.friction_uses[-1]:
                 break
         placed = replace(placed, contacts=contacts, refusal=refusal)
         return [self._driven(task, placed, tracked, point, drag)]
@@ -128,8 +128,9 @@ class BimanualPressSlide(Mode):
         if refusal is None:
             cause = f"drag at {task.object.shape.height:.3f} m tips the object"
             refusal = tipping_refusal(cause, drag.tipping_margin)
-        if refusal is None and utilisation > margins.FRICTION_USES[-1]:
-            refusal = slip_refusal((left, right), utilisation)
+        allowed = scene.friction_uses[-1]
+        if refusal is None and utilisation > allowed:
+            refusal = slip_refusal((left, right), utilisation, allowed)
         load = scene.weight_on + sum(contact.load for contact in contacts)
         drive = HeldDrive(
             drag.surface, path.radius, point, lever(scene, load), utilisation

@@ -113,7 +113,7 @@ class OrthogonalPush(TwistPushes):
             surface = push_surface(scene, height, Twist(*cone_goal.direct))
         except ValueError as error:
             return [none.refused(refusal_of(error, "tipping"))]
-        mu = scene.contact_friction
+        mu = scene.least_contact_friction
         cones = [TwistCone(contacts, mu, surface) for contacts in placements]
         return self._by_twists(task, names, cone_goal, cones)
 

@@ -165,7 +165,7 @@ class ParallelPush(TwistPushes):
         cone_goal = ConeGoal.from_task(task)
         height = choice.contacts[0].height
         surface = push_surface(task.scene, height, Twist(*cone_goal.direct))
-        cone = TwistCone(choice.contacts, task.scene.contact_friction, surface)
+        cone = TwistCone(choice.contacts, task.scene.least_contact_friction, surface)
         path = cone_goal.path(cone, exact_margin(task, choice.contacts))
         if path is not None:
             return driven_by_twists(task, choice, path, cone)

@@ -142,7 +142,7 @@ class PressAndPush(Mode):
 
         load = task.motion.press_force
         if load is None:
-            load = least_pin_load(dragged, cap)
+            load = least_pin_load(dragged, cap, scene.pin_uses)
         drag = dragged(load)
         contacts = (replace(press, load=load), push)
         utilisation = drag.friction_utilisation
@@ -159,7 +159,7 @@ class PressAndPush(Mode):
             contacts=contacts,
             segments=(piece,),
             merits=merits,
-            refusal=pin_refusal(cap, load, drag),
+            refusal=pin_refusal(cap, load, drag, scene.pin_uses[-1]),
         )
 
     def _drag(

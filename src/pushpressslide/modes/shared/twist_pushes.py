@@ -67,7 +67,7 @@ def exact_margin(task: Task, contacts: Sequence[Contact]) -> Margin:
             surface = push_surface(scene, contacts[0].height, Twist(*rate))
         except ValueError:
             return -math.inf
-        cone = TwistCone(contacts, scene.contact_friction, surface)
+        cone = TwistCone(contacts, scene.least_contact_friction, surface)
         return cone.cone_margin(*rate)
 
     return margin

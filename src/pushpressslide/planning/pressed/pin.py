@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from pushpressslide.core import margins
 from pushpressslide.core.pose import Point
@@ -18,14 +18,17 @@ HALVINGS = 8  # of the interval of presses
 LEAST_TURN = math.radians(3.0)  # of a goal
 
 
-def least_pin_load(dragged: Callable[[float], PinnedDrag], cap: float) -> float:
-    """Return the load to press with [N], the least that is safe; ``cap`` [N] where none
-    is. ``dragged`` says what dragging with a load [N] is like.
+def least_pin_load(
+    dragged: Callable[[float], PinnedDrag], cap: float, uses: Sequence[float]
+) -> float:
+    """Return the load to press with [N], the least that takes the best of ``uses`` of
+    the friction; ``cap`` [N] where none is safe. ``dragged`` says what dragging with a
+    load [N] is like.
 
     Raises ValueError where the object tips.
     """
     hardest = dragged(cap).friction_utilisation
-    allowed = next((share for share in margins.PIN_USES if hardest <= share), None)
+    allowed = next((share for share in uses if hardest <= share), None)
     if allowed is None:
         return cap
     low = margins.ARM.least_press
@@ -39,22 +42,24 @@ def least_pin_load(dragged: Callable[[float], PinnedDrag], cap: float) -> float:
     return high
 
 
-def pin_refusal(cap: float, load: float, drag: PinnedDrag) -> Refusal | None:
+def pin_refusal(
+    cap: float, load: float, drag: PinnedDrag, allowed: float
+) -> Refusal | None:
     """Return what stands against a press of ``load`` [N] where a contact may have up to
-    ``cap`` [N]; None if nothing.
+    ``cap`` [N], and take the ``allowed`` share of its friction; None if nothing.
     """
     utilisation = drag.friction_utilisation
     push = drag.forces.normals[1]
     if load > cap:
         text = f"motion.press_force of {{figure:Ng}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, load, cap, "N")
-    if drag.forces.status != "ok" or utilisation > margins.PIN_USES[-1]:
+    if drag.forces.status != "ok" or utilisation > allowed:
         text = (
             f"pressed with {load:.1f} N the tip slips: holding the pivot takes "
             "{figure:.2f} of its friction, allowed {allowed:g}; allowed a press of "
             f"{cap:g} N, {PLANNED_SHARE:g} of limits.normal_force"
         )
-        return Refusal("friction", text, utilisation, margins.PIN_USES[-1])
+        return Refusal("friction", text, utilisation, allowed)
     if push > cap:
         text = f"needs a push of {{figure:N.1f}}, {FORCE_ALLOWED}"
         return Refusal("normal_force", text, push, cap, "N")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
@@ -47,10 +49,21 @@ def press_placements(task: Task) -> PressPlacements:
         task.limits.planned_force,
         motion.press_force,
         tool_load(task, 0.0)[0],
+        scene.friction_uses,
     )
     places: Sequence[Point] = top_places(task.object, scene.inset)
     if motion.contacts:
         places = [task.X_GB.unapply(motion.contacts[0])]
+    least = margins.SURE_LEVER * scene.center_error
+    sure = [place for place in places if math.hypot(*place) >= least]
+    if places and not sure:
+        lever = max(math.hypot(*place) for place in places)
+        text = (
+            "pressed {figure:mm.0f} from the centre of mass, whose place is known to "
+            f"{1e3 * scene.center_error:g} mm: allowed from {{allowed:mm.0f}}"
+        )
+        raise RefusedError(Refusal("lever", text, lever, least, "m"))
+    places = sure
     if not places:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
