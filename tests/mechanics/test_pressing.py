@@ -4,10 +4,10 @@ import math
 
 import pytest
 
+from pushpressslide.core import margins
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
 from pushpressslide.mechanics.pressing import (
-    MOST_USE,
     friction_use,
     least_load,
     press_loads,
@@ -33,7 +33,7 @@ def test_what_the_object_pushes_is_dragged_along_too() -> None:
     ) as caught:
         press_loads(5.0, 0.3, 0.9, 60.0, 5.0, pushed=4.4)
     refusal = caught.value.refusal
-    assert (refusal.code, refusal.allowed) == ("friction", MOST_USE)
+    assert (refusal.code, refusal.allowed) == ("friction", margins.FRICTION_USES[-1])
     assert refusal.figure == pytest.approx(friction_use(5.0, 5.0, 0.3, 0.9, 4.4))
 
 
@@ -79,7 +79,7 @@ def test_with_the_friction_that_a_refusal_says_is_needed_the_press_is_just_allow
         press_loads(2.943, 0.3, 0.35, 60.0, 8.0, pushed=pushed)
     needed = float(str(caught.value.refusal).rpartition("needed ")[2])
     assert friction_use(8.0, 2.943, 0.3, needed, pushed) == pytest.approx(
-        MOST_USE, abs=2e-3
+        margins.FRICTION_USES[-1], abs=2e-3
     )
 
 

@@ -9,7 +9,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
-from pushpressslide.mechanics.pressing import MOST_USE, least_load
+from pushpressslide.mechanics.pressing import least_load
 from pushpressslide.modes.press_slide import MODE
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import press_of
@@ -37,7 +37,7 @@ def bar(most: float) -> Task:
 def test_the_hardest_press_allowed_may_take_all_of_the_friction_that_is_allowed() -> (
     None
 ):
-    load = least_load(MASS * GRAVITY, 0.3, 0.9, MOST_USE)
+    load = least_load(MASS * GRAVITY, 0.3, 0.9, margins.FRICTION_USES[-1])
     assert load > margins.ARM.least_press
     choices = MODE.choices(bar(1.0001 * load))
     assert choices[0].feasible

@@ -72,7 +72,6 @@ GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
 RETRIES = 2
-HARDER = 1.3  # times, that a press which crept is pressed
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -489,7 +488,8 @@ class Controller:
             most = self.parts[followed.leg].limits.planned_force
             contacts = tuple(
                 replace(
-                    contact, load=max(contact.load, min(HARDER * contact.load, most))
+                    contact,
+                    load=max(contact.load, min(margins.HARDER * contact.load, most)),
                 )
                 for contact in contacts
             )

@@ -64,7 +64,9 @@ PREFERRED_USE = 0.8
 GRIP_USE = 0.93
 """Measured utilisation beyond which the steering is eased."""
 HARDER = 1.3
-"""Times as hard two arms press where the drag's lever takes more of the friction."""
+"""Times as hard tips press where the friction turns out too little: two where the
+drag's lever takes more of it, and one that crept.
+"""
 SPARE_LOAD = 0.02
 """Of the load, that the lighter of two presses carries beyond the least for a turn on
 the spot.

@@ -41,10 +41,7 @@ def task_torque(
     n = J.shape[1]
     tau: Array = J.T @ np.concatenate([moment, force]) + bias
     if n > 6:
-        # I - J^T (J J^T + eps)^-1 J: keeps what the tip does not feel
-        JJt = J @ J.T
-        JJt.flat[::7] += SOFTENING
-        tau += posture - J.T @ np.linalg.solve(JJt, J @ posture)
+        tau += _unfelt(J, posture, SOFTENING)
     return tau
 
 
@@ -63,10 +60,16 @@ def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Arr
     above = np.maximum(q - upper + buffer, 0.0)
     near = inside < buffer
     spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
-    linear = J[3:]
-    mobility = linear @ linear.T
-    mobility.flat[::4] += 1e-6
-    out: Array = spring - linear.T @ np.linalg.solve(mobility, linear @ spring)
+    return _unfelt(J[3:], spring, SOFTENING[3:])
+
+
+def _unfelt(J: Array, torque: Array, softening: Array) -> Array:
+    """Return what of a ``torque`` (n,) is not felt along the rows of ``J`` (k, n): I -
+    J^T (J J^T + ``softening``)^-1 J, applied to it.
+    """
+    JJt = J @ J.T
+    JJt.flat[:: len(J) + 1] += softening
+    out: Array = torque - J.T @ np.linalg.solve(JJt, J @ torque)
     return out
 
 

@@ -69,7 +69,7 @@ class CenterIdentifier:
         lever = math.hypot(*contact)
         self._lever = lever
         self._across = (-contact[1] / lever, contact[0] / lever)
-        self._planned = self._ahead(center)
+        self._planned = self._aside(center)
         self._heading = (math.cos(X_BV.yaw), math.sin(X_BV.yaw))
         self._axle = X_BV.x * self._heading[0] + X_BV.y * self._heading[1]
         self._spread = AXLE * abs(effective_wheelbase)
@@ -117,7 +117,7 @@ class CenterIdentifier:
             weight = straight - mixed * mixed / turned - 1.0 / HEADING**2
         return CenterState(state.center, known=KEPT * weight, before=state.center)
 
-    def _ahead(self, point: Point) -> float:
+    def _aside(self, point: Point) -> float:
         """Return how far ``point`` is across the line to the contact [m]."""
         return point[0] * self._across[0] + point[1] * self._across[1]
 
@@ -134,7 +134,7 @@ class CenterIdentifier:
         """Return the normal equations of the centre's place across, over the lever, and
         of the axle's place, over the spread of what is believed of it.
         """
-        before = self._ahead(state.before) / self._lever
+        before = self._aside(state.before) / self._lever
         straight = 1.0 / HEADING**2 + state.known
         seen = state.known * before
         mixed = 0.0
@@ -157,6 +157,6 @@ class CenterIdentifier:
         across = vy * ex - vx * ey
         size = max(math.hypot(along, across), abs(w) * self._lever)
         noise = WINDOW_HEADING * size
-        turned = (self._ahead(window.contact) + self._planned) / self._lever
+        turned = (self._aside(window.contact) + self._planned) / self._lever
         off = across + self._axle * w - along * turned
         return -along / noise, -self._spread * w / noise, off / noise

@@ -16,8 +16,6 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import FORCE_ALLOWED
 from pushpressslide.mechanics.pressure import center_of_pressure
 
-MOST_USE = margins.FRICTION_USES[-1]
-
 
 def friction_use(
     load: float,
