@@ -12,7 +12,7 @@ NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
 QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
-.PHONY: demo test test-long test-all test-newest quick mutants lint results \
+.PHONY: demo test test-long test-all test-newest quick search mutants lint results \
   random-tasks picture lock clean
 
 demo: $(READY)
@@ -28,6 +28,10 @@ test-all: test test-long
 
 quick: $(READY)
 	$(BIN)/pytest -n auto -m "not long" $(QUICK)
+
+# The laws on cases drawn anew, other ones every time.
+search: $(READY)
+	$(BIN)/pytest -n auto -m "not long" --hypothesis-profile=search $(QUICK)
 
 test-newest:
 ifeq ($(NEWEST),)

@@ -61,6 +61,14 @@ def test_a_path_goes_through_its_poses_at_unit_speed(
         assert length > 0.0
 
 
+@pytest.mark.parametrize("turn", [0.0, 5e-324, 1.2e-161, 1e-15])
+def test_poses_that_are_one_make_no_piece(turn: float) -> None:
+    path = TwistPath.between((Pose2(0.1, 0.2, 0.0), Pose2(0.1, 0.2, turn)), radius=0.2)
+    assert path.pieces == ()
+    assert path.length == 0.0
+    assert path.pose(0.0) == path.start
+
+
 def test_a_turn_on_the_spot_is_as_long_as_its_radius_times_its_angle() -> None:
     path = TwistPath.between((Pose2(0.3, 0.1, 0.2), Pose2(0.3, 0.1, 1.2)), radius=0.25)
     assert path.length == pytest.approx(0.25)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 TwistRate = tuple[float, float, float]
 """Body twist per metre of path: vx, vy [-], w [rad/m]."""
 
+SHORTEST = 1e-12
+"""Two poses that are closer than this [m] are one: less is rounding of their numbers."""
+
 
 def moved(pose: Pose2, rate: TwistRate, length: float) -> Pose2:
     """Return the pose reached from ``pose`` after ``length`` [m] at a constant body
@@ -106,13 +109,13 @@ class TwistPath:
     @classmethod
     def between(cls, poses: tuple[Pose2, ...], radius: float) -> TwistPath:
         """Return the path through ``poses`` of V, from each to the next at a constant
-        twist.
+        twist; poses that are one are passed over.
         """
         pieces = []
         for a, b in pairwise(poses):
             vx, vy, w = screw(a, b)
-            length = math.sqrt(vx * vx + vy * vy + (radius * w) ** 2)
-            if length > 0.0:
+            length = math.hypot(vx, vy, radius * w)
+            if length > SHORTEST:
                 pieces.append(((vx / length, vy / length, w / length), length))
         return cls(poses[0], tuple(pieces), radius)
 
