@@ -71,7 +71,7 @@ RETOUCHES = 3
 GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
-RETRIES = 2
+RETRIES = 4
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -525,7 +525,8 @@ class Controller:
         if found.center != state.followed_center:
             # the virtual axle is looked for about the centre that was found
             identifier = MODES[first.mode].identifier(self.parts[first.leg], first)
-            state = replace(state, identifier=identifier, axle=AxleState())
+            axle = AxleState(drag=state.axle.drag)
+            state = replace(state, identifier=identifier, axle=axle)
         return replace(
             state,
             binding=self._bound(first),
@@ -620,7 +621,7 @@ class Controller:
             followed_center=center,
             joint_start=joint_start,
             retries=retries,
-            axle=AxleState(),
+            axle=AxleState(drag=state.axle.drag),
             binding=self._bound(fresh[0]),
             progress=0.0,
             clock_start=time,

@@ -196,4 +196,5 @@ def drag_ratio(state: ControllerState) -> float:
     measured = state.axle.drag
     if measured is None:
         return 1.0
-    return min(max(measured / state.segment.drive.max_friction, DRAG[0]), DRAG[1])
+    planned = state.binding.segment.drive.max_friction
+    return min(max(measured / planned, DRAG[0]), DRAG[1])

@@ -26,12 +26,12 @@ from pushpressslide.identification.online import LEAST_SPEED, WINDOW
 
 WINDOWS = 40  # that are remembered
 HEADING = 0.15  # [rad] that the line to the contact may be turned by, before it is seen
-# effective wheelbases, that the axle is elsewhere than planned: a centre of mass off
-# along the line changes the lever, a friction the drag's moment
-AXLE = 0.5
+# of its distance from the centre of pressure, that the axle is elsewhere than planned:
+# a centre of mass off along the line changes the lever, a friction the drag's moment
+AXLE = 1.0
 # [rad] that the heading of a window is off: the noise of poses, and the axle's own slip
 WINDOW_HEADING = 0.05
-KEPT = 0.5  # of what the windows weigh, from one segment to the next
+SEGMENT = 0.05  # [rad] that the heading of a whole segment is off
 BOUND = 0.5  # of the lever, that the centre is at most found to be off
 
 Row = tuple[float, float, float]  # of u, of a, and what they add up to
@@ -61,18 +61,25 @@ class CenterIdentifier:
     """Least squares for heading and axle about a prediction, for one segment."""
 
     def __init__(
-        self, X_BV: Pose2, effective_wheelbase: float, contact: Point, center: Point
+        self,
+        X_BV: Pose2,
+        reach: float,
+        contact: Point,
+        center: Point,
+        window: float = WINDOW,
     ) -> None:
         """Bind to a segment that is planned with the axle at ``X_BV`` for a ``contact``
-        and a ``center`` of mass [m] in B, with an ``effective_wheelbase`` [m].
+        and a ``center`` of mass [m] in B; ``reach`` [m]: the axle's distance from the
+        centre of pressure. ``window`` [s]: the time over which a twist is taken.
         """
+        self._window = window
         lever = math.hypot(*contact)
         self._lever = lever
         self._across = (-contact[1] / lever, contact[0] / lever)
         self._planned = self._aside(center)
         self._heading = (math.cos(X_BV.yaw), math.sin(X_BV.yaw))
         self._axle = X_BV.x * self._heading[0] + X_BV.y * self._heading[1]
-        self._spread = AXLE * abs(effective_wheelbase)
+        self._spread = AXLE * reach
 
     def step(
         self,
@@ -92,7 +99,7 @@ class CenterIdentifier:
         fx = state.force[0] + force[0]
         fy = state.force[1] + force[1]
         span = time - state.time
-        if span < WINDOW:
+        if span < self._window:
             return state._replace(force=(fx, fy))
         vx, vy, w = (value / span for value in screw(state.pose, X_WB))
         size = math.hypot(fx, fy)
@@ -111,11 +118,12 @@ class CenterIdentifier:
 
     def onward(self, state: CenterState) -> CenterState:
         """Return what stays known when a segment ends."""
-        weight = state.known
+        known = state.known
         if state.windows:
             straight, mixed, turned, _, _ = self._sums(state.windows, state)
-            weight = straight - mixed * mixed / turned - 1.0 / HEADING**2
-        return CenterState(state.center, known=KEPT * weight, before=state.center)
+            weight = straight - mixed * mixed / turned - 1.0 / HEADING**2 - known
+            known += weight / (1.0 + weight * SEGMENT**2)
+        return CenterState(state.center, known=known, before=state.center)
 
     def _aside(self, point: Point) -> float:
         """Return how far ``point`` is across the line to the contact [m]."""

@@ -13,14 +13,18 @@ import math
 from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Sensing
 from pushpressslide.core.twist_path import screw
 
-# [s] over which a twist is taken: short against a turn, long against the noise of poses
+# [s] over which a twist is taken at least: short against a turn
 WINDOW = 0.2
+# standard deviations of a pose that the object moves by in a window: the noise of turn
+# rates makes an axle look nearer than it is, by its variance over theirs
+WINDOW_WAY = 40.0
 # [s] of turning that is remembered; what was seen stays while nothing new is
 MEMORY = 1.5
 LEAST_TURN = 0.02  # [rad/s] below which a twist says nothing about the axle
-# [m/s] below which the force may be less than what slides the object
+# [m/s] of the contact, below which the force may be less than what slides the object
 LEAST_SPEED = 0.01
 PRIOR = 0.003  # [rad^2/s^2] what the prediction weighs, as turning that was seen
 ENOUGH = 0.01  # [rad^2/s^2] of turning, before which nothing is said
@@ -30,6 +34,14 @@ BOUND = 6.0  # factor about the prediction that the estimates stay within
 # account, is less
 OFF = 0.5
 OFF_RHO = 0.1  # the same of an ellipsoid whose rho was told, which may be wrong
+
+
+def window_of(sensing: Sensing, speed: float, lever: float) -> float:
+    """Return the time [s] over which a twist is taken of an object that is driven at
+    ``speed`` [m/s] by a contact at ``lever`` [m], with the noise of ``sensing``.
+    """
+    noise = max(sensing.position_noise, lever * sensing.yaw_noise)
+    return max(WINDOW, WINDOW_WAY * noise / speed)
 
 
 class Identified(NamedTuple):
@@ -69,6 +81,7 @@ class AxleIdentifier:
         stiffness: float | None = None,
         cop: float = 0.0,
         off: float = OFF,
+        window: float = WINDOW,
     ) -> None:
         """Bind to the heading axis at ``yaw`` [rad] in B.
 
@@ -76,7 +89,9 @@ class AxleIdentifier:
         along that axis, ``cop`` [m] that centre's place on it. The force at an angle
         from it is drag / sqrt(1 + stiffness sin^2); (d / rho)^2 if not given. ``off``:
         share of the axle's distance by which it has to be off its prediction.
+        ``window`` [s]: the time over which a twist is taken.
         """
+        self._window = window
         self._axis = (math.cos(yaw), math.sin(yaw))
         self._predicted = predicted
         self._lever = lever
@@ -104,7 +119,7 @@ class AxleIdentifier:
         sum_t = sum_t + force[1] * ex - force[0] * ey
         span = time - state.time
         ticks = state.ticks + 1
-        if span < WINDOW:
+        if span < self._window:
             return state._replace(force=(sum_e, sum_t), ticks=ticks)
         vx, vy, w = (value / span for value in screw(state.pose, X_WB))
         along = vx * ex + vy * ey
@@ -129,12 +144,25 @@ class AxleIdentifier:
             power = along * sum_e + (across + w * self._cop) * sum_t
             moment = self._lever * sum_t
             rw = keep * rw + w * moment * power / (size * size)
-        if math.hypot(along, across) > LEAST_SPEED and size > 0.0:
+        if size > 0.0:
             level = (
                 size / ticks * math.sqrt(1.0 + self._stiffness * (sum_t / size) ** 2)
             )
-            drag = level if drag is None else keep * drag + (1.0 - keep) * level
+            speed = math.hypot(along, across + w * (self._cop + self._lever))
+            drag = self._drag(drag, level, keep, speed)
         return AxleState(X_WB, time, (0.0, 0.0), 0, ww, vw, fw, gg, rw, drag)
+
+    def _drag(
+        self, before: float | None, level: float, keep: float, speed: float
+    ) -> float | None:
+        """Return what holds the object [N], after a window in which the force was at a
+        ``level`` [N] and the contact moved at ``speed`` [m/s].
+        """
+        if speed > LEAST_SPEED:
+            return level if before is None else keep * before + (1.0 - keep) * level
+        # it rests although it is pushed: what holds it is at least as much
+        known = self._predicted.drag if before is None else before
+        return level if level > known else before
 
     def identified(self, state: AxleState) -> Identified | None:
         """Return the estimates, within bounds of the prediction.

@@ -31,6 +31,7 @@ from pushpressslide.identification.online import (
     OFF_RHO,
     AxleIdentifier,
     Identified,
+    window_of,
 )
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
@@ -77,9 +78,9 @@ from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 from pushpressslide.tracking.unicycle import PivotTracker, UnicycleTracker
 
-# [rad] that a retry may turn the object: the arm keeps its contact, so its joint range
-# limits it
-MAX_RETRY_YAW = 1.0
+# [rad] that a retry may turn the object: the arm keeps its contact, and its joints have
+# the less room the further it turns
+RETRY_SWINGS = (1.0, 2.0, math.pi, math.inf)
 
 
 class PressSlide(Mode):
@@ -181,7 +182,15 @@ class PressSlide(Mode):
         ex, ey = car.axis
         cop = car.cop[0] * ex + car.cop[1] * ey
         off = OFF if task.scene.rho is None else OFF_RHO
-        return AxleIdentifier(car.X_BV.yaw, predicted, car.lever, stiffness, cop, off)
+        return AxleIdentifier(
+            car.X_BV.yaw,
+            predicted,
+            car.lever,
+            stiffness,
+            cop,
+            off,
+            window_of(task.sensing, segment.profile.speed, abs(car.lever)),
+        )
 
     def center_identifier(
         self, task: Task, segment: Segment, center: Point = ORIGIN
@@ -198,8 +207,13 @@ class PressSlide(Mode):
         if task.scene.rho is not None:
             return None
         assert isinstance(drive, SteeredDrive)
+        lever = math.hypot(*contact.point)
         return CenterIdentifier(
-            drive.X_BV, drive.effective_wheelbase, contact.point, center
+            drive.X_BV,
+            math.dist(drive.X_BV.position, drive.car.cop),
+            contact.point,
+            center,
+            window_of(task.sensing, segment.profile.speed, lever),
         )
 
     def again(
@@ -272,9 +286,10 @@ class PressSlide(Mode):
         the contact it has; none where there is none.
         """
         there = replace(task, goal=goal)
-        for manoeuvre in pressed_manoeuvres(there, measured.X_WB, measured.contacts):
-            if manoeuvre.swing < MAX_RETRY_YAW:
-                return manoeuvre.choice(there, self.name).segments
+        for swing in RETRY_SWINGS:
+            found = pressed_manoeuvres(there, measured.X_WB, measured.contacts, swing)
+            if found:
+                return found[0].choice(there, self.name).segments
         return ()
 
     def _spun(

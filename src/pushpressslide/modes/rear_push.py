@@ -19,6 +19,7 @@ from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
+from pushpressslide.identification.online import window_of
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.rear_car import (
@@ -134,8 +135,13 @@ class RearPush(Mode):
         drive = segment.drive
         assert isinstance(drive, RearSteerDrive)
         (contact,) = segment.contacts
+        lever = math.hypot(*contact.point)
         return CenterIdentifier(
-            drive.X_BV, drive.car.effective_wheelbase, contact.point, center
+            drive.X_BV,
+            drive.car.effective_wheelbase,
+            contact.point,
+            center,
+            window_of(task.sensing, segment.profile.speed, lever),
         )
 
     def allocator(

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
 
 import numpy as np
 
@@ -116,18 +115,6 @@ class Manoeuvre:
         )
         return [*out, DrivenTurn(turn, path, self.goal, speed, self.most_speed)]
 
-    @property
-    def swing(self) -> float:
-        """How far the object is turned on the way from where it starts, at most [rad]."""
-        return max(
-            map(
-                abs,
-                accumulate(
-                    curvature * length for _, _, (curvature, length) in self.arcs
-                ),
-            )
-        )
-
     def choice(self, task: Task, mode: str) -> Choice:
         """Return it as a choice of ``mode``, a segment for each turn."""
         scene = task.scene
@@ -168,10 +155,14 @@ class Manoeuvre:
 
 
 def pressed_manoeuvres(
-    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+    task: Task,
+    X_WB: Pose2,
+    contacts: Sequence[Contact],
+    swing: float = math.inf,
 ) -> list[Manoeuvre]:
     """Return manoeuvres from ``X_WB`` to the task's goal, the quickest first, by a
-    press at one of ``contacts``.
+    press at one of ``contacts``; ``swing`` [rad]: how far the object may be turned from
+    where it is meanwhile.
     """
     pressed = [
         (contact, press_of(task.scene, contact))
@@ -183,7 +174,7 @@ def pressed_manoeuvres(
     turns = pressed_turns([press for _, press in pressed], task.motion.speed)
     for (contact, _), usable in zip(pressed, turns, strict=True):
         if usable:
-            out += _by_press(task, X_WB, goal, contact, usable)
+            out += _by_press(task, (X_WB, goal), contact, usable, swing)
     return sorted(out, key=lambda manoeuvre: manoeuvre.time)
 
 
@@ -197,9 +188,14 @@ class _RunIn:
 
 
 def _by_press(
-    task: Task, X_WB: Pose2, goal: Pose2, contact: Contact, turns: list[PressedTurn]
+    task: Task,
+    ends: tuple[Pose2, Pose2],
+    contact: Contact,
+    turns: list[PressedTurn],
+    swing: float,
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
+    X_WB, goal = ends
     most_speed = task.motion.speed
     run_ins = _run_ins(most_speed, goal, turns)
     if not run_ins:
@@ -217,7 +213,7 @@ def _by_press(
     least = pause(task)
     pauses = np.where(free < margins.CORRECTING, least + narrow(task), least)
     stagings = [_staging(X_WB, goal, run_in) for run_in in run_ins]
-    every = words(centers, np.sign(bent), times, pauses, stagings, COUNT)
+    every = words(centers, np.sign(bent), times, pauses, stagings, COUNT, swing)
     out = []
     for run_in, quickest in zip(run_ins, every, strict=True):
         end = (run_in.turn, run_in.speed, (0.0, run_in.length))

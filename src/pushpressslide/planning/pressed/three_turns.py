@@ -41,13 +41,15 @@ def words(
     pauses: Array,
     goals: Sequence[Pose2],
     count: int,
+    swing: float = math.inf,
 ) -> list[list[Word]]:
     """Return the quickest ``count`` words of up to three turns that lead to each of
     ``goals``, poses of the body seen from its start.
 
     ``centers`` (n,) [m] in the body, x + iy; ``senses`` (n,) +1 or -1, the way about a
     centre that can be driven; ``times`` (n,) [s/rad]; ``pauses`` (n,) [s] that a turn
-    takes besides.
+    takes besides; ``swing`` [rad]: how far the body may be turned from its start
+    meanwhile.
     """
     linkage = _Linkage(centers[None])
     out = []
@@ -58,6 +60,8 @@ def words(
         found: list[Word] = []
         for solution in angles:
             turned, time = _driven(solution, senses[turns], times[turns], pauses[turns])
+            most = np.abs(np.cumsum(turned, axis=0)).max(0)
+            time = np.where(most <= swing, time, math.inf)
             for best in _least(time, count):
                 pieces = [
                     (int(c[best]), float(turn[best]))
