@@ -72,6 +72,10 @@ GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
 RETRIES = 4
+EFFORT_SHARE = 0.5  # of the speed that tips are led with, below which they push harder
+EFFORT_RISE = 1.0  # [1/s] of the factor on their forces, for tips at rest
+EFFORT_MOST = 1.6
+LED = 1e-4  # [m/s] below which tips are not led anywhere
 
 Commands = tuple[TipCommand | None, ...]
 Step = tuple[Commands, ControlLog, ControllerState]
@@ -112,6 +116,8 @@ class Controller:
             )
             for contact, force in zip(first.contacts, _touch_forces(first), strict=True)
         )
+        # the servo and what adds to it; an experiment without them gives the force alone
+        self.drives_on = motion.velocity_servo and motion.force_gain is None
         self.force_gain = motion.force_gain or (1.0 if motion.velocity_servo else 1.05)
         damping = motion.servo_damping if motion.velocity_servo else 0.0
         friction = task.contact_friction
@@ -385,6 +391,7 @@ class Controller:
             progress=guidance.progress,
             lost=lost,
             grip=min(1.0, max(GRIP_LEAST, state.grip + rate * dt)),
+            effort=self._effort(state, measurement, commands, dt),
             tips=memories,
             last_time=measurement.time,
             axle=axle,
@@ -420,7 +427,7 @@ class Controller:
         allocation: Allocation,
     ) -> list[TipTask]:
         """Return what each tip is to do."""
-        gain = self.force_gain * drag_ratio(state)
+        gain = self.force_gain * drag_ratio(state) * state.effort
         starts = [memory.start for memory in state.tips]
         speeds: list[float | None] = [None] * len(starts)
         if self.entry is not None:
@@ -435,6 +442,32 @@ class Controller:
                 strict=True,
             )
         ]
+
+    def _effort(
+        self,
+        state: ControllerState,
+        measurement: Measurement,
+        commands: Sequence[TipCommand],
+        dt: float,
+    ) -> float:
+        """Return the factor on the contact forces after a tick: a servo of velocities
+        alone lets rest what is held by more than it gives.
+        """
+        if not self.drives_on:
+            return 1.0
+        led = 0.0
+        moved = 0.0
+        for command, contact in zip(
+            commands, state.binding.segment.contacts, strict=True
+        ):
+            vx, vy, _ = command.velocity
+            x, y, _ = measurement.tips[contact.arm].velocity
+            led += vx * vx + vy * vy
+            moved += vx * x + vy * y
+        if led < LED * LED:
+            return state.effort
+        slow = EFFORT_SHARE - moved / led
+        return min(EFFORT_MOST, max(1.0, state.effort + EFFORT_RISE * slow * dt))
 
     def _after_move(
         self,
@@ -571,7 +604,14 @@ class Controller:
         segment = state.binding.segment
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
         replanner = self.replanner.believing(state.rho)
-        return replanner.again(segment, X_WB, touched, findings(state))
+        fresh = replanner.again(segment, X_WB, touched, findings(state))
+        return fresh if self._in_time(fresh, measurement.time) else ()
+
+    def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
+        """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
+        ends = time + math.fsum(segment.profile.duration for segment in segments)
+        part = self.parts[self.segments[0].leg]
+        return ends < part.limits.time - ramp_time(margins.ARM.retreat)
 
     def _next_segment(
         self,
@@ -602,7 +642,7 @@ class Controller:
             retries += 1
         elif retries < RETRIES and mode.misses(part, fresh, X_WB):
             anew = replanner.again(fresh[-1], X_WB, touched, found)
-            if anew:
+            if anew and self._in_time(anew, time):
                 fresh = anew
                 center = found.center
                 retries += 1
@@ -615,7 +655,7 @@ class Controller:
             state,
             segment=planned,
             ahead=fresh[1:],
-            identifier=mode.identifier(part, ahead[0]),
+            identifier=mode.identifier(part, fresh[0]),
             center_identifier=self._center_identifier(fresh[0], center),
             center=_onward(state),
             followed_center=center,

@@ -110,8 +110,7 @@ class Replanner:
         off_path = abs(across) > arm.off_path or abs(heading) > arm.off_heading
         slid = slide(followed.contacts, touched) > arm.slid
         moved = _axle_error(followed, findings.axle)
-        aside = findings.aside > arm.off_line
-        if not (off_path or slid or moved > arm.off_axle or aside):
+        if not (off_path or slid or moved > arm.off_axle or findings.elsewhere):
             return None
         if left < arm.least_left or since_last < arm.replan_pause:
             return None

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 from pushpressslide.control.timeline import Timeline
-from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
     ControlLog,
@@ -129,6 +128,8 @@ class ControllerState:
     followed_center: Point = (0.0, 0.0)
     # share of the steering that may be used, lowered while contacts are near slipping
     grip: float = 1.0
+    # factor on the contact forces, raised while the tips are slower than led
+    effort: float = 1.0
     # of the object, as measured or, where the camera missed it, as predicted
     X_WB: Pose2 | None = None
     twist: Twist = NO_TWIST  # that the object is led with, in B
@@ -307,14 +308,15 @@ def findings(state: ControllerState) -> Findings:
     if axle is not None:
         rho = axle.rho
     center = state.center.center
-    aside = 0.0
+    elsewhere = False
     if state.center_identifier is not None:
         (contact,) = state.binding.segment.contacts
         lever = math.dist(contact.point, center)
         aside = math.dist(center, state.followed_center) / lever
-        if aside <= margins.ARM.off_line:  # the plan is not contradicted
+        elsewhere = aside > state.center_identifier.off_line
+        if not elsewhere:  # the plan is not contradicted
             center = state.followed_center
-    return Findings(axle, rho, center, aside)
+    return Findings(axle, rho, state.axle.drag, center, elsewhere)
 
 
 def control_log(

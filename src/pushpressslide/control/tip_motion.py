@@ -33,7 +33,6 @@ HEIGHT_DAMPING = 300.0
 PRESS_DAMPING = 150.0
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
-DRAG = (0.5, 2.5)  # bounds of the feed-forward's ratio to the plan's
 
 
 class Felt(NamedTuple):
@@ -197,4 +196,5 @@ def drag_ratio(state: ControllerState) -> float:
     if measured is None:
         return 1.0
     planned = state.binding.segment.drive.max_friction
-    return min(max(measured / planned, DRAG[0]), DRAG[1])
+    least, most = margins.DRAG
+    return min(max(measured / planned, least), most)

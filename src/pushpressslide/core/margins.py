@@ -152,10 +152,14 @@ TOUCH_DETOUR = (1.2, 0.25)
 """The same after a touch, where object and contact are as they were found."""
 RUN_INS = (3.0, 2.0)
 """Look-aheads of straight end after the turns of a manoeuvre."""
+RUN_INS_UNSURE = (6.0, 4.5)
+"""The same where the centre of mass may be elsewhere: on the way it is seen where it is,
+and then the heading is corrected.
+"""
 VEHICLE_RUN_INS = (5.0, 3.0, 1.5)
 """The same after the path of one vehicle; the longest that fits is taken."""
-LEAST_RUN_IN = 1.5
-"""Look-aheads that a run-in keeps under way."""
+LEAST_RUN_IN = 0.75
+"""Of the shortest straight end that is planned, that a run-in keeps under way."""
 BACK_UPS = (0.0, 2.5, 5.0, 7.5)
 """Look-aheads that a vehicle first goes back straight, where the goal is too near."""
 CAR_LOOK_AHEAD = 2.0
@@ -190,9 +194,18 @@ as lost: one false loss in 10^9 measurements.
 FLOOR_SPEED = 0.12
 """Of ``motion.speed``: the least speed while the goal is not reached."""
 
+POSTURE_SPEED = 0.4
+"""Of a joint's velocity limit: how fast the posture is led to another one in contact."""
+DRAG = (0.5, 2.5)
+"""Of the drag that was believed: what is measured counts within these bounds."""
+SURE_DRAG = 0.05
+"""Of the drag that was believed, that what is measured may be off as the mean of a force
+that steers: less is no reason to plan with another friction.
+"""
+
 # --- what counts as there: shares of the task's tolerances
 
-RETRY_ABOVE = 0.9
+RETRY_ABOVE = 0.97
 """Of both tolerances: final errors beyond it trigger a retry."""
 RETRY_ABOVE_SEATED = 0.3
 """The same in an opening: the fall into it pushes the object off its path."""
@@ -262,6 +275,8 @@ class ArmMargins:
     """Of the line from the centre of mass to a contact [rad], before the centre counts
     as elsewhere: the virtual axle's own change with the force looks like a degree.
     """
+    off_line_unsure: float = field(default=math.radians(0.5), metadata={"unit": "1"})
+    """The same where the belief says that the centre of mass may be elsewhere [rad]."""
     stop: float = field(default=2e-4, metadata={"unit": "m"})
     """Of path left, at which the motion ends."""
     astray: float = field(default=0.1, metadata={"unit": "m"})
@@ -300,6 +315,8 @@ class ArmMargins:
     """Of a joint to its limit [rad], inside which the tool's attitude gives way to keep
     it there: more than the 0.02 that planned postures keep.
     """
+    attitude: float = field(default=0.2, metadata={"unit": "1"})
+    """Of a tool from its wanted attitude [rad], beyond which it is turned no harder."""
     replan_pause: float = field(default=0.4, metadata={"unit": "s"})
     """Between two plans made under way."""
 

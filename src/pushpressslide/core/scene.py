@@ -276,6 +276,11 @@ class Scene:
         return tuple(self.sure * use for use in margins.FRICTION_USES)
 
     @property
+    def run_ins(self) -> tuple[float, ...]:
+        """Look-aheads of straight end after the turns of a manoeuvre."""
+        return margins.RUN_INS_UNSURE if self.center_error else margins.RUN_INS
+
+    @property
     def pin_uses(self) -> tuple[float, ...]:
         """The same of a press that holds a point."""
         return tuple(self.sure * use for use in margins.PIN_USES)

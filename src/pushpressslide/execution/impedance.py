@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
 
@@ -70,5 +71,13 @@ def tip_moment(
 ) -> Array:
     """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and
     damper [N m s/rad].
+
+    The spring is stretched by ``margins.ARM.attitude`` at most: a tool that a joint's
+    limit holds back is far off, and turns back slowly.
     """
-    return stiffness * rotation_error(R_wanted, R) + damping * (w_wanted - w)
+    error = rotation_error(R_wanted, R)
+    size = float(np.linalg.norm(error))
+    most = margins.ARM.attitude
+    if size > most:
+        error = error * (most / size)
+    return stiffness * error + damping * (w_wanted - w)

@@ -20,21 +20,59 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.twist_path import screw
 from pushpressslide.identification.online import LEAST_SPEED, WINDOW
 
 WINDOWS = 40  # that are remembered
-HEADING = 0.15  # [rad] that the line to the contact may be turned by, before it is seen
-# of its distance from the centre of pressure, that the axle is elsewhere than planned:
-# a centre of mass off along the line changes the lever, a friction the drag's moment
-AXLE = 1.0
+# [rad] that the line to the contact may be turned by, before it is seen, where the
+# belief does not say how sure it is
+HEADING = 0.15
+# of its distance from the centre of pressure, that the axle of a turn is elsewhere than
+# planned, though all that was believed is true
+AXLE = 0.2
 # [rad] that the heading of a window is off: the noise of poses, and the axle's own slip
 WINDOW_HEADING = 0.05
 SEGMENT = 0.05  # [rad] that the heading of a whole segment is off
-BOUND = 0.5  # of the lever, that the centre is at most found to be off
+# of the lever, that the centre is at most found to be off, where the belief does not
+# say how sure it is
+BOUND = 0.5
 
 Row = tuple[float, float, float]  # of u, of a, and what they add up to
+
+
+class Doubt(NamedTuple):
+    """How far what a segment is planned with may be off: standard deviations."""
+
+    heading: float = HEADING  # [rad] of the line to the contact
+    axle: float = 0.0  # [m] of the virtual axle's place on the heading
+    # [rad] from which on the centre counts as elsewhere
+    off_line: float = margins.ARM.off_line
+    most: float = BOUND  # of the lever, that the centre is at most found to be off
+
+
+def doubt(
+    scene: Scene, contact: Point, lever: float, reach: float, height: float
+) -> Doubt:
+    """Return how far a plan may be off with a ``contact`` [m] in B, at ``height`` [m]
+    above the base and with a ``lever`` [m] about the centre of pressure, which is at a
+    ``reach`` [m] from the axle.
+
+    A centre of mass off along the line changes the lever; so does the moment of the
+    drag, by a friction.
+    """
+    distance = math.hypot(*contact)
+    drag = scene.friction_error * scene.support.friction * height
+    axle = AXLE
+    if lever > 0.0:
+        axle += scene.center_error / distance + drag / lever
+    if scene.center_error == 0.0:
+        return Doubt(axle=axle * reach)
+    heading = scene.center_error / distance
+    most = min(BOUND, math.sqrt(2.0) * heading)
+    return Doubt(heading, axle * reach, margins.ARM.off_line_unsure, most)
 
 
 class Window(NamedTuple):
@@ -63,15 +101,16 @@ class CenterIdentifier:
     def __init__(
         self,
         X_BV: Pose2,
-        reach: float,
         contact: Point,
         center: Point,
+        doubt: Doubt,
         window: float = WINDOW,
     ) -> None:
         """Bind to a segment that is planned with the axle at ``X_BV`` for a ``contact``
-        and a ``center`` of mass [m] in B; ``reach`` [m]: the axle's distance from the
-        centre of pressure. ``window`` [s]: the time over which a twist is taken.
+        and a ``center`` of mass [m] in B. ``window`` [s]: the time over which a twist is
+        taken.
         """
+        self.off_line = doubt.off_line
         self._window = window
         lever = math.hypot(*contact)
         self._lever = lever
@@ -79,7 +118,9 @@ class CenterIdentifier:
         self._planned = self._aside(center)
         self._heading = (math.cos(X_BV.yaw), math.sin(X_BV.yaw))
         self._axle = X_BV.x * self._heading[0] + X_BV.y * self._heading[1]
-        self._spread = AXLE * reach
+        self._spread = doubt.axle
+        self._prior = 1.0 / doubt.heading**2
+        self._most = doubt.most
 
     def step(
         self,
@@ -121,7 +162,7 @@ class CenterIdentifier:
         known = state.known
         if state.windows:
             straight, mixed, turned, _, _ = self._sums(state.windows, state)
-            weight = straight - mixed * mixed / turned - 1.0 / HEADING**2 - known
+            weight = straight - mixed * mixed / turned - self._prior - known
             known += weight / (1.0 + weight * SEGMENT**2)
         return CenterState(state.center, known=known, before=state.center)
 
@@ -133,7 +174,7 @@ class CenterIdentifier:
         """Return p_BCom [m], on the line through B across the one to the contact."""
         straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
         u = (turned * seen - mixed * seen_turned) / (straight * turned - mixed * mixed)
-        across = self._lever * min(max(u, -BOUND), BOUND)
+        across = self._lever * min(max(u, -self._most), self._most)
         return (across * self._across[0], across * self._across[1])
 
     def _sums(
@@ -143,7 +184,7 @@ class CenterIdentifier:
         of the axle's place, over the spread of what is believed of it.
         """
         before = self._aside(state.before) / self._lever
-        straight = 1.0 / HEADING**2 + state.known
+        straight = self._prior + state.known
         seen = state.known * before
         mixed = 0.0
         turned = 1.0

@@ -13,10 +13,11 @@ class Findings(NamedTuple):
 
     axle: Identified | None = None  # None while the plan is not contradicted
     rho: float | None = None  # [m]; None: as believed
+    drag: float | None = None  # [N] that slides the object; None: as believed
     center: Point = (0.0, 0.0)  # p_BCom [m]; B is at the believed centre
-    # how far the centre is from where the plan that is followed has it, over its
-    # distance from the only contact
-    aside: float = 0.0
+    elsewhere: bool = (
+        False  # whether the plan that is followed has the centre elsewhere
+    )
 
 
 NOTHING = Findings()

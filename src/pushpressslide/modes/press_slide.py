@@ -24,7 +24,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
     OFF,
@@ -207,13 +207,16 @@ class PressSlide(Mode):
         if task.scene.rho is not None:
             return None
         assert isinstance(drive, SteeredDrive)
-        lever = math.hypot(*contact.point)
+        scene = task.scene
+        car = drive.car
+        reach = math.dist(drive.X_BV.position, car.cop)
+        height = scene.body.shape.height
         return CenterIdentifier(
             drive.X_BV,
-            math.dist(drive.X_BV.position, drive.car.cop),
             contact.point,
             center,
-            window_of(task.sensing, segment.profile.speed, lever),
+            doubt(scene, contact.point, abs(car.lever), reach, height),
+            window_of(task.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
 
     def again(
@@ -229,6 +232,7 @@ class PressSlide(Mode):
         """
         contact = replace(segment.contacts[0], point=touched[0])
         measured = Measured(X_WB, (contact,), math.inf, findings)
+        task = _dragged(task, contact, findings.drag)
         if findings.center != ORIGIN:
             there = _seen_from(task, (segment,), measured)
             made = self._again(there.task, there.segments[0], there.measured)
@@ -262,6 +266,7 @@ class PressSlide(Mode):
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
+        task = _dragged(task, contact, measured.findings.drag)
         drive = segments[0].drive
         if isinstance(drive, SpinDrive) and measured.findings.axle is not None:
             spun = self._spun(task, segments, measured)
@@ -372,6 +377,25 @@ def _steered(
         else choice
         for i, choice in enumerate(straight)
     ]
+
+
+def _dragged(task: Task, contact: Contact, drag: float | None) -> Task:
+    """Return a task with the support's friction as the force says that slides the
+    object, ``drag`` [N], where that contradicts what is believed.
+
+    The drag is at another height than the contact and moves the pressure: friction moves
+    the axle of a turn.
+    """
+    if drag is None:
+        return task
+    told = task.told
+    least, most = margins.DRAG
+    ratio = drag / told.scene.max_friction(contact.load)
+    ratio = min(max(ratio, least), most)
+    if abs(ratio - 1.0) < margins.SURE_DRAG:
+        return task
+    support = replace(told.support, friction=ratio * told.support.friction)
+    return replace(told, support=support)
 
 
 class _Seen(NamedTuple):

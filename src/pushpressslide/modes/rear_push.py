@@ -17,7 +17,7 @@ from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.task import Task
-from pushpressslide.identification.center import CenterIdentifier
+from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import window_of
 from pushpressslide.mechanics.faces import Face
@@ -135,13 +135,14 @@ class RearPush(Mode):
         drive = segment.drive
         assert isinstance(drive, RearSteerDrive)
         (contact,) = segment.contacts
-        lever = math.hypot(*contact.point)
+        car = drive.car
+        reach = car.effective_wheelbase
         return CenterIdentifier(
             drive.X_BV,
-            drive.car.effective_wheelbase,
             contact.point,
             center,
-            window_of(task.sensing, segment.profile.speed, lever),
+            doubt(task.scene, contact.point, car.lever, reach, contact.height),
+            window_of(task.sensing, segment.profile.speed, math.hypot(*contact.point)),
         )
 
     def allocator(

@@ -16,6 +16,7 @@ from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow
+from pushpressslide.core import margins
 from pushpressslide.core.control import (
     Commands,
     JointCommand,
@@ -124,15 +125,18 @@ class DrivenArm:
         return ArmReading(state.q, state.v, asked.share, asked.rate_share)
 
     def _take_posture(self, posture: Array) -> None:
-        """Take ``posture`` (n,) [rad] as the reference, and how it changes."""
+        """Lead the reference to ``posture`` (n,) [rad], and note how it changes: what is
+        planned anew under way may be far from it.
+        """
         if len(self._rate) == 0:
             self._rate = np.zeros_like(posture)
-        else:
-            dt = self._executor.dt
-            most = self.model.instance.facts.velocity_limit
-            change = np.clip((posture - self._reference) / dt, -most, most)
-            self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
-        self._reference = posture
+        if len(self._reference) == 0:
+            self._reference = posture
+        dt = self._executor.dt
+        most = margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
+        change = np.clip((posture - self._reference) / dt, -most, most)
+        self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
+        self._reference = self._reference + dt * change
 
     def _posture(self, command: TipCommand) -> Array:
         if command.posture is not None:

@@ -17,7 +17,8 @@ from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import ObjectModel, Task
+from pushpressslide.core.scene import ObjectModel
+from pushpressslide.core.task import Task
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import press_utilisation
 from pushpressslide.planning.overhead import overhead
@@ -197,7 +198,7 @@ def _by_press(
     """Return the quickest manoeuvres of one press with each of its run-ins."""
     X_WB, goal = ends
     most_speed = task.motion.speed
-    run_ins = _run_ins(most_speed, goal, turns)
+    run_ins = _run_ins(task, goal, turns)
     if not run_ins:
         return []
     straight = straightest(task.object)
@@ -254,17 +255,18 @@ def _both_ways(turns: list[PressedTurn], straight: float) -> list[PressedTurn]:
     return [*turns, *(replace(turn, curvature=-turn.curvature) for turn in others)]
 
 
-def _run_ins(most: float, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
+def _run_ins(task: Task, goal: Pose2, turns: Sequence[PressedTurn]) -> list[_RunIn]:
     """Return the straight turns that can be corrected well, as long as they may be, at
-    up to ``most`` [m/s].
+    up to the task's speed.
     """
+    most = task.motion.speed
     out = []
     for turn in turns:
         if _straight(turn) and min(-turn.right, turn.left) >= margins.CORRECTING:
             speed = _speed(most, turn)
             path = ArcPath(turn.X_BV, ())
             look_ahead = DrivenTurn(turn, path, goal, speed, most).look_ahead
-            out += [_RunIn(turn, speed, k * look_ahead) for k in margins.RUN_INS]
+            out += [_RunIn(turn, speed, k * look_ahead) for k in task.scene.run_ins]
     return out
 
 

@@ -78,7 +78,7 @@ def turns_onward(
     now = pressed_at(task, segments, contact)
     X_GB = task.X_GB
     goal = now[-1].goal.compose(X_GB)
-    arcs, lengths = _arcs(now, X_WB, goal, task.object.radius)
+    arcs, lengths = _arcs(now, X_WB, goal, task)
     poses = _poses(arcs, lengths, X_WB)
     out = []
     parts = zip(now, arcs, lengths, pairwise(poses), strict=True)
@@ -150,11 +150,12 @@ class _Course:
 
 
 def _arcs(
-    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, radius: float
+    segments: Sequence[Segment], X_WB: Pose2, goal: Pose2, task: Task
 ) -> tuple[list[Arc], list[float]]:
     """Return the arcs of ``segments`` that lead from ``X_WB`` to ``goal``, and their
     lengths [m], with no length changed by more than the object's ``radius`` [m].
     """
+    radius = task.object.radius
     arcs: list[Arc] = [
         (s.X_BV, s.path.pieces[-1][0]) for s in segments if isinstance(s.path, ArcPath)
     ]
@@ -167,7 +168,8 @@ def _arcs(
     measure = np.append(1.0 + radius * np.abs(curvatures), 1.0)
     x = np.array([*(segment.path.length for segment in segments), 0.0])
     planned = margins.PLANNED_STEERING
-    shortest = [0.0] * (len(arcs) - 1) + [margins.LEAST_RUN_IN * run_in.look_ahead]
+    least = margins.LEAST_RUN_IN * task.scene.run_ins[-1] * run_in.look_ahead
+    shortest = [0.0] * (len(arcs) - 1) + [least]
     low = np.maximum([*shortest, planned * turn.right], x - radius / measure)
     longest = [math.inf] * len(arcs)
     high = np.minimum([*longest, planned * turn.left], x + radius / measure)

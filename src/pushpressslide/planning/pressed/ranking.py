@@ -98,7 +98,7 @@ def manoeuvre_times(
         able = table.usable[:, end] & (free >= margins.CORRECTING)
         needed = np.sqrt(4.0 * aside * wheelbase / np.tan(np.where(able, free, 1.0)))
         wanted = np.maximum(margins.LOOK_AHEAD * (wheelbase + levers), needed)
-        length = margins.RUN_INS[-1] * np.clip(wanted, shortest, longest)
+        length = task.scene.run_ins[-1] * np.clip(wanted, shortest, longest)
         direction = headings[:, end]
         staging = complex(ahead.x, ahead.y) - length * direction * np.exp(
             1j * ahead.yaw
