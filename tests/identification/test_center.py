@@ -8,8 +8,16 @@ import random
 import pytest
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import ObjectModel, Scene, Support
+from pushpressslide.core.shapes import Box
 from pushpressslide.core.twist_path import moved
-from pushpressslide.identification.center import CenterIdentifier, CenterState
+from pushpressslide.identification.center import (
+    HEADING,
+    CenterIdentifier,
+    CenterState,
+    Doubt,
+    doubt,
+)
 
 DT = 0.004
 SPEED = 0.04  # [m/s] of the virtual axle
@@ -54,7 +62,8 @@ def planned(center=0.0, backward=False):
     yaw = math.atan2(-center, CONTACT[0])
     axle = (AXLE * math.cos(yaw), center + AXLE * math.sin(yaw))
     turn = math.pi if backward else 0.0
-    return CenterIdentifier(Pose2(*axle, yaw + turn), WHEELBASE, CONTACT, (0.0, center))
+    doubted = Doubt(axle=0.5 * WHEELBASE)
+    return CenterIdentifier(Pose2(*axle, yaw + turn), CONTACT, (0.0, center), doubted)
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -101,3 +110,36 @@ def test_an_object_at_rest_says_nothing():
         state = identifier.step(state, i * DT, Pose2(), (1.0, 0.5), CONTACT)
     assert state.center == (0.0, 0.0)
     assert state.windows == ()
+
+
+def scene(**doubts):
+    body = ObjectModel(Box((0.2, 0.1, 0.08)), 1.0, (0.0, 0.0))
+    return Scene(body, Support(friction=0.3), 0.8, (), (), **doubts)
+
+
+def test_a_belief_that_does_not_say_how_sure_it_is_is_doubted_as_usual():
+    got = doubt(scene(), CONTACT, 0.04, 0.06, 0.08)
+    assert got.heading == HEADING
+    assert got.off_line == pytest.approx(math.radians(2.0))
+
+
+def test_a_centre_is_looked_for_as_far_off_as_is_believed_possible():
+    got = doubt(scene(center_error=0.01), CONTACT, 0.04, 0.06, 0.08)
+    distance = math.hypot(*CONTACT)
+    assert got.heading == pytest.approx(0.01 / distance)
+    assert got.most * distance == pytest.approx(0.01 * math.sqrt(2.0))
+    assert got.off_line < doubt(scene(), CONTACT, 0.04, 0.06, 0.08).off_line
+    # a heading that would put it 30 mm off is another thing's
+    heading = CenterIdentifier(Pose2(AXLE, 0.0, 0.0), CONTACT, (0.0, 0.0), got)
+    found = driven(heading, 0.03, [0.0] * 3).center
+    assert abs(found[1]) == pytest.approx(0.01 * math.sqrt(2.0))
+
+
+def test_the_friction_moves_the_axle_the_more_the_higher_the_contact_and_the_less_lever():
+    def axle(height, lever):
+        """Return how far the axle is doubted [m]."""
+        unsure = scene(friction_error=0.2)
+        return doubt(unsure, CONTACT, lever, 0.06, height).axle
+
+    assert axle(0.08, 0.04) - axle(0.0, 0.04) == pytest.approx(0.06 * 0.2 * 0.3 * 2.0)
+    assert axle(0.08, 0.02) > axle(0.08, 0.04)

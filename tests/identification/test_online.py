@@ -6,9 +6,16 @@ import random
 import pytest
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, ObjectModel
+from pushpressslide.core.task import Box, ObjectModel, Sensing
 from pushpressslide.core.twist_path import moved
-from pushpressslide.identification.online import AxleIdentifier, AxleState, Identified
+from pushpressslide.identification.online import (
+    WINDOW,
+    WINDOW_WAY,
+    AxleIdentifier,
+    AxleState,
+    Identified,
+    window_of,
+)
 from pushpressslide.mechanics.press_axle import Press
 
 DT = 0.004
@@ -98,3 +105,31 @@ def test_rho_of_an_exciting_motion_is_the_exact_models() -> None:
     got = math.sqrt(found.effective_wheelbase * press.lever)
     assert got == pytest.approx(exact, rel=0.1)
     assert found.axle == pytest.approx(axle, abs=0.02)
+
+
+def at_rest_under(force: float, state: AxleState | None = None) -> AxleState:
+    """Return what is known of an object that rests for 2 s under a ``force`` [N]."""
+    predicted = Identified(axle=-0.1, effective_wheelbase=0.15, drag=3.0)
+    identifier = AxleIdentifier(0.0, predicted, 0.05)
+    state = state or AxleState()
+    for k in range(round(2.0 / DT)):
+        state = identifier.step(state, k * DT, Pose2(), (force, 0.0))
+    return state
+
+
+def test_what_holds_an_object_that_rests_is_at_least_the_force_on_it() -> None:
+    assert at_rest_under(3.6).drag == pytest.approx(3.6)
+
+
+def test_a_rest_under_less_than_what_was_believed_says_nothing() -> None:
+    assert at_rest_under(2.5).drag is None
+    # nor does it take back what was seen
+    assert at_rest_under(2.5, AxleState(drag=4.0)).drag == 4.0
+
+
+def test_a_window_is_as_long_as_the_noise_asks_and_no_shorter_than_without() -> None:
+    assert window_of(Sensing(), 0.05, 0.1) == WINDOW
+    noisy = Sensing(position_noise=5e-4, yaw_noise=0.01)
+    assert window_of(noisy, 0.05, 0.02) == pytest.approx(WINDOW_WAY * 5e-4 / 0.05)
+    # with a long lever it is the yaw that is seen worse
+    assert window_of(noisy, 0.05, 0.1) == pytest.approx(WINDOW_WAY * 1e-3 / 0.05)

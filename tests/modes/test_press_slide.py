@@ -3,14 +3,17 @@
 import math
 from dataclasses import replace
 
+import pytest
+
 from pushpressslide import load_task
 from pushpressslide.core import margins
 from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import least_load
-from pushpressslide.modes.press_slide import MODE
+from pushpressslide.modes.press_slide import MODE, dragged
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.rom.drives import UnicycleDrive
@@ -93,3 +96,22 @@ def test_where_the_com_is_known_too_badly_for_any_press_it_is_said() -> None:
     assert choice.refusal is not None
     assert choice.refusal.code == "lever"
     assert "known to 100 mm" in choice.reason
+
+
+def test_the_force_that_slides_the_object_tells_the_friction_of_its_support() -> None:
+    contact = Contact(
+        0, "top", (-0.05, 0.0), (0.0, 0.0), BASE.object.shape.height, 20.0
+    )
+    believed = BASE.told.scene.max_friction(20.0)
+
+    def friction(ratio: float) -> float:
+        """Return the friction believed after a drag of ``ratio`` times the believed."""
+        return dragged(BASE, contact, ratio * believed).support.friction
+
+    mu = BASE.told.support.friction
+    assert dragged(BASE, contact, None) is BASE
+    assert friction(1.2) == pytest.approx(1.2 * mu)
+    assert friction(0.8) == pytest.approx(0.8 * mu)
+    # what a mean force may be off by, and what no friction explains
+    assert friction(1.0 + 0.9 * margins.SURE_DRAG) == mu
+    assert friction(9.0) == pytest.approx(margins.DRAG[1] * mu)

@@ -134,3 +134,16 @@ def test_a_wrong_rho_of_a_press_is_found_out_on_the_way(rho: float) -> None:
     found = run(task)
     assert found["final_position_error"] < 0.005
     assert found["final_yaw_error"] < math.radians(1.0)
+
+
+@pytest.mark.parametrize("name", ["press-slide", "rear-push-rear"])
+@pytest.mark.parametrize("share", [0.65, 1.5])
+def test_a_support_far_rougher_or_smoother_than_believed_is_made_up_for(
+    name: str, share: float
+) -> None:
+    task = handled(name)
+    believed = task.support.friction
+    rough = replace(task.support, friction=share * believed)
+    told = replace(task.believed, support_friction=believed)
+    record = pps.run(replace(task, support=rough, belief=told), engine="planar")
+    assert record.reason == "goal_reached"

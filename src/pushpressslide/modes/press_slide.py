@@ -232,7 +232,7 @@ class PressSlide(Mode):
         """
         contact = replace(segment.contacts[0], point=touched[0])
         measured = Measured(X_WB, (contact,), math.inf, findings)
-        task = _dragged(task, contact, findings.drag)
+        task = dragged(task, contact, findings.drag)
         if findings.center != ORIGIN:
             there = _seen_from(task, (segment,), measured)
             made = self._again(there.task, there.segments[0], there.measured)
@@ -266,7 +266,7 @@ class PressSlide(Mode):
         (contact,) = measured.contacts
         if contact.point == ORIGIN:
             return ()
-        task = _dragged(task, contact, measured.findings.drag)
+        task = dragged(task, contact, measured.findings.drag)
         drive = segments[0].drive
         if isinstance(drive, SpinDrive) and measured.findings.axle is not None:
             spun = self._spun(task, segments, measured)
@@ -379,7 +379,7 @@ def _steered(
     ]
 
 
-def _dragged(task: Task, contact: Contact, drag: float | None) -> Task:
+def dragged(task: Task, contact: Contact, drag: float | None) -> Task:
     """Return a task with the support's friction as the force says that slides the
     object, ``drag`` [N], where that contradicts what is believed.
 

@@ -4,6 +4,7 @@ way round.
 
 import cmath
 import math
+from itertools import accumulate
 
 import numpy as np
 import pytest
@@ -42,6 +43,22 @@ def test_every_word_leads_to_the_goal_the_way_that_can_be_driven(
             0.0, abs=1e-4
         )
     assert [word.time for word in found] == sorted(word.time for word in found)
+
+
+@pytest.mark.parametrize("swing", [1.0, 2.0, math.pi])
+def test_words_that_turn_no_further_are_the_quickest_of_those(swing: float) -> None:
+    given = (CENTERS, SENSES, np.abs(CENTERS), np.full(6, 0.1))
+    goals = [Pose2(0.2, 0.1 * i, 0.3) for i in range(-2, 3)]
+    every = words(*given, goals, 1000)
+    bounded = words(*given, goals, 1, swing)
+    for found, best in zip(every, bounded, strict=True):
+        within = [
+            word.time
+            for word in found
+            if max(map(abs, accumulate(word.angles))) <= swing
+        ]
+        assert [word.time for word in best] == within[:1]
+    assert any(bounded)
 
 
 def test_with_the_turns_of_a_car_the_quickest_word_is_as_long_as_dubins_path() -> None:
