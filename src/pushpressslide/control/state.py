@@ -310,10 +310,8 @@ def findings(state: ControllerState) -> Findings:
     center = state.center.center
     elsewhere = False
     if state.center_identifier is not None:
-        (contact,) = state.binding.segment.contacts
-        lever = math.dist(contact.point, center)
-        aside = math.dist(center, state.followed_center) / lever
-        elsewhere = aside > state.center_identifier.off_line
+        identifier = state.center_identifier
+        elsewhere = identifier.contradicts(state.center, state.followed_center)
         if not elsewhere:  # the plan is not contradicted
             center = state.followed_center
     return Findings(axle, rho, state.axle.drag, center, elsewhere)

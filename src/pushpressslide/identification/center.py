@@ -33,12 +33,16 @@ HEADING = 0.15
 # of its distance from the centre of pressure, that the axle of a turn is elsewhere than
 # planned, though all that was believed is true
 AXLE = 0.2
-# [rad] that the heading of a window is off: the noise of poses, and the axle's own slip
-WINDOW_HEADING = 0.05
+WINDOW_HEADING = 0.05  # [rad] that the heading of a window is off: the noise of poses
+# of what a turn moves B's origin across, that the axle itself slips by: on the exact
+# surface it lies off the line to the contact where the force is at a large angle
+AXLE_SLIP = 0.3
 SEGMENT = 0.05  # [rad] that the heading of a whole segment is off
 # of the lever, that the centre is at most found to be off, where the belief does not
 # say how sure it is
 BOUND = 0.5
+
+SURE = 2.0  # standard deviations by which the centre is elsewhere, before it counts
 
 Row = tuple[float, float, float]  # of u, of a, and what they add up to
 
@@ -91,6 +95,7 @@ class CenterState(NamedTuple):
     pose: Pose2 | None = None  # X_WB at the window's start
     time: float = 0.0  # [s] of its start
     force: Point = (0.0, 0.0)  # [N] summed over its ticks, in B
+    off: float = math.inf  # [rad] standard deviation of the line to the contact
     known: float = 0.0  # [1/rad^2] what windows of segments before weigh
     before: Point = (0.0, 0.0)  # the centre at the end of the segment before
 
@@ -110,7 +115,7 @@ class CenterIdentifier:
         and a ``center`` of mass [m] in B. ``window`` [s]: the time over which a twist is
         taken.
         """
-        self.off_line = doubt.off_line
+        self._off_line = doubt.off_line
         self._window = window
         lever = math.hypot(*contact)
         self._lever = lever
@@ -155,7 +160,15 @@ class CenterIdentifier:
             return fresh
         seen = Window(contact, (vx, vy, w))
         windows = (*state.windows[1 - WINDOWS :], seen)
-        return fresh._replace(windows=windows, center=self._fit(state, windows))
+        center, off = self._fit(state, windows)
+        return fresh._replace(windows=windows, center=center, off=off)
+
+    def contradicts(self, state: CenterState, followed: Point) -> bool:
+        """Whether the centre is elsewhere than ``followed`` [m], by more than it may be
+        off by.
+        """
+        aside = math.dist(state.center, followed) / self._lever
+        return aside > max(self._off_line, SURE * state.off)
 
     def onward(self, state: CenterState) -> CenterState:
         """Return what stays known when a segment ends."""
@@ -170,12 +183,18 @@ class CenterIdentifier:
         """Return how far ``point`` is across the line to the contact [m]."""
         return point[0] * self._across[0] + point[1] * self._across[1]
 
-    def _fit(self, state: CenterState, windows: Sequence[Window]) -> Point:
-        """Return p_BCom [m], on the line through B across the one to the contact."""
+    def _fit(
+        self, state: CenterState, windows: Sequence[Window]
+    ) -> tuple[Point, float]:
+        """Return p_BCom [m], on the line through B across the one to the contact, and
+        the standard deviation of that line [rad].
+        """
         straight, mixed, turned, seen, seen_turned = self._sums(windows, state)
-        u = (turned * seen - mixed * seen_turned) / (straight * turned - mixed * mixed)
+        weight = straight * turned - mixed * mixed
+        u = (turned * seen - mixed * seen_turned) / weight
         across = self._lever * min(max(u, -self._most), self._most)
-        return (across * self._across[0], across * self._across[1])
+        center = (across * self._across[0], across * self._across[1])
+        return center, math.sqrt(turned / weight)
 
     def _sums(
         self, windows: Sequence[Window], state: CenterState
@@ -205,7 +224,7 @@ class CenterIdentifier:
         along = vx * ex + vy * ey
         across = vy * ex - vx * ey
         size = max(math.hypot(along, across), abs(w) * self._lever)
-        noise = WINDOW_HEADING * size
+        noise = WINDOW_HEADING * size + AXLE_SLIP * abs(self._axle * w)
         turned = (self._aside(window.contact) + self._planned) / self._lever
         off = across + self._axle * w - along * turned
         return -along / noise, -self._spread * w / noise, off / noise
