@@ -143,3 +143,25 @@ def test_the_friction_moves_the_axle_the_more_the_higher_the_contact_and_the_les
 
     assert axle(0.08, 0.04) - axle(0.0, 0.04) == pytest.approx(0.06 * 0.2 * 0.3 * 2.0)
     assert axle(0.08, 0.02) > axle(0.08, 0.04)
+
+
+def test_a_sure_belief_is_given_up_for_twice_the_error_of_what_is_seen() -> None:
+    aside = 0.06 * CONTACT[0]  # more than two degrees
+
+    def contradicted(doubts: Doubt, off: float) -> bool:
+        """Whether a centre that is known to ``off`` [rad] counts as elsewhere."""
+        axle = Pose2(AXLE, 0.0, 0.0)
+        identifier = CenterIdentifier(axle, CONTACT, (0.0, 0.0), doubts)
+        state = CenterState(center=(0.0, aside), off=off)
+        return identifier.contradicts(state, (0.0, 0.0))
+
+    assert contradicted(Doubt(), 0.025)
+    assert not contradicted(Doubt(), 0.035)
+    unsure = doubt(scene(center_error=0.01), CONTACT, 0.04, 0.06, 0.08)
+    assert contradicted(unsure, 0.035)
+
+
+def test_the_more_windows_are_seen_the_better_the_centre_is_known() -> None:
+    few = driven(planned(), 0.006, [0.0]).off
+    many = driven(planned(), 0.006, [0.0] * 4).off
+    assert many < few < HEADING

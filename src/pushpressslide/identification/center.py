@@ -42,9 +42,11 @@ SEGMENT = 0.05  # [rad] that the heading of a whole segment is off
 # say how sure it is
 BOUND = 0.5
 
-SURE = 2.0  # standard deviations by which the centre is elsewhere, before it counts
-
 Row = tuple[float, float, float]  # of u, of a, and what they add up to
+
+
+# standard deviations by which the centre is elsewhere, before it counts against a belief
+SURE = 2.0
 
 
 class Doubt(NamedTuple):
@@ -55,6 +57,9 @@ class Doubt(NamedTuple):
     # [rad] from which on the centre counts as elsewhere
     off_line: float = margins.ARM.off_line
     most: float = BOUND  # of the lever, that the centre is at most found to be off
+    # standard deviations that it has to be elsewhere by: a belief that says that it is
+    # unsure is given up for less
+    sure: float = SURE
 
 
 def doubt(
@@ -76,7 +81,7 @@ def doubt(
         return Doubt(axle=axle * reach)
     heading = scene.center_error / distance
     most = min(BOUND, math.sqrt(2.0) * heading)
-    return Doubt(heading, axle * reach, margins.ARM.off_line_unsure, most)
+    return Doubt(heading, axle * reach, margins.ARM.off_line_unsure, most, 0.0)
 
 
 class Window(NamedTuple):
@@ -126,6 +131,7 @@ class CenterIdentifier:
         self._spread = doubt.axle
         self._prior = 1.0 / doubt.heading**2
         self._most = doubt.most
+        self._sure = doubt.sure
 
     def step(
         self,
@@ -168,7 +174,7 @@ class CenterIdentifier:
         off by.
         """
         aside = math.dist(state.center, followed) / self._lever
-        return aside > max(self._off_line, SURE * state.off)
+        return aside > max(self._off_line, self._sure * state.off)
 
     def onward(self, state: CenterState) -> CenterState:
         """Return what stays known when a segment ends."""
