@@ -195,6 +195,4 @@ def drag_ratio(state: ControllerState) -> float:
     measured = state.axle.drag
     if measured is None:
         return 1.0
-    planned = state.binding.segment.drive.max_friction
-    least, most = margins.DRAG
-    return min(max(measured / planned, least), most)
+    return margins.drag_ratio(measured, state.binding.segment.drive.max_friction)

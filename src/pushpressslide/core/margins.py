@@ -349,6 +349,14 @@ def inset(tip_radius: float) -> float:
     return INSET * tip_radius
 
 
+def drag_ratio(measured: float, believed: float) -> float:
+    """Return the drag [N] that was ``measured`` over what was ``believed``, as far as it
+    counts.
+    """
+    least, most = DRAG
+    return min(max(measured / believed, least), most)
+
+
 def longest(detour: tuple[float, float], left: float, radius: float) -> float:
     """Return the longest way [m] of a plan made anew, where ``left`` [m] are left, for
     an object of a ``radius`` [m].

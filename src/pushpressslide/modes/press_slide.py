@@ -389,9 +389,7 @@ def dragged(task: Task, contact: Contact, drag: float | None) -> Task:
     if drag is None:
         return task
     told = task.told
-    least, most = margins.DRAG
-    ratio = drag / told.scene.max_friction(contact.load)
-    ratio = min(max(ratio, least), most)
+    ratio = margins.drag_ratio(drag, told.scene.max_friction(contact.load))
     if abs(ratio - 1.0) < margins.SURE_DRAG:
         return task
     support = replace(told.support, friction=ratio * told.support.friction)
