@@ -18,6 +18,7 @@ from pushpressslide.jobs.run import Monitor, Output
 def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
     return {
         "schema": 1,
+        "events": [],
         "task": "rear-push-rear",
         "engine": "drake",
         "modes": ["rear_push"],

@@ -191,9 +191,9 @@ def scripts(monkeypatch: pytest.MonkeyPatch) -> list[Script]:
 
 def shortened(plan: Plan, limit: float, sensing: Sensing | None = None) -> Plan:
     task = plan.task
-    motion = replace(task.motion, control_period=PERIOD)
+    motion = replace(task.motion, control_period=PERIOD, recoveries=0)
     legs = tuple(
-        replace(leg, motion=replace(leg.motion, control_period=PERIOD))
+        replace(leg, motion=replace(leg.motion, control_period=PERIOD, recoveries=0))
         for leg in task.legs
     )
     limits = replace(task.limits, time=limit)
@@ -218,7 +218,7 @@ def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:
 
 def test_the_record_holds_what_the_plant_adds(one, scripts) -> None:
     record = run_loop(Diary(arms=1), one)
-    assert (record.engine, record.meta) == ("diary", {"kind": "diary"})
+    assert (record.engine, record.meta) == ("diary", {"kind": "diary", "events": []})
     assert record.arrays["extra"].tolist() == [i + 1 for i in range(TICKS)]
     assert set(record.arrays["tick_execute"]) == {1e-3}
 

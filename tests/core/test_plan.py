@@ -17,6 +17,7 @@ from pushpressslide.core.plan import (
 )
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.task import Restart
 
 TASK = load_task("press-fit")  # four legs
 LEFT = Contact(0, "top", (0.0, 0.1), (0.0, 0.0), 0.1, load=5.0)
@@ -53,6 +54,7 @@ PLAN = Plan(
         made(LEFT, RIGHT, leg=3),
     ),
 )
+RESTART = Restart(2, Pose2(0.3, 0.2, 0.1), (0.01, 0.0), 0.25, None)
 
 
 def test_contacts_are_the_same_places_whatever_their_loads() -> None:
@@ -81,14 +83,30 @@ def test_the_plans_of_the_placements_have_all_segments_in_order() -> None:
     assert PLAN.duration == pytest.approx(sum(part.duration for part in parts))
 
 
-def test_each_leg_has_the_contacts_of_its_placement() -> None:
+def test_each_placement_has_its_own_contacts() -> None:
     assert PLAN.contacts == (LEFT, RIGHT)
-    assert PLAN.contacts_by_leg == {
-        0: (LEFT, RIGHT),
-        1: (LEFT, RIGHT),
-        2: (LEFT, MOVED),
-        3: (LEFT, RIGHT),
-    }
+    assert [plan.contacts for plan in PLAN.by_placement] == [
+        (LEFT, RIGHT),
+        (LEFT, MOVED),
+        (LEFT, MOVED),
+        (LEFT, RIGHT),
+    ]
+
+
+def test_what_is_planned_anew_takes_the_place_of_the_rest() -> None:
+    again = Plan(PLAN.task, PLAN.segments[3:], RESTART)
+    run = PLAN.begun(2, again)
+    first, second, *_ = PLAN.by_placement
+    assert run.segments == PLAN.segments[:3]
+    assert run.by_placement == (first, second, *again.by_placement)
+    assert run.again is again
+
+
+def test_a_task_goes_on_from_where_it_was_left() -> None:
+    rest = PLAN.task.resumed(RESTART)
+    assert rest.parts[RESTART.leg].start == RESTART.pose
+    assert rest.goal == PLAN.task.goal
+    assert rest.parts[RESTART.leg].goal == PLAN.task.parts[RESTART.leg].goal
 
 
 def test_an_arm_lasts_where_it_goes_on_with_its_contact() -> None:

@@ -103,6 +103,7 @@ def perfect(model="hand"):
         "time": DT * np.arange(n),
         "phase": phase.astype(float),
         "leg": np.zeros(n),
+        "placement": np.zeros(n),
         "stretch": np.zeros(n),
         "vehicle_frame": np.tile([X_BV.x, X_BV.y, X_BV.yaw], (n, 1)),
         "object_pose": pose,
@@ -125,7 +126,9 @@ def perfect(model="hand"):
         "plan_stretch": np.zeros(len(samples)),
     }
     meta = {"time_step": DT, "start_tips": [[0.1, 0.2, 0.3]]}
-    record = Record(arrays, "goal_reached", "", "planar", 7, 0.5, ("rear_push",), meta)
+    record = Record(
+        arrays, "goal_reached", "", "planar", 7, 0.5, ("rear_push",), plan, meta
+    )
     return Made(task, plan, record)
 
 

@@ -64,7 +64,7 @@ def test_a_record_survives_its_file(arm_run):
     force = arm_run.record.arrays["measured_force"].copy()
     force[3] = np.nan
     record = arm_run.with_arrays(measured_force=force).record
-    same_record(record, record_from_bytes(record_to_bytes(record)))
+    same_record(record, record_from_bytes(record_to_bytes(record), record.plan))
 
 
 def test_the_same_record_gives_the_same_bytes(run):
@@ -97,7 +97,7 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 5"),
+        (lambda data: data.update(schema=1), "schema 1, this version reads 6"),
         (
             lambda data: data["segments"][0]["drive"].update(point=[0.0]),
             "shorter|longer",

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.core.control import PHASES
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.report.support import support_figures
 from pushpressslide.taskfile.load import load_task
@@ -42,10 +43,12 @@ def test_the_fall_into_the_opening_is_measured_from_where_it_begins(goal):
     arrays = {
         "time": DT * np.arange(len(y)),
         "phase": np.full(len(y), PHASES.index("move")),
+        "placement": np.zeros(len(y)),
         "object_pose_3d": np.hstack([turned, places]),
     }
     found = support_figures(
-        task, Record(arrays, "goal_reached", "", "drake", 0, 1.0, task.modes or ())
+        task,
+        Record(arrays, "goal_reached", "", "drake", 0, 1.0, (), Plan(task, ())),
     )
     if goal:
         assert found["fall_height"] is None

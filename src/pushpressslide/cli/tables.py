@@ -130,6 +130,12 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         table.add_row(name, shown, unit)
     _print(table)
     console = Console(markup=False, highlight=False, soft_wrap=True)
+    for event in result["events"]:
+        goes_on = (
+            "planned anew" if event["recovered"] else f"no way on: {event['lacking']}"
+        )
+        text = f"{event['time']:.1f} s: {event['code']}, {event['text']}; {goes_on}"
+        console.print(text)
     if not result["success"]:
         console.print(reason["text"])
     for name in ("replay.html", "report.html"):

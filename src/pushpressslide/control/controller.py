@@ -29,6 +29,7 @@ from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, entry
 from pushpressslide.control.state import (
     Binding,
     ControllerState,
+    Still,
     TipContext,
     TipMemory,
     begin,
@@ -53,13 +54,14 @@ from pushpressslide.core.control import ControlLog, Measurement, Phase, TipComma
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
-from pushpressslide.core.record import ReasonCode
-from pushpressslide.core.task import Sensing
+from pushpressslide.core.record import Ending, ReasonCode
+from pushpressslide.core.task import Sensing, Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
+from pushpressslide.planning.workspace import poses_along
 
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
 # [m], [rad] of noise that may remain in the object's pose: the mean of as many
@@ -136,6 +138,9 @@ class Controller:
         self.scene = told.scene
         self.holds = final and not self.scene.carried(last.goal)
         self.waits = self.entry is not None or self.holds
+        # nothing but a retry can mend a miss
+        self.reaches_far = self.waits or motion.recoveries == 0
+        self.planned_poses = [p for s in self.segments for p in poses_along(s)]
         self.lasting: frozenset[int] = frozenset()
         if not final:
             self.lasting = lasting_arms(self.segments, placements[number + 1])
@@ -204,6 +209,23 @@ class Controller:
                 measurement.tips[contact.arm].force, direction
             )
         return forces
+
+    def seen(self, state: ControllerState, measurement: Measurement) -> Pose2:
+        """Return X_WG at the last tick, freed from noise as far as it can be."""
+        if state.X_WB is None:
+            return measurement.object_pose
+        return state.X_WB.compose(self.X_BG)
+
+    def missed(self, pose: Pose2) -> Ending | None:
+        """Return by how much an object left at ``pose``, X_WG, misses the goal of this
+        placement; None if it does not.
+        """
+        task = self.parts[self.segments[-1].leg]
+        if _share_of_tolerance(task, pose) < margins.RETRY_ABOVE:
+            return None
+        off = math.dist(pose.position, task.goal.position)
+        turned = math.degrees(abs(wrap_angle(pose.yaw - task.goal.yaw)))
+        return Ending("goal_missed", f"{off * 1e3:.1f} mm and {turned:.1f} deg off")
 
     def _pose(self, state: ControllerState, measurement: Measurement) -> Pose2:
         """Return X_WG: where the object should have moved since the last tick, corrected
@@ -487,6 +509,11 @@ class Controller:
         if astray > allowed:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
             return self.stop(state, measurement, ("goal_missed", text))
+        state = replace(state, still=self._still(state, X_WB, time))
+        rests = time - state.still.since if state.still else 0.0
+        if rests > margins.ARM.stall_time:
+            text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
+            return self.stop(state, measurement, ("goal_missed", text))
         if self._arrived(state, measurement, left):
             ahead = state.ahead or self._retry(state, measurement, X_WB)
             if not ahead:
@@ -504,6 +531,22 @@ class Controller:
             return state
         state = replace(state, rho=findings(state).rho)
         return self._replanned(state, time, X_WB, touched, guidance)
+
+    def _still(self, state: ControllerState, X_WB: Pose2, time: float) -> Still | None:
+        """Return where the object was when it last moved, in this phase; None where it
+        may rest.
+        """
+        if self.waits:
+            return None
+        still = state.still
+        if still is None or still.since < state.since:
+            return Still(X_WB, time)
+        turned = self.object.radius * abs(wrap_angle(X_WB.yaw - still.pose.yaw))
+        way = math.dist(X_WB.position, still.pose.position) + turned
+        speed = state.binding.segment.profile.speed
+        if way < margins.STALL * speed * margins.ARM.stall_time:
+            return still
+        return Still(X_WB, time)
 
     def _touch_planned_place(
         self, state: ControllerState, measurement: Measurement, crept: bool
@@ -593,19 +636,39 @@ class Controller:
         not there.
         """
         task = self.parts[state.segment.leg]
-        pose = measurement.object_pose
-        off = math.dist(pose.position, task.goal.position) / task.tolerance.position
-        turned = abs(wrap_angle(pose.yaw - task.goal.yaw)) / task.tolerance.yaw
+        off = _share_of_tolerance(task, measurement.object_pose)
         above = margins.RETRY_ABOVE
         if self.entry is not None:
             above = margins.RETRY_ABOVE_SEATED
-        if max(off, turned) < above or state.retries == RETRIES:
+        if off < above or state.retries == RETRIES:
             return ()
         segment = state.binding.segment
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
         replanner = self.replanner.believing(state.rho)
         fresh = replanner.again(segment, X_WB, touched, findings(state))
-        return fresh if self._in_time(fresh, measurement.time) else ()
+        return fresh if self._can_follow(fresh, measurement.time) else ()
+
+    def _can_follow(self, segments: Sequence[Segment], time: float) -> bool:
+        """Whether ``segments`` begun at ``time`` [s] end in time, and beside the planned
+        way: elsewhere nobody has looked whether the arms can follow.
+        """
+        return self._in_time(segments, time) and (
+            self.reaches_far or self._beside(segments)
+        )
+
+    def _beside(self, segments: Sequence[Segment]) -> bool:
+        """Whether each pose of ``segments`` is near a planned one."""
+        near = margins.ARM.beside
+        turn = margins.ARM.turned_beside
+        return all(
+            any(
+                math.dist(pose.position, other.position) < near
+                and abs(wrap_angle(pose.yaw - other.yaw)) < turn
+                for other in self.planned_poses
+            )
+            for segment in segments
+            for pose in poses_along(segment)
+        )
 
     def _in_time(self, segments: Sequence[Segment], time: float) -> bool:
         """Whether ``segments`` begun at ``time`` [s] end before the run has to."""
@@ -642,7 +705,7 @@ class Controller:
             retries += 1
         elif retries < RETRIES and mode.misses(part, fresh, X_WB):
             anew = replanner.again(fresh[-1], X_WB, touched, found)
-            if anew and self._in_time(anew, time):
+            if anew and self._can_follow(anew, time):
                 fresh = anew
                 center = found.center
                 retries += 1
@@ -702,6 +765,13 @@ class Controller:
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def _share_of_tolerance(task: Task, pose: Pose2) -> float:
+    """Return how far an object at ``pose``, X_WG, is from its goal, over the tolerance."""
+    off = math.dist(pose.position, task.goal.position) / task.tolerance.position
+    turned = abs(wrap_angle(pose.yaw - task.goal.yaw)) / task.tolerance.yaw
+    return max(off, turned)
 
 
 def _onward(state: ControllerState) -> CenterState:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.arrays import Array
 
 POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what plans keep
+POSITION_PLAY = 0.005  # of that distance, by which a joint may come nearer again
 TORQUE_TIME = 0.1  # [s] without a pause that an arm may ask for more than its torque
 MEAN_TIME = 0.02  # [s] over which limits.normal_force bounds the mean contact force
 PEAK = 1.5  # times limits.normal_force: bound of a single sample
@@ -56,6 +57,8 @@ class _Memory:
 
     forces: deque[float]
     overload: int = 0  # ticks so far at which more than its torque was asked
+    # [rad] or [m] that its joints have been from their limits, at the farthest
+    room: float | None = None
     reference: TipCommand | JointCommand | None = None
 
 
@@ -66,6 +69,8 @@ class Guard:
     normal_force: float  # [N] limits.normal_force
     period: float  # [s]
     arms: Sequence[ArmLimits]  # none on a plant without joints
+    # after a recovery: an arm that begins near a limit may move away from it
+    anew: bool = False
     _memories: dict[int, _Memory] = field(default_factory=dict)
 
     def begin(self) -> None:
@@ -87,7 +92,7 @@ class Guard:
         found = [self._force(i, force) for i, force in enumerate(forces)]
         for i, (limits, reading) in enumerate(zip(self.arms, readings, strict=True)):
             found.append(_speed(i, limits, reading))
-            found.append(_position(i, limits, reading))
+            found.append(self._position(i, limits, reading))
             found.append(self._torque(i, reading))
         found += [self._jump(i, command) for i, command in enumerate(commands)]
         return next((ending for ending in found if ending is not None), None)
@@ -111,6 +116,25 @@ class Guard:
             return None
         return Ending(
             "force_limit", f"tip {arm}: {text} limits.normal_force of {limit:g} N"
+        )
+
+    def _position(
+        self, arm: int, limits: ArmLimits, reading: ArmReading
+    ) -> Ending | None:
+        memory = self._memory(arm)
+        left = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
+        worst = int(np.argmin(left))
+        room = float(left[worst])
+        if memory.room is None:
+            memory.room = room if self.anew else math.inf
+        allowed = min(POSITION_MARGIN, memory.room - POSITION_PLAY)
+        memory.room = max(memory.room, room)
+        if room >= allowed:
+            return None
+        return Ending(
+            "joint_limit",
+            f"arm {arm}: joint {worst + 1} is {room:.3f} rad from its limit, allowed "
+            f"from {POSITION_MARGIN:g} rad",
         )
 
     def _torque(self, arm: int, reading: ArmReading) -> Ending | None:
@@ -170,18 +194,6 @@ def _speed(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:
         "joint_limit",
         f"arm {arm}: joint {worst + 1} at {abs(float(reading.v[worst])):.2f} rad/s, "
         f"allowed {limits.velocity[worst]:g} rad/s",
-    )
-
-
-def _position(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:
-    margins = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
-    worst = int(np.argmin(margins))
-    if margins[worst] >= POSITION_MARGIN:
-        return None
-    return Ending(
-        "joint_limit",
-        f"arm {arm}: joint {worst + 1} is {float(margins[worst]):.3f} rad from its "
-        f"limit, allowed from {POSITION_MARGIN:g} rad",
     )
 
 

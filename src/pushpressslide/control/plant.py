@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.core.control import Commands, Measurement, Vector3
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.selection.preparation import Preparation
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +76,11 @@ class Plant(Protocol):
 
     def diverged(self) -> str | None:
         """Return why the run cannot go on, or None."""
+
+    def prepare(self) -> Preparation:
+        """Return an empty preparation of placements from where the arms are now, in
+        place of all that are ahead.
+        """
 
     def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
         """Go on with the next placement; arms in ``lasting`` keep their contacts."""

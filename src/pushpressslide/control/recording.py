@@ -43,21 +43,29 @@ class Recorder:
     """Collects the rows of a run and makes the arrays of its record."""
 
     def __init__(self, plan: Plan) -> None:
-        """Start empty, with the plan's own arrays."""
+        """Start empty, with the first placement of ``plan``."""
         self._rows: dict[str, list[Any]] = {}
+        self._X_BG = plan.task.X_GB.inverse()
         self._plan = plan
-        self._placements = plan.placements
-        self._number = 0  # of the placement that is done now
+        self._number = 0  # of the placement that is done now, over the whole run
+        self._earlier = 0  # placements that were done by other plans than this one
         self._before = 0  # segments that were begun before it
         self._followed: list[Segment] = []  # each segment that was begun
 
     def __len__(self) -> int:
         return len(self._rows.get("time", ()))
 
-    def begin(self, number: int) -> None:
-        """Note that the placement of that ``number`` begins."""
-        self._number = number
+    def begin(self, plan: Plan, number: int) -> None:
+        """Note that the placement of that ``number`` of ``plan`` begins."""
+        self._number += 1
+        self._earlier = self._number - number
+        self._plan = plan
         self._before = len(self._followed)
+
+    @property
+    def _placement(self) -> int:
+        """Number of the present placement in its plan."""
+        return self._number - self._earlier
 
     def add(self, tick: Tick) -> None:
         """Append one tick."""
@@ -65,7 +73,7 @@ class Recorder:
         begun = self._followed
         if followed is not None and (not begun or followed is not begun[-1]):
             begun.append(followed)
-        segment = followed or self._placements[self._number][0]
+        segment = followed or self._plan.placements[self._placement][0]
         self._append(self._plan_rows(segment))
         self._append(_log_rows(tick))
         self._append(_arm_rows(tick))
@@ -79,9 +87,11 @@ class Recorder:
             self._rows[name].append(value)
 
     def _plan_rows(self, followed: Segment) -> dict[str, Any]:
-        X_BV = followed.X_BV
+        # about the frame B that the run began with
+        X_BV = self._X_BG.compose(self._plan.task.X_GB).compose(followed.X_BV)
         return {
             "leg": followed.leg,
+            "placement": self._number,
             "stretch": max(self._before, len(self._followed) - 1),
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
         }
@@ -92,17 +102,18 @@ class Recorder:
         engine: str,
         seed: int,
         wall_time: float,
+        plan: Plan,
         meta: Mapping[str, Any],
     ) -> Record:
-        """Return everything so far."""
+        """Return everything so far, of ``plan`` as it was run."""
         arrays: dict[str, NDArray[np.float64]] = {
             name: np.asarray(rows, dtype=np.float64)
             for name, rows in self._rows.items()
         }
-        placements = self._placements
+        placements = self._plan.placements[self._placement :]
         paths = [segment.path for segment in self._followed]
-        done = min(len(paths) - self._before, len(placements[self._number]))
-        rest = [piece for group in placements[self._number :] for piece in group]
+        done = min(len(paths) - self._before, len(placements[0]))
+        rest = [piece for group in placements for piece in group]
         paths += [segment.path for segment in rest[done:]]
         samples = [
             p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
@@ -111,11 +122,10 @@ class Recorder:
         arrays["plan_stretch"] = np.repeat(
             np.arange(len(paths), dtype=np.float64), PATH_SAMPLES
         )
-        modes = tuple(
-            mode for mode, _ in groupby(piece.mode for piece in self._plan.segments)
-        )
+        used = (piece.mode for part in plan.by_placement for piece in part.segments)
+        modes = tuple(mode for mode, _ in groupby(used))
         return Record(
-            arrays, ending.code, ending.text, engine, seed, wall_time, modes, meta
+            arrays, ending.code, ending.text, engine, seed, wall_time, modes, plan, meta
         )
 
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 from pushpressslide.control.approach import (
     Approach,
@@ -24,9 +25,11 @@ from pushpressslide.control.controller import Controller
 from pushpressslide.control.limits import Guard
 from pushpressslide.control.plant import Plant
 from pushpressslide.control.recording import Recorder, Tick
+from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import Sensor
-from pushpressslide.control.state import ControllerState, tip_position
+from pushpressslide.control.state import ControllerState, findings, tip_position
 from pushpressslide.control.watches import Watch
+from pushpressslide.core import margins
 from pushpressslide.core.control import (
     Commands,
     ControlLog,
@@ -34,8 +37,11 @@ from pushpressslide.core.control import (
     TipCommand,
     TipCommands,
 )
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.identification.findings import NOTHING
 
 PROGRESS_TICKS = 25  # between two reports of the progress
 
@@ -80,6 +86,10 @@ class _RunLoop:
         self.plant = plant
         self.options = options
         self.time_limit = task.limits.time
+        self.recoveries = task.motion.recoveries  # left
+        self.events: list[dict[str, Any]] = []  # what was recovered from
+        # plans that others took the place of, and how many placements were begun of each
+        self.earlier: list[tuple[Plan, int]] = []
         self.sensor = Sensor(task.sensing, options.seed, period)
         self.guard = Guard(task.limits.normal_force, period, plant.arm_limits)
         self.breach: Ending | None = None  # the limit that was broken
@@ -102,17 +112,21 @@ class _RunLoop:
             if self._placement_done() and self.number + 1 < len(self.placements):
                 self._hand_over(tick, measurement)
             ended = self._ending(tick)
-            if ended is not None:
+            if ended is not None and not self._recovers(ended, tick, measurement):
                 ending = ended
                 break
             self._report(tick.truth.time)
         wall_time = perf_counter() - started
+        plan = self.plan
+        for earlier, count in reversed(self.earlier):
+            plan = earlier.begun(count, plan)
         return self.recorder.record(
             self.breach or ending,
             self.plant.name,
             self.options.seed,
             wall_time,
-            self.plant.meta,
+            plan,
+            {**self.plant.meta, "events": self.events},
         )
 
     def _tick(self) -> tuple[Tick, Measurement]:
@@ -199,7 +213,91 @@ class _RunLoop:
         self.number += 1
         self.plant.hand_over(self.placements[self.number], lasting)
         self._begin(held, tick.truth.time, measurement)
-        self.recorder.begin(self.number)
+        self.recorder.begin(self.plan, self.number)
+
+    def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
+        """Plan anew what is left, from where object and arms are, and begin it; return
+        whether that can be done, and in time.
+        """
+        if self.recoveries == 0:
+            return False
+        pose = measurement.object_pose
+        if self.state is not None:
+            pose = self.controller.seen(self.state, measurement)
+        why = self._lacks(self.breach or ending, pose)
+        if why is None:
+            return False
+        time = tick.truth.time
+        try:
+            plan = self._planned_anew(pose, time)
+        except InfeasibleTaskError as error:
+            self._note(time, why, str(error))
+            return False
+        self._note(time, why)
+        self._resume(plan, time, measurement)
+        return True
+
+    def _lacks(self, ending: Ending, pose: Pose2) -> Ending | None:
+        """Return what went wrong, if arms that have drawn back could begin anew."""
+        if ending.code == "goal_reached":
+            return self.controller.missed(pose)
+        return ending if ending.code in RECOVERABLE else None
+
+    def _planned_anew(self, pose: Pose2, time: float) -> Plan:
+        """Return the plan of what is left from ``pose``, X_WG.
+
+        Raises InfeasibleTaskError where there is none that ends in time.
+        """
+        task = self.plan.task
+        segment = self.controller.segments[0]
+        found = NOTHING
+        if self.state is not None:
+            segment = self.state.segment
+            found = findings(self.state)
+        elif any(self.approach.held):
+            raise InfeasibleTaskError("one arm still holds the object")
+        if not task.scene.carried(pose):
+            raise InfeasibleTaskError("nothing but the arms carries the object")
+        begin = restart(task, segment, pose, found)
+        plan = planned_anew(task, begin, self.plant.prepare())
+        needed = plan.duration + margins.ARM.regrasp * len(plan.placements)
+        if time + needed > self.time_limit:
+            raise InfeasibleTaskError(
+                f"another attempt takes {needed:.0f} s; limits.time leaves "
+                f"{self.time_limit - time:.0f} s"
+            )
+        return plan
+
+    def _note(self, time: float, why: Ending, lacking: str | None = None) -> None:
+        """Note what went wrong, and what was lacking for another attempt."""
+        self.events.append(
+            {
+                "time": time,
+                "code": why.code,
+                "text": why.text,
+                "recovered": lacking is None,
+                "lacking": lacking,
+            }
+        )
+
+    def _resume(self, plan: Plan, time: float, measurement: Measurement) -> None:
+        """Begin ``plan`` in place of the rest of the present one."""
+        self.earlier.append((self.plan, self.number + 1))
+        self.plan = plan
+        self.placements = plan.by_placement
+        self.number = 0
+        self.recoveries -= 1
+        self.breach = None
+        self.guard = Guard(
+            plan.task.limits.normal_force,
+            plan.task.motion.control_period,
+            self.plant.arm_limits,
+            anew=True,
+        )
+        self.expected = time + margins.ARM.regrasp + plan.duration
+        self.plant.hand_over(self.placements[0], frozenset())
+        self._begin((None,) * len(plan.task.robots), time, measurement)
+        self.recorder.begin(plan, 0)
 
     def _placement_done(self) -> bool:
         state = self.state

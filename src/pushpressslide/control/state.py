@@ -95,6 +95,14 @@ class TipMemory:
 
 
 @dataclass(frozen=True, slots=True)
+class Still:
+    """Where an object has been since a time, but for less than counts as motion."""
+
+    pose: Pose2  # X_WB
+    since: float  # [s]
+
+
+@dataclass(frozen=True, slots=True)
 class ControllerState:
     """Everything that the controller remembers between ticks."""
 
@@ -117,6 +125,7 @@ class ControllerState:
     # whether the touch begins with lining up, or goes on from where the tips are
     align: bool = True
     lost: float | None = None  # [s] since when contact is missing
+    still: Still | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan on the way
     retouches: int = 0
     retries: int = 0

@@ -164,6 +164,10 @@ BACK_UPS = (0.0, 2.5, 5.0, 7.5)
 """Look-aheads that a vehicle first goes back straight, where the goal is too near."""
 CAR_LOOK_AHEAD = 2.0
 """Shortest ways over which the arm corrects: the look-ahead of a pushed car."""
+CAR_RUN_IN_UNSURE = 1.0
+"""Of ``motion.run_in``: the least straight end of a rear push, where the centre of mass
+may be elsewhere.
+"""
 CAR_RUN_INS = (1.0, 0.5, 0.25)
 """Of ``motion.run_in``: the straight ends of a pushed car that are tried."""
 REST_TO_REST = 1.2
@@ -193,6 +197,9 @@ as lost: one false loss in 10^9 measurements.
 """
 FLOOR_SPEED = 0.12
 """Of ``motion.speed``: the least speed while the goal is not reached."""
+
+STALL = 0.05
+"""Of ``motion.speed``: the mean speed below which an object stands still."""
 
 POSTURE_SPEED = 0.4
 """Of a joint's velocity limit: how fast the posture is led to another one in contact."""
@@ -231,6 +238,8 @@ class ArmMargins:
     """The same as ``response`` of an object that tips hold from above."""
     turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
     """Of a pushed object: beyond it the tip slips where the steering jumps."""
+    regrasp: float = field(default=10.0, metadata={"unit": "s"})
+    """Of a placement beside its motion: the way there, the touch, the release."""
     felt_force: float = field(default=0.25, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
@@ -283,6 +292,12 @@ class ArmMargins:
     """Of the tracking point from its path: the run is given up. The joint path that was
     planned along it is of no use any more.
     """
+    beside: float = field(default=0.1, metadata={"unit": "m"})
+    """Of an object from its planned way, within which the arms' joints can follow."""
+    turned_beside: float = field(default=0.4, metadata={"unit": "1"})
+    """The same of its yaw [rad]."""
+    stall_time: float = field(default=5.0, metadata={"unit": "s"})
+    """In which an object that is led has to move, or the run is given up."""
     retouch: float = field(default=0.012, metadata={"unit": "m"})
     """Of slid contact, and of path left, above which a tip lets go and touches the
     planned place again: what a touch costs is the arm's.

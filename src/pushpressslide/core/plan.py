@@ -11,7 +11,7 @@ from pushpressslide.core.drive import Drive
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 
 if TYPE_CHECKING:
@@ -157,10 +157,14 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A task and the segments that do it, in order."""
+    """A task and the segments that do it, in order; of a run, also what was planned
+    anew in place of the rest.
+    """
 
     task: Task
     segments: tuple[Segment, ...]
+    restart: Restart | None = None  # that the task goes on from; None: its start
+    again: Plan | None = None  # after a recovery
 
     @property
     def placements(self) -> tuple[tuple[Segment, ...], ...]:
@@ -175,8 +179,17 @@ class Plan:
 
     @property
     def by_placement(self) -> tuple[Plan, ...]:
-        """One plan for each placement, with the task of its first leg."""
-        return tuple(Plan(self.part(group[0]), group) for group in self.placements)
+        """One plan for each placement, with the task of its first leg; those that were
+        planned anew included.
+        """
+        own = tuple(Plan(self.part(group[0]), group) for group in self.placements)
+        return own if self.again is None else own + self.again.by_placement
+
+    def begun(self, count: int, again: Plan) -> Plan:
+        """Return the plan with its first ``count`` placements, gone on with ``again``."""
+        groups = self.placements[:count]
+        segments = tuple(piece for group in groups for piece in group)
+        return replace(self, segments=segments, again=again)
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -212,15 +225,6 @@ class Plan:
     def duration(self) -> float:
         """Time [s] of all segments, without approach and release."""
         return sum(segment.profile.duration for segment in self.segments)
-
-    @property
-    def contacts_by_leg(self) -> dict[int, tuple[Contact, ...]]:
-        """The contacts that the arms have in each leg."""
-        return {
-            segment.leg: placement[0].contacts
-            for placement in self.placements
-            for segment in placement
-        }
 
 
 def lasting_arms(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from pushpressslide.core.plan import Plan
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -49,5 +51,6 @@ class Record:
     seed: int
     wall_time: float  # [s] of the whole loop
     modes: tuple[str, ...]
+    plan: Plan  # as it was run, with what was planned anew
     # versions, time step, joint margin, clearance, ...
     meta: Mapping[str, Any] = field(default_factory=dict)

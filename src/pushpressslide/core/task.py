@@ -83,7 +83,7 @@ class ToolUse:
 class Limits:
     """Bounds of the run."""
 
-    time: float = setting(60.0, "largest simulated time", "s", "(0, 3600]")
+    time: float = setting(120.0, "largest simulated time", "s", "(0, 3600]")
     normal_force: float = setting(
         40.0, "largest normal force of a contact", "N", "(0, 1000]"
     )
@@ -209,6 +209,12 @@ class Motion:
     velocity_servo: bool = setting(
         True, "whether a velocity servo is added to the feed-forward force"
     )
+    recoveries: int = setting(
+        3,
+        "how often the arms may let go and the motion be planned anew, where contact or "
+        "goal was missed or a limit was broken",
+        within="[0, 20]",
+    )
     curvature_margin: float = setting(
         0.55,
         "largest planned curvature, as a share of the one that friction allows",
@@ -287,6 +293,17 @@ class Leg:
         )
     )
     motion: Motion = field(metadata=entry("fields of `motion` that differ in this leg"))
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """Where a task goes on after a recovery, and what is believed by then."""
+
+    leg: int  # of the task, that is not done
+    pose: Pose2  # X_WG as seen
+    center_of_mass: Point  # [m] in G
+    support_friction: float
+    rho: float | None  # [m]; None: that of the base's pressure
 
 
 @dataclass(frozen=True, slots=True)
@@ -449,6 +466,24 @@ class Task:
             out.append(replace(part, source=f"{self.source}: legs[{i}]"))
             begin = replace(begin, start=leg.goal, start_error=Pose2())
         return tuple(out) or (self,)
+
+    def resumed(self, restart: Restart) -> Task:
+        """Return the task as it goes on from ``restart``; the goals of what is done
+        are where the object was left.
+        """
+        belief = replace(
+            self.belief,
+            center_of_mass=restart.center_of_mass,
+            support_friction=restart.support_friction,
+            rho=restart.rho,
+        )
+        task = replace(self, belief=belief, start_error=Pose2())
+        if restart.leg == 0:
+            return replace(task, start=restart.pose)
+        done = self.legs[restart.leg - 1]
+        legs = list(self.legs)
+        legs[restart.leg - 1] = replace(done, goal=restart.pose)
+        return replace(task, legs=tuple(legs))
 
     @property
     def true_start(self) -> Pose2:

@@ -6,7 +6,7 @@ An engine's modules are imported when they are first used.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pushpressslide.control.run_loop import RunOptions
     from pushpressslide.core.plan import Plan
     from pushpressslide.core.record import Record
+    from pushpressslide.selection.preparation import Preparation
     from pushpressslide.sim.joints.joint_path import ArmPath
 
     JointPaths = Sequence[tuple[ArmPath, ...]]  # of the arms, for each placement
@@ -41,24 +42,6 @@ class ArmOptions:
     # called with the address of a page that shows the run
     live: Callable[[str], None] | None = None
     video: bool = False  # also write an animation
-
-
-class Preparation(Protocol):
-    """The plans of one placement after the other, with what their arms need."""
-
-    @property
-    def plans(self) -> Sequence[Plan]:
-        """The plans so far, one per placement."""
-
-    @property
-    def paths(self) -> JointPaths:
-        """Their joint paths; empty on an engine without arms."""
-
-    def add(self, placement: Plan) -> None:
-        """Add the plan of one more placement.
-
-        Raises InfeasibleTaskError where an arm has no joint path for it.
-        """
 
 
 class Engine(Protocol):
@@ -107,22 +90,14 @@ class _Drake:
             write_video(plan, record, out, models=arms.models)
 
 
-@dataclass
-class _PlansAlone:
-    plans: list[Plan] = field(default_factory=list)
-    paths: JointPaths = ()
-
-    def add(self, placement: Plan) -> None:
-        """Add the plan of one more placement."""
-        self.plans.append(placement)
-
-
 class _Planar:
     has_arms = False
 
     def preparation(self, force: bool) -> Preparation:
         """Return the plans alone."""
-        return _PlansAlone()
+        from pushpressslide.selection.preparation import PlansAlone
+
+        return PlansAlone()
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""

@@ -9,27 +9,21 @@ import platform
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from itertools import chain, groupby
+from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions
-from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
-from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.jobs.engines import DEFAULT, ArmOptions, Preparation, engine_named
+from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.planner import plan_of, refusal, usable
-from pushpressslide.selection.select import placements, select
-
-# choices of a mode that are judged in full where the first have no joint path
-MORE = 3 * ENOUGH
-
-Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
+from pushpressslide.selection.planner import plan_of
+from pushpressslide.selection.preparation import MORE, prepared
+from pushpressslide.selection.select import select
 
 
 def versions() -> dict[str, str]:
@@ -91,7 +85,7 @@ def simulate(
     began = perf_counter()
     choices = select(task, enough)
     selected = perf_counter()
-    judged = _prepared(preparation, task, choices, force)
+    judged = prepared(preparation, task, choices, force)
     planning_time = {"selection": selected - began}
     if chosen.has_arms:
         planning_time["joint_paths"] = perf_counter() - selected
@@ -104,61 +98,7 @@ def simulate(
             ArmOptions(models, preparation.paths, monitor.live),
         )
     meta = {**record.meta, "planning_time": planning_time}
-    return plan, replace(record, meta=meta), judged
-
-
-def _prepared(
-    preparation: Preparation, task: Task, choices: list[Choice], force: bool
-) -> list[Choice]:
-    """Add to ``preparation`` the best choice of every placement, and return the judged
-    choices, with what those lack that had to be passed over.
-    """
-    groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
-    for group in groups:
-        usable(task, group, force=force)
-    for number, group in enumerate(groups):
-        problems: Problems = {}
-        added = _add_first(preparation, task, group, force, problems)
-        if not added and not all(choice.evaluated for choice in group):
-            more = placements(task, MORE)
-            # with more choices a leg may go on with the contacts of the one before it
-            if [other[0].leg for other in more] == [other[0].leg for other in groups]:
-                groups[number] = group = more[number]
-                added = _add_first(preparation, task, group, force, problems)
-        if added:
-            continue
-        if len(problems) == 1:
-            raise next(iter(problems.values()))
-        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(groups))))
-    return list(chain.from_iterable(groups))
-
-
-def _add_first(
-    preparation: Preparation,
-    task: Task,
-    choices: list[Choice],
-    force: bool,
-    problems: Problems,
-) -> bool:
-    """Add the first choice of a placement that has a joint path, and return whether
-    there is one.
-
-    Writes into ``choices`` and ``problems`` what the others lack, which are not tried
-    again.
-    """
-    for i, choice in enumerate(choices):
-        if not choice.segments or not (choice.feasible or force):
-            continue
-        key = (choice.mode, choice.contacts, choice.label, choice.merits)
-        try:
-            if key not in problems:
-                preparation.add(plan_of(task, [choice]).by_placement[0])
-                return True
-        except InfeasibleTaskError as error:
-            problems[key] = error
-        why = str(problems[key]).split(": ", 1)[-1]
-        choices[i] = choice.refused(Refusal("joint_path", literal(why)))
-    return False
+    return record.plan, replace(record, meta=meta), judged
 
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
@@ -180,7 +120,8 @@ def run_choice(
     segments = chain.from_iterable(part.segments for part in preparation.plans)
     plan = Plan(task, tuple(segments))
     options = ArmOptions(paths=preparation.paths)
-    return plan, chosen.run(plan, RunOptions(seed), options)
+    record = chosen.run(plan, RunOptions(seed), options)
+    return record.plan, record
 
 
 def run(

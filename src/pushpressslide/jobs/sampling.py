@@ -201,8 +201,7 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
     """Return a task whose truth differs from what is believed: ``known``.
 
     Both frictions and the mass are off by up to FRICTION_ERROR, the centre of mass by up
-    to CENTER_ERROR; all sensors are noisy and late. There is twice the time, for what
-    goes wrong at first.
+    to CENTER_ERROR; all sensors are noisy and late.
     """
     rng = np.random.default_rng([seed, index, 1])
     support, contact, mass = 1.0 + FRICTION_ERROR * rng.uniform(-1.0, 1.0, size=3)
@@ -227,7 +226,6 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
         contact_friction=min(1.9, known.contact_friction * float(contact)),
         object=replace(body, mass=body.mass * float(mass), center_of_mass=center),
         sensing=UNCERTAIN_SENSING,
-        limits=replace(known.limits, time=2.0 * known.limits.time),
     )
 
 

@@ -14,6 +14,7 @@ from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Commands, Measurement, TipCommand
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.planar.world import World
+from pushpressslide.selection.preparation import PlansAlone, Preparation
 
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
 TOUCH_AND_RELEASE = 6.0  # [s] typical time of both, for the progress
@@ -82,6 +83,10 @@ class PlanarPlant:
         if any(self._task.scene.weight_along) and not pressed:
             return "the object falls: nothing presses it on the wall"
         return "the object tips over: the centre of pressure has left its base"
+
+    def prepare(self) -> Preparation:
+        """Return a preparation that takes any plan."""
+        return PlansAlone()
 
     def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
         """Take the contacts of the next placement; the tips stay where they are."""

@@ -139,8 +139,9 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     straight = math.hypot(goal.x - start.x, goal.y - start.y)
     longest = longest_way(task, straight)
     routes = []
+    least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
     for run_share, harder, slower in COMFORT:
-        run_in = run_share * motion.run_in
+        run_in = max(least, run_share) * motion.run_in
         share = min(1.0, harder * motion.curvature_margin)
         path = with_run_in((start, goal), high * share, -low * share, run_in)
         routes.append(Route(path, run_in, share, slower * motion.speed))

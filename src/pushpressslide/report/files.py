@@ -97,7 +97,9 @@ def load_run(folder: Path) -> Run:
     task = load_task(folder / TASK)
     plan = _read(folder / PLAN, lambda _: plan_from_dict(stored, task))
     choices = _read(folder / PLAN, lambda _: choices_from_dict(stored))
-    record = _read(folder / RECORD, lambda path: record_from_bytes(path.read_bytes()))
+    record = _read(
+        folder / RECORD, lambda path: record_from_bytes(path.read_bytes(), plan)
+    )
     return Run(folder, task, plan, record, result, choices)
 
 
@@ -138,8 +140,10 @@ def record_to_bytes(record: Record) -> bytes:
     return buffer.getvalue()
 
 
-def record_from_bytes(data: bytes) -> Record:
-    """Return the record of ``record_to_bytes``; tuples in ``meta`` come back as lists."""
+def record_from_bytes(data: bytes, plan: Plan) -> Record:
+    """Return the record of ``record_to_bytes``, of a run of ``plan``; tuples in ``meta``
+    come back as lists.
+    """
     with np.load(BytesIO(data), allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files if name != META}
         rest = json.loads(str(stored[META]))
@@ -151,5 +155,6 @@ def record_from_bytes(data: bytes) -> Record:
         seed=rest["seed"],
         wall_time=rest["wall_time"],
         modes=tuple(rest["modes"]),
+        plan=plan,
         meta=rest["meta"],
     )

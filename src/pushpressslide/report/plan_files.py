@@ -12,11 +12,11 @@ from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.modes import MODES
 
-SCHEMA = 5
+SCHEMA = 6
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
@@ -27,7 +27,7 @@ def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
     out: dict[str, Any] = {
         "schema": SCHEMA,
         "task": plan.task.name,
-        "segments": [_segment_to_dict(segment) for segment in plan.segments],
+        **_run_to_dict(plan),
     }
     if choices:
         out["choices"] = [_choice_to_dict(choice) for choice in choices]
@@ -43,9 +43,7 @@ def plan_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
         raise ValueError(
             f"schema {data['schema']}, this version reads {SCHEMA}; run the task again"
         )
-    if not data["segments"]:
-        raise ValueError("a plan without segments")
-    return Plan(task, tuple(_segment_from_dict(entry) for entry in data["segments"]))
+    return _run_from_dict(data, task)
 
 
 def choices_from_dict(data: Mapping[str, Any]) -> tuple[Choice, ...]:
@@ -73,6 +71,30 @@ def write_plan(
         write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
         write_whole(out / "plan.png", png(plan_figure(plan))),
     )
+
+
+def _run_to_dict(plan: Plan) -> dict[str, Any]:
+    """Return the segments, and what was planned anew after a recovery."""
+    restart = plan.restart
+    return {
+        "segments": [_segment_to_dict(segment) for segment in plan.segments],
+        "restart": None if restart is None else asdict(restart),
+        "again": None if plan.again is None else _run_to_dict(plan.again),
+    }
+
+
+def _run_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
+    if not data["segments"]:
+        raise ValueError("a plan without segments")
+    restart = None
+    if data["restart"] is not None:
+        restart = _of_type(Restart, data["restart"])
+        task = task.resumed(restart)
+    again = None
+    if data["again"] is not None:
+        again = _run_from_dict(data["again"], task)
+    segments = tuple(_segment_from_dict(entry) for entry in data["segments"])
+    return Plan(task, segments, restart, again)
 
 
 def _segment_to_dict(segment: Segment) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def plan_figure(plan: Plan) -> Figure:
     _contacts(
         ax,
         [
-            (placement, placement.task.start.compose(task.X_GB))
+            (placement, placement.task.start.compose(placement.task.X_GB))
             for placement in plan.by_placement
         ],
     )
@@ -111,7 +111,7 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     _tracked_paths(ax, record, tracked, ticks)
     largest = _forces(ax, plan, record, picks[1:-1])
     placements = [
-        (placement, _first_pose(part).compose(task.X_GB))
+        (placement, _first_pose(part).compose(placement.task.X_GB))
         for placement, part in series.by_placement(plan, record)
     ]
     _contacts(ax, placements)
@@ -163,15 +163,16 @@ def _force_key(ax: Axes, plan: Plan, largest: float) -> None:
 def _forces(ax: Axes, plan: Plan, record: Record, picks: Sequence[int]) -> float:
     """Draw the measured forces at the picked ticks; return the largest [N]."""
     force = record.arrays["measured_force"][:, :, :2]
-    contacts = plan.contacts_by_leg
-    leg = record.arrays["leg"]
+    placements = plan.by_placement
+    number = record.arrays["placement"].astype(int)
     sizes = np.linalg.norm(force[picks], axis=2)
     largest = float(np.nanmax(sizes)) if sizes.size else 0.0
     if not largest > series.CONTACT_FORCE:
         return 0.0
     for tick in picks:
-        X_WB = _pose_at(record, tick).compose(plan.task.X_GB)
-        for contact in contacts[int(leg[tick])]:
+        placement = placements[number[tick]]
+        X_WB = _pose_at(record, tick).compose(placement.task.X_GB)
+        for contact in placement.contacts:
             x, y = X_WB.apply(contact.point)
             fx, fy = (float(v) * ARROW / largest for v in force[tick, contact.arm])
             if contact.kind == "top":

@@ -99,10 +99,7 @@ def contact_phase(record: Record) -> Mask:
     """
     mask = np.zeros(ticks(record), dtype=bool)
     move = in_phase(record, "move")
-    # a placement ends where its tips are drawn back
-    number = np.cumsum(
-        np.diff(in_phase(record, "release").astype(np.int8), prepend=0) < 0
-    )
+    number = record.arrays["placement"]
     for i in np.unique(number):
         (moving,) = np.nonzero(move & (number == i))
         if len(moving):
@@ -113,9 +110,9 @@ def contact_phase(record: Record) -> Mask:
 def by_placement(plan: Plan, record: Record) -> list[tuple[Plan, Record]]:
     """Return the plan of each placement that was begun, and what was recorded of it."""
     begun = []
-    leg = record.arrays["leg"]
-    for placement in plan.by_placement:
-        own = np.isin(leg, [segment.leg for segment in placement.segments])
+    number = record.arrays["placement"]
+    for i, placement in enumerate(plan.by_placement):
+        own = number == i
         if own.any():
             rows = {
                 k: v[own] for k, v in record.arrays.items() if not k.startswith("plan_")

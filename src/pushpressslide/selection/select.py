@@ -22,7 +22,7 @@ FALLS = Refusal(
 ENDS = Refusal("no_continuation", "no way on with its contacts")
 
 
-def select(task: Task, enough: int = 1) -> list[Choice]:
+def select(task: Task, enough: int = 1, first: int = 0) -> list[Choice]:
     """Return all choices for ``task``, the quickest feasible one first; never empty.
 
     Joint paths are not looked at: ``jobs.run.run`` looks for them.
@@ -30,24 +30,24 @@ def select(task: Task, enough: int = 1) -> list[Choice]:
     A choice that cannot do the task has a refusal with the number that decides; or it
     was skipped because ``enough`` choices of its mode are feasible and at least as
     fast. With legs, choices are grouped by placement, in order; ``leg`` says which leg
-    they begin with.
+    they begin with. Legs before the ``first`` are done.
     """
-    return [choice for group in placements(task, enough) for choice in group]
+    return [choice for group in placements(task, enough, first) for choice in group]
 
 
-def placements(task: Task, enough: int = 1) -> list[list[Choice]]:
+def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]]:
     """Return the choices for each placement of the arms, best first.
 
     They are made by what is believed. A leg for which the arms can keep their contacts
-    is one more segment of the leg before it.
+    is one more segment of the leg before it. Legs before the ``first`` are done.
     """
     task = task.told
-    parts = task.parts
+    parts = task.parts[first:]
     if _share_modes(parts):
         # the next leg may need contacts other than the quickest ones
         enough = max(enough, ENOUGH)
-    groups = [_select_leg(parts[0], 0, enough)]
-    for leg, part in enumerate(parts[1:], start=1):
+    groups = [_select_leg(parts[0], first, enough)]
+    for leg, part in enumerate(parts[1:], start=first + 1):
         ahead = _select_leg(part, leg, enough)
         lengthened = [_lengthened(choice, ahead) for choice in groups[-1]]
         if any(choice.feasible for choice in lengthened):

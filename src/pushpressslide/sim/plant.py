@@ -34,6 +34,7 @@ from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.convert import planar_pose_from_positions, planar_twist
 from pushpressslide.sim.joints.approach import led_in
 from pushpressslide.sim.joints.joint_path import ArmPath
+from pushpressslide.sim.joints.placements import PlacementPaths
 from pushpressslide.sim.station import Station
 
 Array = NDArray[np.float64]
@@ -190,7 +191,8 @@ class DrakePlant:
         self._period = task.motion.control_period
         self._station = station
         self._paths = paths
-        self._ahead = list(paths[1:])
+        self._prepared = PlacementPaths()  # of what is ahead
+        self._prepared.paths = list(paths[1:])
         self._arms = [
             DrivenArm(plan, i, station, models) for i in range(len(task.robots))
         ]
@@ -333,11 +335,21 @@ class DrakePlant:
             return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
         return self._failure
 
+    def prepare(self) -> PlacementPaths:
+        """Return a preparation of joint paths from where the arms were at the last
+        measurement, of motions on the support's grid.
+        """
+        postures = tuple(arm.state.q for arm in self._arms)
+        self._prepared = PlacementPaths(
+            postures=postures, within=self._station.scene.grid
+        )
+        return self._prepared
+
     def hand_over(self, placement: Plan, lasting: frozenset[int]) -> None:
         """Take the next joint paths, with a motion before them that leads each arm from
         where it was at the last measurement to where its path begins.
         """
-        taken = self._ahead.pop(0)
+        taken = self._prepared.paths.pop(0)
         paths = led_in(
             [path for path, _ in taken],
             [arm.model.instance.facts for arm in self._arms],

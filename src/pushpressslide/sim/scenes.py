@@ -5,6 +5,7 @@ The choices for hydroelastic contact (approximation, meshes, modulus) are measur
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,7 @@ from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
+    Bounds,
     SurfaceFrictions,
     compliant_properties,
     object_shape,
@@ -50,6 +52,10 @@ from pushpressslide.sim.surfaces import (
 
 # [m] the object starts this deep in the support, so that it is in contact at once
 SINK = 2e-6
+# [m] of the support about what the object is planned to cover, and about that for plans
+# made anew
+GRID_ROOM = 0.25
+ROOM_ANEW = 0.2
 TILES_PER_WIDTH = 4.0  # of the support grid under the object's narrow side
 # the same under one press, where only a part of the base carries the load
 PRESSED_TILES = 6.0
@@ -71,6 +77,7 @@ class DrakeScene:
     object: RigidBody
     bodies: dict[str, RigidBody]  # movable obstacles, by name
     robots: tuple[RobotInstance, ...]
+    grid: Bounds  # [m] of the support's surface
 
 
 def rest_height(body: model.ObjectModel) -> float:
@@ -121,21 +128,35 @@ def _prism_inertia(corners: Array, height: float) -> UnitInertia:
     )
 
 
-def grid_bounds(plan: Plan) -> tuple[float, float, float, float]:
-    """Return x_min, x_max, y_min, y_max [m] of the places that the object is planned to
-    reach, with room for errors.
+def grid_bounds(plan: Plan, tile: float) -> Bounds:
+    """Return bounds of the places that the object is planned to reach, with room for
+    errors, and by whole tiles of the edge ``tile`` [m] for plans made anew.
     """
-    reach = plan.task.object.shape.farthest((0.0, 0.0))
+    x_min, x_max, y_min, y_max = reached_bounds(plan, GRID_ROOM)
+    reach = plan.task.object.shape.farthest((0.0, 0.0)) + GRID_ROOM
+    movable = [o.pose for o in plan.task.obstacles if o.movable]
+    x = [pose.x for pose in movable]
+    y = [pose.y for pose in movable]
+    more = tile * math.ceil(ROOM_ANEW / tile)
+    return (
+        min([x_min, *(v - reach for v in x)]) - more,
+        max([x_max, *(v + reach for v in x)]) + more,
+        min([y_min, *(v - reach for v in y)]) - more,
+        max([y_max, *(v + reach for v in y)]) + more,
+    )
+
+
+def reached_bounds(plan: Plan, room: float) -> Bounds:
+    """Return x_min, x_max, y_min, y_max [m] of what the object covers on its planned
+    way, and ``room`` [m] about it.
+    """
     poses = [plan.task.true_start]
     for segment in plan.segments:
         grid = np.linspace(0.0, segment.path.length, 60)
         poses += [plan.object_pose(segment, s) for s in grid]
-    margin = reach + 0.25
-    for obstacle in plan.task.obstacles:
-        if obstacle.movable:
-            poses.append(obstacle.pose)
     x = [p.x for p in poses]
     y = [p.y for p in poses]
+    margin = plan.task.object.shape.farthest((0.0, 0.0)) + room
     return min(x) - margin, max(x) + margin, min(y) - margin, max(y) + margin
 
 
@@ -176,7 +197,8 @@ def build_scene(
     object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))
     pressed = [contact.kind for contact in plan.contacts] == ["top"]
     tile = tile_size(shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
-    grid = support_grid(grid_bounds(plan), tile, task.support)
+    bounds = grid_bounds(plan, tile)
+    grid = support_grid(bounds, tile, task.support)
     add_support(plant, grid, frictions.support)
     _draw_support(plant, task.support)
     bodies = _add_obstacles(plant, task, frictions)
@@ -192,7 +214,7 @@ def build_scene(
     )
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
-    return DrakeScene(builder, plant, scene_graph, object_body, bodies, robots)
+    return DrakeScene(builder, plant, scene_graph, object_body, bodies, robots, bounds)
 
 
 def add_object(

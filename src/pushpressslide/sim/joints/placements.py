@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, lasting_arms
 from pushpressslide.sim.joints.arms import drawn_back, joint_paths
 from pushpressslide.sim.joints.joint_path import ArmPath
+from pushpressslide.sim.scenes import reached_bounds
+from pushpressslide.sim.surfaces import Bounds
+
+ROOM = 0.05  # [m] about the object, for errors
 
 
 class PlacementPaths:
     """Joint paths of placements, each from where the arms let go in the one before."""
 
-    def __init__(self, force: bool = False) -> None:
-        """Begin without a placement; ``force`` takes the best paths there are."""
+    def __init__(
+        self,
+        force: bool = False,
+        postures: tuple[Array, ...] | None = None,
+        within: Bounds | None = None,
+    ) -> None:
+        """Begin without a placement; ``force`` takes the best paths there are.
+
+        ``postures`` (n,) [rad] are where the arms begin, None for their ready postures;
+        ``within`` [m] bounds where the object may be led: x_min, x_max, y_min, y_max.
+        """
         self.force = force
+        self.postures = postures
+        self.within = within
         self.plans: list[Plan] = []
         self.paths: list[tuple[ArmPath, ...]] = []
 
@@ -22,13 +39,15 @@ class PlacementPaths:
         One that goes on with all contacts of the placement before it lengthens that.
         Raises InfeasibleTaskError as ``joint_paths``.
         """
+        if self.within is not None:
+            _check_bounds(placement, self.within)
         plans = list(self.plans)
         if plans and plans[-1].segments[-1].same_placement(placement.segments[0]):
             begun = plans.pop()
             segments = (*begun.segments, *placement.segments)
             placement = Plan(begun.task, segments)
         paths = self.paths[: len(plans)]
-        postures = None
+        postures = self.postures
         holding = frozenset[int]()
         if plans:
             last = plans[-1]
@@ -39,6 +58,19 @@ class PlacementPaths:
         )
         self.plans = [*plans, placement]
         self.paths = [*paths, added]
+
+
+def _check_bounds(placement: Plan, within: Bounds) -> None:
+    """Raise InfeasibleTaskError where a plan leads the object beyond ``within``."""
+    low_x, high_x, low_y, high_y = within
+    x_min, x_max, y_min, y_max = reached_bounds(placement, ROOM)
+    beyond = max(low_x - x_min, x_max - high_x, low_y - y_min, y_max - high_y)
+    if beyond > 0.0:
+        task = placement.task
+        raise InfeasibleTaskError(
+            f"{task.source or task.name}: the object would be led {beyond:.2f} m beyond "
+            "the support that is modelled"
+        )
 
 
 def all_joint_paths(plan: Plan) -> list[tuple[ArmPath, ...]]:

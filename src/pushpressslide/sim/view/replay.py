@@ -158,16 +158,14 @@ class _Marks:
         self._meshcat = meshcat
         self._playback = playback
         self._last = len(ticks) - 1
-        self._contacts = playback.plan.contacts_by_leg
+        self._contacts = [p.contacts for p in playback.plan.by_placement]
         self._height = playback.task.object.shape.height
         self._frame = playback.task.support.frame
         arrays = playback.record.arrays
         forces = np.nan_to_num(arrays["measured_force"])
         self.scale = _scale(np.linalg.norm(forces[:, :, :2], axis=2), LONGEST_ARROW)
         self.press_scale = _scale(np.maximum(-forces[:, :, 2], 0.0), LONGEST_PRESS)
-        every = [
-            contact for contacts in self._contacts.values() for contact in contacts
-        ]
+        every = [contact for contacts in self._contacts for contact in contacts]
         self._pressing = {contact.arm for contact in every if contact.kind == "top"}
         self._arms = {contact.arm for contact in every}
         self.presses = bool(self._pressing)
@@ -246,8 +244,8 @@ class _Marks:
             if frame in (0, begin, self._last):
                 visible = frame >= begin
                 meshcat.SetProperty(name, "visible", visible, time_in_recording=t)
-        leg = int(self._playback.record.arrays["leg"][tick])
-        pressing = {c.arm for c in self._contacts[leg] if c.kind == "top"}
+        number = int(self._playback.record.arrays["placement"][tick])
+        pressing = {c.arm for c in self._contacts[number] if c.kind == "top"}
         for arm in self._arms:
             self._show_contact(arm, arm in pressing, tick, t, frame in (0, self._last))
 

@@ -11,7 +11,7 @@ import pushpressslide as pps
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.refusal import SKIPPED, Refusal
-from pushpressslide.jobs import run as module
+from pushpressslide.selection import preparation as module
 from pushpressslide.selection.select import select
 
 TASK = pps.load_task("parallel-push")
@@ -37,7 +37,7 @@ class Arms:
 def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> None:
     assert len(CHOICES) > 2
     arms = Arms(CHOICES[1:])
-    judged = module._prepared(arms, TASK, list(CHOICES), force=False)
+    judged = module.prepared(arms, TASK, list(CHOICES), force=False)
     assert [plan.segments for plan in arms.plans] == [CHOICES[1].segments]
     assert judged[0].refusal is not None
     assert judged[0].refusal.code == "joint_path"
@@ -47,7 +47,7 @@ def test_the_first_choice_with_a_joint_path_is_run_and_the_others_say_why() -> N
 
 def test_without_a_joint_path_the_task_is_refused() -> None:
     with pytest.raises(InfeasibleTaskError, match="no joint path"):
-        module._prepared(Arms(()), TASK, list(CHOICES), force=False)
+        module.prepared(Arms(()), TASK, list(CHOICES), force=False)
 
 
 def test_further_choices_are_not_taken_where_they_change_the_placements(
@@ -57,11 +57,11 @@ def test_further_choices_are_not_taken_where_they_change_the_placements(
     choices = [CHOICES[0], CHOICES[1].refused(skipped)]
     asked = []
 
-    def fewer(task, enough):
+    def fewer(task, enough, first):
         asked.append(enough)
         return []
 
     monkeypatch.setattr(module, "placements", fewer)
     with pytest.raises(InfeasibleTaskError, match="no joint path"):
-        module._prepared(Arms(()), TASK, choices, force=False)
+        module.prepared(Arms(()), TASK, choices, force=False)
     assert asked == [module.MORE]

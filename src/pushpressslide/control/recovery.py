@@ -1,0 +1,59 @@
+"""What goes on after the arms have let go: the task from where the object is seen, by
+what was identified, planned anew with any mode and any contacts that it allows.
+"""
+
+from __future__ import annotations
+
+from pushpressslide.core import margins
+from pushpressslide.core.plan import Plan, Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import ReasonCode
+from pushpressslide.core.task import Restart, Task
+from pushpressslide.identification.findings import Findings
+from pushpressslide.modes.base import ENOUGH
+from pushpressslide.selection.preparation import Preparation, prepared
+from pushpressslide.selection.select import select
+
+RECOVERABLE: frozenset[ReasonCode] = frozenset(
+    {
+        "goal_missed",
+        "contact_lost",
+        "force_limit",
+        "torque_limit",
+        "joint_limit",
+        "reference_jump",
+    }
+)
+"""Endings after which arms that have drawn back can begin anew."""
+
+
+def restart(task: Task, segment: Segment, pose: Pose2, findings: Findings) -> Restart:
+    """Return where ``task`` goes on that was left in ``segment`` with the object at
+    ``pose``, X_WG.
+    """
+    told = task.told
+    x, y = told.object.center_of_mass
+    dx, dy = findings.center
+    friction = told.support.friction
+    if findings.drag is not None:
+        load = sum(contact.load for contact in segment.contacts)
+        ratio = margins.drag_ratio(findings.drag, told.scene.max_friction(load))
+        if abs(ratio - 1.0) > margins.SURE_DRAG:
+            friction *= ratio
+    rho = told.belief.rho
+    if rho is not None and findings.rho is not None:
+        rho = findings.rho
+    return Restart(segment.leg, pose, (x + dx, y + dy), friction, rho)
+
+
+def planned_anew(task: Task, begin: Restart, preparation: Preparation) -> Plan:
+    """Return the plan of what is left of ``task``, whose placements ``preparation``
+    takes.
+
+    Raises InfeasibleTaskError where there is none.
+    """
+    rest = task.resumed(begin)
+    choices = select(rest, ENOUGH, begin.leg)
+    prepared(preparation, rest, choices, first=begin.leg)
+    segments = (piece for plan in preparation.plans for piece in plan.segments)
+    return Plan(rest, tuple(segments), begin)

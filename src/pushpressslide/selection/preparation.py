@@ -1,0 +1,113 @@
+"""The best choice of every placement for which the arms have joint paths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import chain, groupby
+from typing import Any, Protocol
+
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Choice, Contact, Plan
+from pushpressslide.core.refusal import Refusal, literal
+from pushpressslide.core.task import Task
+from pushpressslide.modes.base import ENOUGH
+from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.select import placements
+
+# choices of a mode that are judged in full where the first have no joint path
+MORE = 3 * ENOUGH
+
+Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
+
+
+class Preparation(Protocol):
+    """The plans of one placement after the other, with what their arms need."""
+
+    @property
+    def plans(self) -> Sequence[Plan]:
+        """The plans so far, one per placement."""
+
+    @property
+    def paths(self) -> Sequence[tuple[Any, ...]]:
+        """The joint paths of each of them; empty where tips move without arms."""
+
+    def add(self, placement: Plan) -> None:
+        """Add the plan of one more placement.
+
+        Raises InfeasibleTaskError where an arm has no joint path for it.
+        """
+
+
+@dataclass
+class PlansAlone:
+    """The preparation of a plant without arms: any plan will do."""
+
+    plans: list[Plan] = field(default_factory=list)
+    paths: Sequence[Any] = ()
+
+    def add(self, placement: Plan) -> None:
+        """Add the plan of one more placement."""
+        self.plans.append(placement)
+
+
+def prepared(
+    preparation: Preparation,
+    task: Task,
+    choices: Sequence[Choice],
+    force: bool = False,
+    first: int = 0,
+) -> list[Choice]:
+    """Add to ``preparation`` the best choice of every placement, and return the judged
+    choices, with what those lack that had to be passed over.
+
+    ``choices`` are those of ``task`` from the leg ``first`` on. With ``force``
+    infeasible ones are taken too, as far as they have a path. Raises InfeasibleTaskError
+    where a placement has none.
+    """
+    groups = [list(group) for _, group in groupby(choices, lambda c: c.leg)]
+    for group in groups:
+        usable(task, group, force=force)
+    for number, group in enumerate(groups):
+        problems: Problems = {}
+        added = _add_first(preparation, task, group, force, problems)
+        if not added and not all(choice.evaluated for choice in group):
+            more = placements(task, MORE, first)
+            # with more choices a leg may go on with the contacts of the one before it
+            if [other[0].leg for other in more] == [other[0].leg for other in groups]:
+                groups[number] = group = more[number]
+                added = _add_first(preparation, task, group, force, problems)
+        if added:
+            continue
+        if len(problems) == 1:
+            raise next(iter(problems.values()))
+        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(groups))))
+    return list(chain.from_iterable(groups))
+
+
+def _add_first(
+    preparation: Preparation,
+    task: Task,
+    choices: list[Choice],
+    force: bool,
+    problems: Problems,
+) -> bool:
+    """Add the first choice of a placement that has a joint path, and return whether
+    there is one.
+
+    Writes into ``choices`` and ``problems`` what the others lack, which are not tried
+    again.
+    """
+    for i, choice in enumerate(choices):
+        if not choice.segments or not (choice.feasible or force):
+            continue
+        key = (choice.mode, choice.contacts, choice.label, choice.merits)
+        try:
+            if key not in problems:
+                preparation.add(plan_of(task, [choice]).by_placement[0])
+                return True
+        except InfeasibleTaskError as error:
+            problems[key] = error
+        why = str(problems[key]).split(": ", 1)[-1]
+        choices[i] = choice.refused(Refusal("joint_path", literal(why)))
+    return False
