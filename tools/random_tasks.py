@@ -156,12 +156,17 @@ def errors(summary: dict[str, Any], which: str) -> str:
     return f"{1e3 * position[which]:.1f} mm, {math.degrees(yaw[which]):.1f}°"
 
 
+def reached_by(row: dict[str, Any]) -> bool:
+    """Return whether a sample reached its goal."""
+    return bool(row["status"] == "reached")
+
+
 def lines_of(tables: Iterable[Table]) -> list[str]:
     """Return the lines of a table of tables; those that were not begun are left out."""
     out = [
-        "| tasks for | seed | drawn | attempted | reached | of the attempted | median "
-        "error | worst error | refusals run anyway that missed |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "| tasks for | seed | drawn | attempted | reached | of the attempted | at the "
+        "first attempt | median error | worst error | refusals run anyway that missed |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for table in tables:
         counted, forced = read(table)
@@ -186,6 +191,7 @@ def lines_of(tables: Iterable[Table]) -> list[str]:
             f"{number}: {percent(summary['attempted_share'], summary['attempted_interval'])}",
             summary["reached"],
             reached,
+            sum(row.get("recoveries") == 0 for row in counted if reached_by(row)),
             errors(summary, "median"),
             errors(summary, "max"),
             refusals,

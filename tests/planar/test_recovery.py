@@ -166,3 +166,13 @@ def test_a_restart_believes_what_was_identified() -> None:
     assert restart(task, segment, pose, NOTHING).support_friction == (
         task.support.friction
     )
+
+
+def test_contacts_that_a_task_names_are_free_after_the_first_attempt() -> None:
+    task = pps.load_task("press-slide-pivot")
+    pinned = restart(task, pps.plan(task).segments[0], task.start, NOTHING)
+    free = task.resumed(replace(pinned, free=True))
+    assert task.resumed(pinned).motion == task.motion
+    assert task.motion.vehicle == "pivot"
+    assert (free.motion.vehicle, free.motion.contacts, free.motion.face) == (None,) * 3
+    assert free.motion.freed == free.motion

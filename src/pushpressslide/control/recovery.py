@@ -4,7 +4,11 @@ what was identified, planned anew with any mode and any contacts that it allows.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 from pushpressslide.core import margins
+from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode
@@ -46,12 +50,27 @@ def restart(task: Task, segment: Segment, pose: Pose2, findings: Findings) -> Re
     return Restart(segment.leg, pose, (x + dx, y + dy), friction, rho)
 
 
-def planned_anew(task: Task, begin: Restart, preparation: Preparation) -> Plan:
-    """Return the plan of what is left of ``task``, whose placements ``preparation``
-    takes.
+def planned_anew(
+    task: Task, begin: Restart, prepare: Callable[[], Preparation]
+) -> Plan:
+    """Return the plan of what is left of ``task``, in a preparation that ``prepare``
+    returns empty; where that cannot be done as the task names it, with free contacts.
 
     Raises InfeasibleTaskError where there is none.
     """
+    try:
+        return _planned(task, begin, prepare())
+    except InfeasibleTaskError as refused:
+        free = replace(begin, free=True)
+        if task.resumed(free) == task.resumed(begin):
+            raise
+        try:
+            return _planned(task, free, prepare())
+        except InfeasibleTaskError:
+            raise refused from None
+
+
+def _planned(task: Task, begin: Restart, preparation: Preparation) -> Plan:
     rest = task.resumed(begin)
     choices = select(rest, ENOUGH, begin.leg)
     prepared(preparation, rest, choices, first=begin.leg)

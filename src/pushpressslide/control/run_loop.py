@@ -259,7 +259,7 @@ class _RunLoop:
         if not task.scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
         begin = restart(task, segment, pose, found)
-        plan = planned_anew(task, begin, self.plant.prepare())
+        plan = planned_anew(task, begin, self.plant.prepare)
         needed = plan.duration + margins.ARM.regrasp * len(plan.placements)
         if time + needed > self.time_limit:
             raise InfeasibleTaskError(

@@ -277,6 +277,11 @@ class Motion:
         "in the paper, instead of one that moves along the path",
     )
 
+    @property
+    def freed(self) -> Motion:
+        """The motion with the choice of face, contacts and vehicle left to the mode."""
+        return replace(self, face=None, contacts=None, vehicle=None)
+
 
 @dataclass(frozen=True, slots=True)
 class Leg:
@@ -304,6 +309,8 @@ class Restart:
     center_of_mass: Point  # [m] in G
     support_friction: float
     rho: float | None  # [m]; None: that of the base's pressure
+    # whether face, contacts and vehicle are free that the task names for its first attempt
+    free: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -478,12 +485,14 @@ class Task:
             rho=restart.rho,
         )
         task = replace(self, belief=belief, start_error=Pose2())
+        if restart.free:
+            legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)
+            task = replace(task, motion=self.motion.freed, legs=tuple(legs))
         if restart.leg == 0:
             return replace(task, start=restart.pose)
-        done = self.legs[restart.leg - 1]
-        legs = list(self.legs)
-        legs[restart.leg - 1] = replace(done, goal=restart.pose)
-        return replace(task, legs=tuple(legs))
+        begun = list(task.legs)
+        begun[restart.leg - 1] = replace(begun[restart.leg - 1], goal=restart.pose)
+        return replace(task, legs=tuple(begun))
 
     @property
     def true_start(self) -> Pose2:

@@ -6,6 +6,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -98,6 +99,8 @@ def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
     row: Row = {"index": index, "rank": rank}
     try:
         sample = sample_task(task, options, index)
+        # what is judged is this choice, not what comes after it
+        sample = replace(sample, motion=replace(sample.motion, recoveries=0))
         row["task"] = sample.name
         choices = forced_choices(sample, FORCED)
         if rank >= len(choices):
@@ -124,6 +127,7 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "code": measured["reason"]["code"],
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
         "modes": measured["modes"],
+        "recoveries": sum(event["recovered"] for event in measured["events"]),
         **{name: measured[name] for name in FIGURES},
     }
 
