@@ -226,3 +226,20 @@ def test_a_record_with_nan_has_pages_that_say_so(run, tick, tmp_path):
 
 def test_a_whole_record_is_not_cut(run):
     assert series.finite_part(run.record) is run.record
+
+
+def test_what_went_wrong_on_the_way_is_told(run, tmp_path):
+    event = {
+        "time": 3.25,
+        "code": "contact_lost",
+        "text": "tip 0 felt nothing",
+        "recovered": True,
+        "lacking": None,
+    }
+    last = {**event, "time": 9.0, "recovered": False, "lacking": "no way <on>"}
+    record = replace(run.record, meta={**run.record.meta, "events": [event, last]})
+    page = write_report([save(replace(run, record=record), tmp_path)])
+    text = page.read_text("utf-8")
+    assert "3.2 s: <code>contact_lost</code> tip 0 felt nothing" in text
+    assert "planned anew" in text
+    assert "No other attempt: no way &lt;on&gt;." in text

@@ -127,6 +127,7 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
         _verdict(run.result),
+        _events(run.result),
         _warning(run.record),
         f"<p>{escape(text)}</p>" if text else "",
         f'<p class="links">{_links(run, page)}</p>',
@@ -143,6 +144,18 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         *plots,
     ]
     return f"<section>{''.join(parts)}</section>"
+
+
+def _events(result: Mapping[str, Any]) -> str:
+    """Return what went wrong on the way, and how it went on."""
+    rows = []
+    for event in result["events"]:
+        what = f"<code>{escape(event['code'])}</code> {escape(event['text'])}"
+        onward = "The arms let go, and the rest was planned anew."
+        if not event["recovered"]:
+            onward = f"No other attempt: {escape(event['lacking'])}."
+        rows.append(f"<li>{event['time']:.1f} s: {what}. {onward}</li>")
+    return f"<ul>{''.join(rows)}</ul>" if rows else ""
 
 
 def _verdict(result: Mapping[str, Any]) -> str:

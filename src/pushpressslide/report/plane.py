@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,10 @@ def outline(shape: Shape, pose: Pose2) -> list[Point]:
 
 
 def plan_figure(plan: Plan) -> Figure:
-    """Return the plan: paths of the tracking point, footprints, contacts, obstacles."""
+    """Return the plan: paths of the tracking point, footprints, contacts, obstacles;
+    without what was planned anew on the way.
+    """
+    plan = replace(plan, again=None)
     made, axes = style.figure(height=5.6)
     ax = axes[0]
     task = plan.task
