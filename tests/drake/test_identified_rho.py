@@ -16,11 +16,11 @@ def test_rho_of_a_tight_turn_is_within_ten_per_cent_of_the_exact_models(
     tmp_path: Path,
 ) -> None:
     (variant,) = IDENTIFIED_RHO.variants
-    run_task(load_task(variant.task, variant.overrides), out=Output(tmp_path))
+    run_task(load_task(variant.task, variant.settings), out=Output(tmp_path))
     run = load_run(tmp_path)
     found = identified_rho(run.plan, run.record)
     assert found is not None
     assert found.time >= LEAST_TIME
-    assert found.predicted == 0.05  # so that the run has to find it
+    assert found.predicted < 0.75 * found.exact  # so that the run has to find it
     assert found.identified == pytest.approx(found.exact, rel=0.1)
     assert found.axle == pytest.approx(found.exact_axle, abs=0.01)

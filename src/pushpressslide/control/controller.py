@@ -534,9 +534,9 @@ class Controller:
 
     def _still(self, state: ControllerState, X_WB: Pose2, time: float) -> Still | None:
         """Return where the object was when it last moved, in this phase; None where it
-        may rest.
+        may rest, as with a force alone, or at a goal where it is waited for.
         """
-        if self.waits:
+        if self.waits or not self.drives_on:
             return None
         still = state.still
         if still is None or still.since < state.since:

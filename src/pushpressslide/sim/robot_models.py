@@ -43,7 +43,10 @@ DRAKE_MODELS = {
     "panda": "package://drake_models/franka_description/urdf/panda_arm.urdf",
     "iiwa7": "package://drake_models/iiwa_description/sdf/iiwa7_no_collision.sdf",
 }
-ROD_RADIUS = 0.008  # [m] of the steel rod between flange and sphere
+# [m] of the steel rod between flange and sphere, and at most of the sphere's radius: the
+# rod of a small tip must not come near to what the tip touches
+ROD_RADIUS = 0.008
+ROD_SHARE = 0.4
 TIP_JOINT = f"{TIP}_joint"
 STEEL = (0.55, 0.57, 0.60, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
@@ -131,7 +134,7 @@ def add_robot(
         if collision and tip_properties is None:
             tip_properties = ProximityProperties()
         if length > 0.0:
-            _add_rod(plant, tip, length, collision)
+            _add_rod(plant, tip, length, rod_radius(robot.tip_radius), collision)
         geometry = _add_sphere(plant, tip, robot.tip_radius, tip_properties)
         _add_pedestal(plant, robot, facts, index)
     name = plant.GetModelInstanceName(instance)
@@ -286,25 +289,36 @@ def _tip_inertia(length: float, radius: float) -> SpatialInertia:
     """
     rod = TIP_MASS * 2.0 / 3.0
     ball = TIP_MASS / 3.0
-    cylinder = UnitInertia.SolidCylinder(ROD_RADIUS, length, [0.0, 0.0, 1.0])
+    cylinder = UnitInertia.SolidCylinder(rod_radius(radius), length, [0.0, 0.0, 1.0])
     unit = cylinder.ShiftFromCenterOfMass([0.0, 0.0, 0.5 * length])
     inertia = SpatialInertia(rod, [0.0, 0.0, -0.5 * length], unit)
     inertia += SpatialInertia.SolidSphereWithMass(ball, radius)
     return inertia
 
 
+def rod_radius(tip_radius: float) -> float:
+    """Return the radius [m] of the rod that holds a tip."""
+    return min(ROD_RADIUS, ROD_SHARE * tip_radius)
+
+
 def _add_rod(
-    plant: MultibodyPlant, tip: RigidBody, length: float, collision: bool
+    plant: MultibodyPlant,
+    tip: RigidBody,
+    length: float,
+    radius: float,
+    collision: bool,
 ) -> None:
-    """Draw the rod and its collar; with ``collision`` the rod is a capsule, too."""
+    """Draw the rod of a ``radius`` [m] and its collar; with ``collision`` the rod is a
+    capsule, too.
+    """
     X_TRod = RigidTransform([0.0, 0.0, -0.5 * length])
-    rod = Cylinder(ROD_RADIUS, length)
+    rod = Cylinder(radius, length)
     plant.RegisterVisualGeometry(tip, X_TRod, rod, "tip_rod_visual", STEEL)
     X_TCollar = RigidTransform([0.0, 0.0, 0.006 - length])
     collar = Cylinder(3.0 * ROD_RADIUS, 0.012)
     plant.RegisterVisualGeometry(tip, X_TCollar, collar, "tip_collar_visual", STEEL)
     if collision:
-        capsule = Capsule(ROD_RADIUS, length)
+        capsule = Capsule(radius, length)
         properties = ProximityProperties()
         plant.RegisterCollisionGeometry(tip, X_TRod, capsule, "tip_rod", properties)
 

@@ -36,6 +36,11 @@ class Variant:
     paper: Mapping[str, PaperFigure] = field(default_factory=dict)
     why: str = ""  # what makes it come out so, in a line
 
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """All fields that are set otherwise: what is measured is one attempt."""
+        return (*self.overrides, "motion.recoveries=0")
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:

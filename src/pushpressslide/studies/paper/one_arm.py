@@ -268,26 +268,27 @@ IDENTIFIED_RHO = Experiment(
     variants=(
         Variant(
             "turn",
-            "A tight turn, planned with half the true rho",
+            "A tight turn, planned with 0.7 of the true rho",
             "press-slide",
             (
                 "start.x=0.5",
                 "start.y=-0.3",
                 "start.yaw_deg=45",
-                "goal.x=0.42",
+                "goal.x=0.5",
                 "goal.y=0.32",
                 "goal.yaw_deg=180",
                 "motion.speed=0.03",
                 "motion.fixed_target=true",
-                "belief.rho=0.05",
+                "motion.look_ahead=0.06",
+                "belief.rho=0.07",
             ),
         ),
     ),
     why=(
         "Axle and rho are identified while the object moves, from measured poses and "
         "contact force by least squares with forgetting. The run shows its turn, "
-        "three seconds at the steepest steering. It misses its goal, since it is "
-        "planned with half the true rho and a target fixed beyond the goal."
+        "three seconds at the steepest steering. Its goal is not what it is about: it "
+        "is planned with 0.7 of the true rho and a target fixed beyond the goal."
     ),
     pictured=("turn",),
     plotted=(),

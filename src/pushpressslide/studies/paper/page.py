@@ -251,5 +251,5 @@ def _named(variant: Variant, outcome: Outcome, page: Path) -> str:
     for file, label in (("replay.html", "replay"), ("report.html", "report")):
         if (outcome.folder / file).is_file():
             parts.append(f'<a href="{escape(folder)}/{file}">{label}</a>')
-    settings = " ".join(escape(text) for text in (variant.task, *variant.overrides))
+    settings = " ".join(escape(text) for text in (variant.task, *variant.settings))
     return " · ".join([*parts, f"<code>{settings}</code>"])

@@ -124,7 +124,7 @@ def run_variant(
     The outcome of a variant that cannot be run holds the error's text.
     """
     try:
-        task = load_task(variant.task, variant.overrides)
+        task = load_task(variant.task, variant.settings)
         result = run_task(task, engine=engine, seed=seed, out=Output(folder))
     except PushPressSlideError as error:
         return Outcome(folder, None, str(error))
@@ -155,7 +155,7 @@ def _summary(experiment: Experiment, evidence: Evidence) -> Mapping[str, Any]:
             {
                 "variant": variant.name,
                 "task": variant.task,
-                "overrides": list(variant.overrides),
+                "overrides": list(variant.settings),
                 "paper": {key: figure.value for key, figure in variant.paper.items()},
                 "measured": measured,
                 "failure": outcome.failure or None,
