@@ -140,7 +140,6 @@ class Controller:
         self.waits = self.entry is not None or self.holds
         # nothing but a retry can mend a miss
         self.reaches_far = self.waits or motion.recoveries == 0
-        self.planned_poses = [p for s in self.segments for p in poses_along(s)]
         self.lasting: frozenset[int] = frozenset()
         if not final:
             self.lasting = lasting_arms(self.segments, placements[number + 1])
@@ -660,11 +659,12 @@ class Controller:
         """Whether each pose of ``segments`` is near a planned one."""
         near = margins.ARM.beside
         turn = margins.ARM.turned_beside
+        planned = [pose for piece in self.segments for pose in poses_along(piece)]
         return all(
             any(
                 math.dist(pose.position, other.position) < near
                 and abs(wrap_angle(pose.yaw - other.yaw)) < turn
-                for other in self.planned_poses
+                for other in planned
             )
             for segment in segments
             for pose in poses_along(segment)

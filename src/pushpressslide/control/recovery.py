@@ -7,13 +7,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Restart, Task
-from pushpressslide.identification.findings import Findings
+from pushpressslide.identification.findings import Findings, dragged_friction
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.preparation import Preparation, prepared
 from pushpressslide.selection.select import select
@@ -38,12 +37,8 @@ def restart(task: Task, segment: Segment, pose: Pose2, findings: Findings) -> Re
     told = task.told
     x, y = told.object.center_of_mass
     dx, dy = findings.center
-    friction = told.support.friction
-    if findings.drag is not None:
-        load = sum(contact.load for contact in segment.contacts)
-        ratio = margins.drag_ratio(findings.drag, told.scene.max_friction(load))
-        if abs(ratio - 1.0) > margins.SURE_DRAG:
-            friction *= ratio
+    load = sum(contact.load for contact in segment.contacts)
+    friction = dragged_friction(told.scene, load, findings.drag)
     rho = told.belief.rho
     if rho is not None and findings.rho is not None:
         rho = findings.rho

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point
+from pushpressslide.core.scene import Scene
 from pushpressslide.identification.online import Identified
 
 
@@ -22,3 +24,16 @@ class Findings(NamedTuple):
 
 NOTHING = Findings()
 """Nothing contradicts what was believed."""
+
+
+def dragged_friction(scene: Scene, load: float, drag: float | None) -> float:
+    """Return the support's friction as the force says that slides the object, ``drag``
+    [N] under a ``load`` [N]; as believed where that is not contradicted.
+    """
+    friction = scene.support.friction
+    if drag is None:
+        return friction
+    ratio = margins.drag_ratio(drag, scene.max_friction(load))
+    if abs(ratio - 1.0) < margins.SURE_DRAG:
+        return friction
+    return ratio * friction

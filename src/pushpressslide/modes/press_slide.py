@@ -25,7 +25,7 @@ from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.identification.center import CenterIdentifier, doubt
-from pushpressslide.identification.findings import NOTHING, Findings
+from pushpressslide.identification.findings import NOTHING, Findings, dragged_friction
 from pushpressslide.identification.online import (
     OFF,
     OFF_RHO,
@@ -389,11 +389,10 @@ def dragged(task: Task, contact: Contact, drag: float | None) -> Task:
     if drag is None:
         return task
     told = task.told
-    ratio = margins.drag_ratio(drag, told.scene.max_friction(contact.load))
-    if abs(ratio - 1.0) < margins.SURE_DRAG:
+    friction = dragged_friction(told.scene, contact.load, drag)
+    if friction == told.support.friction:
         return task
-    support = replace(told.support, friction=ratio * told.support.friction)
-    return replace(told, support=support)
+    return replace(told, support=replace(told.support, friction=friction))
 
 
 class _Seen(NamedTuple):
