@@ -14,8 +14,8 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.findings import Findings, dragged_friction
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.preparation import Preparation, prepared
-from pushpressslide.selection.select import select
+from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.solve import solve
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
     {
@@ -66,8 +66,7 @@ def planned_anew(
 
 
 def _planned(task: Task, begin: Restart, preparation: Preparation) -> Plan:
+    if task.searched:  # other motions than those found before may lead on
+        begin = replace(begin, leg=0, legs=())
     rest = task.resumed(begin)
-    choices = select(rest, ENOUGH, begin.leg)
-    prepared(preparation, rest, choices, first=begin.leg)
-    segments = (piece for plan in preparation.plans for piece in plan.segments)
-    return Plan(rest, tuple(segments), begin)
+    return solve(preparation, rest, ENOUGH, begin=begin).plan

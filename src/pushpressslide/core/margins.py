@@ -104,6 +104,8 @@ PUSHED_SPEED = 0.8
 """Of the speed, of a vehicle that is pushed: what is ahead of the contact swings more."""
 SWING = 1.2
 """Times the axle's speed that a pressed contact may move at; tighter turns are slower."""
+CONTACT_PACE = math.hypot(1.0, SWING)
+"""Times motion.speed that a contact moves at, at most: along and across the heading."""
 PACE = (0.6, 5.0)
 """Speed of a pressed contact over the speed of the axle, within which turns are used."""
 FARTHEST_AXLE = 3.0
@@ -258,9 +260,9 @@ class ArmMargins:
     """Between two tips that push, for the tools that hold them."""
     hand_room: float = field(default=0.1, metadata={"unit": "m"})
     """Between two tips that press, for the hands above them."""
-    clearance: float = field(default=0.01, metadata={"unit": "m"})
-    """That an object keeps from obstacles, unless its start or goal is nearer: what the
-    run may be off the plan.
+    leaving: float = field(default=0.05, metadata={"unit": "m"})
+    """Of way from a start or goal that is nearer to an obstacle than motion.clearance, on
+    which the gap that is asked for grows to it.
     """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Of a tip on the last centimetres before a contact."""

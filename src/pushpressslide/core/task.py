@@ -91,6 +91,12 @@ class Limits:
     workspace: tuple[float, float, float, float] | None = setting(
         None, "region in which the origin of G stays; null: unbounded"
     )
+    legs: int = setting(
+        5,
+        "motions, one after the other, that are searched for where one does not lead to "
+        "the goal; 1: no other than one",
+        within="[1, 20]",
+    )
 
     @property
     def planned_force(self) -> float:
@@ -223,6 +229,13 @@ class Motion:
     run_in: float = setting(
         0.16, "length of the straight end of the path", "m", "[0, 1]"
     )
+    clearance: float = setting(
+        0.01,
+        "gap that the object keeps from obstacles; where it stands nearer at start or "
+        "goal, the gap that it has there, growing to this one on 5 cm of way",
+        "m",
+        "[0.001, 0.1]",
+    )
     control_period: float = setting(0.004, "control period", "s", "[0.0005, 0.01]")
     # at most the control period
     time_step: float = setting(
@@ -311,6 +324,8 @@ class Restart:
     rho: float | None  # [m]; None: that of the base's pressure
     # whether face, contacts and vehicle are free that the task names for its first attempt
     free: bool = False
+    # that were found for the rest, in place of the task's; None: the task's go on
+    legs: tuple[Leg, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -378,6 +393,9 @@ class Task:
     description: str = setting("", "one line, shown by `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
+    # whether its legs were found, not prescribed, or it is one of many motions that are
+    # looked at to find them
+    searched: bool = field(default=False, compare=False)
 
     @property
     def believed(self) -> Belief:
@@ -488,6 +506,9 @@ class Task:
         if restart.free:
             legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)
             task = replace(task, motion=self.motion.freed, legs=tuple(legs))
+        if restart.legs is not None:
+            found = restart.legs
+            return replace(task, start=restart.pose, legs=found, searched=True)
         if restart.leg == 0:
             return replace(task, start=restart.pose)
         begun = list(task.legs)

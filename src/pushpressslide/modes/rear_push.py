@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
@@ -16,7 +16,8 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Motion, Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import window_of
@@ -29,6 +30,7 @@ from pushpressslide.planning.rear_car import (
     push_twists,
     route,
     route_onward,
+    shortest_length,
     turning_refusal,
 )
 from pushpressslide.planning.segments import ends_onward, run_time, segment
@@ -50,6 +52,14 @@ class RearPush(Mode):
     carries_weight = False
     pushed_faces = 1
     drives = (RearSteerDrive,)
+
+    def least_time(self, task: Task) -> float:
+        """Return the time [s] of the shortest path of any face's car, at full speed."""
+        ends = task.body_ends
+        lengths = [
+            shortest_length(drive, ends) for drive in _drives(task.scene, task.motion)
+        ]
+        return min(lengths, default=math.inf) / task.motion.speed
 
     def drafts(self, task: Task) -> list[Draft]:
         """Return one draft per face."""
@@ -200,6 +210,22 @@ class RearPush(Mode):
         turning = planned_path.turning
         path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)
+
+
+@lru_cache(maxsize=64)
+def _drives(scene: Scene, motion: Motion) -> tuple[RearSteerDrive, ...]:
+    """Return the drives of all faces by which the object can be pushed straight."""
+    pushed = pushable(scene, motion.face)
+    out = []
+    for face, pair in zip(pushed, push_twists(scene, motion, pushed), strict=True):
+        try:
+            car, shift = fitted_car(scene, motion, face, pair)
+        except ValueError:
+            continue
+        low, high = car.curvature_limits
+        if low < 0.0 < high:
+            out.append(RearSteerDrive(car, scene.max_friction(), shift))
+    return tuple(out)
 
 
 MODE = RearPush()

@@ -20,6 +20,7 @@ from pushpressslide.core.task import Motion, Task
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.virtual_axle import turned
+from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
 from pushpressslide.planning.side_contacts import contact_height, drag_refusal
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
@@ -127,6 +128,13 @@ def fitted_car(
     rho = math.sqrt(lever * wheelbase)
     car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, friction)
     return car, axle - wheelbase
+
+
+def shortest_length(drive: RearSteerDrive, ends: tuple[Pose2, Pose2]) -> float:
+    """Return the length [m] of the shortest path of a car between two poses X_WB."""
+    low, high = drive.car.curvature_limits
+    start, goal = (X_WB.compose(drive.X_BV) for X_WB in ends)
+    return shortest_path(start, goal, high, -low).length
 
 
 def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:

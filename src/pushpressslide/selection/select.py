@@ -67,10 +67,18 @@ def _share_modes(parts: Sequence[Task]) -> bool:
 
 def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
     """Return all choices for one leg of a task, best first."""
-    return [_of_leg(choice, leg) for choice in _select(part, enough)]
+    return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def _of_leg(choice: Choice, leg: int) -> Choice:
+def judged_motion(task: Task) -> list[Choice]:
+    """Return the choices for one motion from a told task's start to its goal, best
+    first; few are judged.
+    """
+    return _select(task, 2)
+
+
+def of_leg(choice: Choice, leg: int) -> Choice:
+    """Return a choice as that of a leg of its task."""
     segments = tuple(replace(segment, leg=leg) for segment in choice.segments)
     return replace(choice, leg=leg, segments=segments)
 
