@@ -138,6 +138,9 @@ object.
 
 # --- ways
 
+VIA_RUN_IN = 0.25
+"""Of motion.run_in: the straight end of a push to a pose on the way."""
+
 LOOP_RATIO = 1.6
 """Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
 LOOP_SLACK = 0.25
@@ -294,6 +297,10 @@ class ArmMargins:
     """Of the tracking point from its path: the run is given up. The joint path that was
     planned along it is of no use any more.
     """
+    via: float = field(default=0.02, metadata={"unit": "m"})
+    """That a pose on the way may be missed by: the arms still find their next contacts."""
+    turned_via: float = field(default=math.radians(5.0), metadata={"unit": "1"})
+    """The same of its yaw [rad]."""
     beside: float = field(default=0.1, metadata={"unit": "m"})
     """Of an object from its planned way, within which the arms' joints can follow."""
     turned_beside: float = field(default=0.4, metadata={"unit": "1"})

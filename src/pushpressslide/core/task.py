@@ -61,6 +61,10 @@ class Tolerance:
     )
 
 
+ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
+"""Of poses that a search leads the object by: nobody asked for them."""
+
+
 @dataclass(frozen=True, slots=True)
 class ToolUse:
     """The object is a tool: with a side face it pushes another body to that body's
@@ -487,6 +491,10 @@ class Task:
         out = []
         begin = replace(self, legs=())
         for i, leg in enumerate(self.legs):
+            if self.searched and i + 1 < len(self.legs):
+                begin = replace(begin, tolerance=ON_THE_WAY)
+            else:
+                begin = replace(begin, tolerance=self.tolerance)
             part = replace(begin, goal=leg.goal, modes=(leg.mode,), motion=leg.motion)
             out.append(replace(part, source=f"{self.source}: legs[{i}]"))
             begin = replace(begin, start=leg.goal, start_error=Pose2())

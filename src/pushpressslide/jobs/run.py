@@ -21,8 +21,7 @@ from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
-from pushpressslide.selection.preparation import MORE
-from pushpressslide.selection.select import select
+from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import solve
 
 
@@ -96,7 +95,7 @@ def simulate(
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
     """Return the ``count`` best-ranked choices that have a path, feasible or not."""
-    return [choice for choice in select(task, MORE) if choice.segments][:count]
+    return [choice for choice in select(task, MANY) if choice.segments][:count]
 
 
 def run_choice(

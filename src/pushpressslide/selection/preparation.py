@@ -12,12 +12,8 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of, refusal, usable
-from pushpressslide.selection.select import placements
-
-# choices of a mode that are judged in full where the first have no joint path
-MORE = 3 * ENOUGH
+from pushpressslide.selection.select import MANY, placements
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
@@ -80,7 +76,7 @@ def prepared(
         problems: Problems = {}
         added = add_first(preparation, task, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            more = placements(task, MORE, first)
+            more = placements(task, MANY, first)
             # with more choices a leg may go on with the contacts of the one before it
             if [other[0].leg for other in more] == [other[0].leg for other in groups]:
                 groups[number] = group = more[number]

@@ -14,6 +14,11 @@ from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Mode, promptness
 from pushpressslide.selection.clearance import path_refusal
 
+MANY = 3 * ENOUGH
+"""Choices of a mode that are judged where obstacles or joint paths stand against the
+first ones.
+"""
+
 FALLS = Refusal(
     "falls",
     "the object falls when the arms let go for it: nothing carries it where the leg "
@@ -150,11 +155,14 @@ def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
 
     More of them are evaluated where obstacles are in the way of the first.
     """
-    judged = mode.choices(task, enough)
-    choices = [_judged_for_obstacles(task, choice) for choice in judged]
-    blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
-    if blocked and enough < ENOUGH:
-        return _clear(task, mode, ENOUGH)
+    for effort in (enough, ENOUGH, MANY):
+        if effort < enough:
+            continue
+        judged = mode.choices(task, effort)
+        choices = [_judged_for_obstacles(task, choice) for choice in judged]
+        blocked = any(choice.feasible for choice in judged)
+        if not blocked or any(choice.feasible for choice in choices):
+            break
     return choices
 
 

@@ -115,7 +115,7 @@ def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
     for i, step in enumerate(steps):
         led = of_leg(step.choice, i).segments
         segments += led
-        legs.append(Leg(step.choice.mode, led[-1].goal, task.motion))
+        legs.append(Leg(step.choice.mode, led[-1].goal, step.task.motion))
     found = tuple(legs) if len(legs) > 1 else ()
     if begin is not None:
         begin = replace(begin, leg=0, legs=found)
