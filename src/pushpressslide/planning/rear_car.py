@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -148,11 +149,14 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     longest = longest_way(task, straight)
     routes = []
     least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
-    for run_share, harder, slower in COMFORT:
+    for gentle, (run_share, harder, slower) in product((True, False), COMFORT):
         run_in = max(least, run_share) * motion.run_in
         share = min(1.0, harder * motion.curvature_margin)
+        speed = slower * motion.speed
+        if gentle:  # no turn so tight that it slows the whole way down
+            share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
         path = with_run_in((start, goal), high * share, -low * share, run_in)
-        routes.append(Route(path, run_in, share, slower * motion.speed))
+        routes.append(Route(path, run_in, share, speed))
         if path.length <= longest:
             break
     best = routes[-1]
