@@ -48,8 +48,8 @@ from pushpressslide.rom.drives import (
     TurnDrive,
     UnicycleDrive,
 )
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 
 BASE = load_task("rear-push-rear")
 LAWS: list[Callable[[Mode], None]] = []

@@ -17,8 +17,8 @@ from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.report.series import by_placement
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 from pushpressslide.taskfile.load import task_from_data
 
 PIN = (0.42, 0.15)  # [m] in the world, pressed

@@ -9,8 +9,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Obstacle
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 from pushpressslide.selection.tool_use import StraightPush
 from pushpressslide.taskfile.load import load_task
 

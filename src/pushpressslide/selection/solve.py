@@ -13,14 +13,20 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan, Segment
 from pushpressslide.core.task import Leg, Restart, Task
 from pushpressslide.selection.leg_search import LegSearch, Step
-from pushpressslide.selection.planner import refusal
+from pushpressslide.selection.planner import plan_of, refusal, usable
 from pushpressslide.selection.preparation import (
+    PlansAlone,
     Preparation,
     Problems,
     add_first,
     prepared,
 )
-from pushpressslide.selection.select import judged_motion, of_leg, select
+from pushpressslide.selection.select import (
+    judged_motion,
+    of_leg,
+    placements,
+    select,
+)
 from pushpressslide.selection.waypoints import free_space, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
@@ -69,6 +75,27 @@ def solve(
     plan = _searched(preparation, task, choices, begin)
     clock.lap("search")
     return Solution(plan, choices, clock.laps)
+
+
+def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
+    """Return the plan for ``choice``, by default the best one, or the best sequence of
+    motions where none does it alone.
+
+    Joint paths are not looked at: ``jobs.run.run`` looks for them. Of a task with
+    legs, the best choice does every placement but that one.
+    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
+    InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
+    """
+    if choice is None:
+        return solve(PlansAlone(), task, 1, force=force).plan
+    if not task.legs:
+        return plan_of(task, usable(task, [choice], force=force))
+    chosen = []
+    for candidates in placements(task):
+        if choice.leg == candidates[0].leg:
+            candidates = [choice]
+        chosen.append(usable(task, candidates, force=force)[0])
+    return plan_of(task, chosen)
 
 
 def searchable(task: Task) -> bool:
