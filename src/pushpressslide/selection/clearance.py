@@ -38,6 +38,7 @@ def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     poses = swept(task.object, segments, task.motion.clearance)
     return (
         obstacle_refusal(task, poses)
+        or tips_refusal(task, segments)
         or opening_refusal(task, segments[0], poses)
         or tool_refusal(task, poses)
     )
@@ -70,6 +71,34 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     poses = [_between(*ends, i / steps) for i in range(steps + 1)]
     body = Box(pushed.size)
     return _too_near(f"{pushed.name!r}", body, poses, ends, others, clearance)
+
+
+def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
+    """Return where a tip on the object's way would touch an obstacle that stands as high
+    as its contact, or None.
+    """
+    import shapely
+
+    scene = task.scene
+    contacts = {contact for segment in segments for contact in segment.contacts}
+    poses = swept(task.object, segments, task.motion.clearance)
+    for contact in contacts:
+        radius = scene.robots[contact.arm].tip_radius
+        place, height = contact.tip_place(radius)
+        x, y = task.X_GB.apply(place)
+        tall = [o for o in task.obstacles if o.size[2] > height - radius]
+        if not tall:
+            continue
+        tips = shapely.points([X.apply((x, y)) for X in poses])
+        for obstacle in tall:
+            apart = shapely.distance(tips, Box(obstacle.size).placed(obstacle.pose))
+            nearest = int(apart.argmin())
+            gap = float(apart[nearest]) - radius
+            if gap < 0.0:
+                name = literal(repr(obstacle.name))
+                text = f"the tip runs into obstacle {name} at {_at(poses[nearest])}"
+                return Refusal("obstacle", text, gap, 0.0, "m")
+    return None
 
 
 def swept(
