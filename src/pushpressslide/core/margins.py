@@ -262,6 +262,10 @@ class ArmMargins:
     """That an object keeps from obstacles, unless its start or goal is nearer: what the
     run may be off the plan.
     """
+    waiting: float = field(default=0.05, metadata={"unit": "m"})
+    """That an arm without a contact keeps from all else, where it can: half of what the
+    object may be ``beside`` its planned way.
+    """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Of a tip on the last centimetres before a contact."""
     pressing: float = field(default=0.4, metadata={"unit": "s"})

@@ -1,0 +1,42 @@
+"""A choice of one contact, for each arm that may make it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from pushpressslide.core.plan import Choice
+from pushpressslide.core.scene import ARM_NAMES
+from pushpressslide.core.task import Task
+
+
+def either_arm(task: Task, choice: Choice) -> list[Choice]:
+    """Return a choice of one contact for each arm that may touch the object, the arm
+    nearer to the contact first.
+
+    The arms share its path and its time: these are the object's. Of two arms each is
+    named in its label. A choice that the object itself refuses is returned as it is.
+    """
+    scene = task.scene
+    if len(scene.robots) == 1 or choice.refusal is not None:
+        return [choice]
+    point = choice.contacts[0].point
+    places = [X_WB.apply(point) for X_WB in task.body_ends]
+    bases = scene.bases
+
+    def distance(arm: int) -> float:
+        """Return how far [m] the contact is from an arm's base, at start and goal."""
+        return sum(math.dist(bases[arm][:2], place) for place in places)
+
+    return [_by(choice, arm) for arm in sorted(scene.arms, key=distance)]
+
+
+def _by(choice: Choice, arm: int) -> Choice:
+    """Return a choice with its contact made by ``arm``."""
+    contacts = tuple(replace(contact, arm=arm) for contact in choice.contacts)
+    return replace(
+        choice,
+        label=f"{ARM_NAMES[arm]} arm, {choice.label}",
+        contacts=contacts,
+        segments=tuple(replace(piece, contacts=contacts) for piece in choice.segments),
+    )
