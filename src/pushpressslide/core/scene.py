@@ -24,7 +24,12 @@ Value = TypeVar("Value")
 
 ArmName = Literal["left", "right"]
 ARM_NAMES: tuple[ArmName, ...] = ("left", "right")
-"""Names of a task's robots, in their order."""
+"""Names of a task's arms, in the order of its robots."""
+
+
+def arm_title(arm: int, count: int = 2) -> str:
+    """Return what the arm of a robot is called in a task that has ``count`` robots."""
+    return "arm" if count == 1 else f"{ARM_NAMES[arm]} arm"
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from pushpressslide.core.plan import Choice
-from pushpressslide.core.scene import ARM_NAMES
+from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Task
 
 
@@ -36,7 +36,7 @@ def _by(choice: Choice, arm: int) -> Choice:
     contacts = tuple(replace(contact, arm=arm) for contact in choice.contacts)
     return replace(
         choice,
-        label=f"{ARM_NAMES[arm]} arm, {choice.label}",
+        label=f"{arm_title(arm)}, {choice.label}",
         contacts=contacts,
         segments=tuple(replace(piece, contacts=contacts) for piece in choice.segments),
     )
