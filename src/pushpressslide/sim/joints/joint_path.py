@@ -129,8 +129,10 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
         return
     blocked.sort(key=SHORTFALL)
     unreached.sort(key=SHORTFALL)
-    # even the nearest blocked move is far from allowed: refining would not help
+    # even the nearest blocked move is far from allowed: refining would not help; an arm
+    # that waits may be led around what is in its way
     too_hard = bool(blocked) and blocked[0].shortfall > NEAR + MOST_EFFORT
+    too_hard = too_hard and problem.along is not None
     misses = (*blocked, *unreached)
     if not too_hard:
         for better in _refined(problem, misses):

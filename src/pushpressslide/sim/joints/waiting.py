@@ -15,7 +15,7 @@ from pushpressslide.robots.tool import UPRIGHT
 from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
 from pushpressslide.sim.joints.postures import Miss, Move, Posture
 
-PARKED = 12  # most postures to be parked in that are offered
+PARKED = 8  # most postures to be parked in that are offered
 
 
 def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move | Miss]:
