@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,9 @@ import numpy as np
 import pushpressslide as pps
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.control import Commands, TipCommand
-from pushpressslide.jobs.run import simulate
+from pushpressslide.jobs.run import Output, run_task, simulate
 from pushpressslide.planar.engine import run
+from pushpressslide.report.files import load_run
 from pushpressslide.report.metrics import result
 from pushpressslide.taskfile.load import task_from_data
 
@@ -50,6 +52,20 @@ def test_one_arm_then_the_other_then_both_take_the_object_to_its_goal() -> None:
         assert math.dist(places[0], task.scene.bases[arm]) < 0.01
         assert not arrays["measured_force"][ticks, arm].any()
         assert np.isnan(arrays["tip_reference"][ticks, arm]).all()
+
+
+def test_its_files_tell_which_arm_did_what(tmp_path: Path) -> None:
+    task = task_from_data(CELL | {"legs": LEGS}, "cell")
+    found = run_task(task, engine="planar", out=Output(tmp_path))
+    run = load_run(tmp_path)
+    assert [s.contacts[0].arm for s in run.plan.segments] == [0, 1, 0]
+    assert [c["arm"] for c in run.result["contacts"]] == [0, 1, 0, 1]
+    assert found["contacts"] == run.result["contacts"]
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "right arm, face 0" in page
+    for name in ("Placement 1, left arm: panda", "Placement 2, right arm: panda"):
+        assert name in page
+    assert (tmp_path / "replay.html").is_file()
 
 
 def test_an_object_that_only_the_right_arm_reaches_is_pushed_by_the_right_arm() -> None:

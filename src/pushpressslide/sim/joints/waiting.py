@@ -22,13 +22,10 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     """Yield the postures in which an arm may wait, the preferred first, and the misses
     between.
 
-    Those with room about them come before those that are merely clear. With ``force``
-    the arm waits where it is.
+    Those with room about them come before those that are merely clear; with ``force``
+    the last is where the arm is, however bad.
     """
     begin = problem.approach.begin
-    if force:
-        yield _still(problem, begin)
-        return
     home = problem.kin.facts.home
     offered = 0
     tight: list[Move] = []
@@ -47,6 +44,8 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
         if offered == PARKED:
             break
     yield from tight
+    if force:
+        yield _still(problem, begin)
 
 
 def _still(problem: ArmProblem, q: Array) -> Move:
