@@ -154,6 +154,20 @@ def test_arms_with_unlike_tips_touch_each_as_its_own_tip_can() -> None:
     assert low < high
 
 
+@pytest.mark.parametrize(("y", "nearer"), [(0.1, 0), (-0.1, 1)])
+def test_of_arms_with_unlike_tips_too_the_nearer_one_comes_first(
+    y: float, nearer: int
+) -> None:
+    robots = [
+        {"model": "panda", "base": {"y": 0.3}, "tip_radius": 0.015},
+        {"model": "panda", "base": {"y": -0.3}, "tip_radius": 0.02},
+    ]
+    ends = {"start": {"x": 0.45, "y": y}, "goal": {"x": 0.55, "y": y}}
+    first, second, *_ = select(cell(robots=robots, modes=["rear_push"], **ends))
+    assert first.time == pytest.approx(second.time, abs=1e-3)
+    assert [arm(first), arm(second)] == [nearer, 1 - nearer]
+
+
 def test_the_legs_of_a_task_may_use_one_arm_the_other_and_both() -> None:
     legs = [
         {

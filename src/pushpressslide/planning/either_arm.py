@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.pose import Point
 from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Task
 
@@ -17,18 +18,24 @@ def either_arm(task: Task, choice: Choice) -> list[Choice]:
     The arms share its path and its time: these are the object's. Of two arms each is
     named in its label. A choice that the object itself refuses is returned as it is.
     """
-    scene = task.scene
-    if len(scene.robots) == 1 or choice.refusal is not None:
+    if len(task.robots) == 1 or choice.refusal is not None:
         return [choice]
-    point = choice.contacts[0].point
+    return [_by(choice, arm) for arm in nearest_arms(task, choice.contacts[0].point)]
+
+
+def nearest_arms(task: Task, point: Point) -> list[int]:
+    """Return the arms that may touch the object, the one nearest to a ``point`` [m] in B
+    first, at start and goal together.
+    """
+    scene = task.scene
     places = [X_WB.apply(point) for X_WB in task.body_ends]
-    bases = scene.bases
 
     def distance(arm: int) -> float:
-        """Return how far [m] the contact is from an arm's base, at start and goal."""
-        return sum(math.dist(bases[arm][:2], place) for place in places)
+        """Return how far [m] the point is from an arm's base, at start and goal."""
+        x, y, _ = scene.bases[arm]
+        return sum(math.dist((x, y), place) for place in places)
 
-    return [_by(choice, arm) for arm in sorted(scene.arms, key=distance)]
+    return sorted(scene.arms, key=distance)
 
 
 def _by(choice: Choice, arm: int) -> Choice:

@@ -7,15 +7,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from pushpressslide.core.plan import Choice, MotionPath, same_places
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Mode, promptness
+from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
+Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
     "falls",
     "the object falls when the arms let go for it: nothing carries it where the leg "
@@ -143,7 +144,8 @@ def _select(task: Task, enough: int) -> list[Choice]:
 
 
 def _by_tip(task: Task, mode: Mode) -> list[Task]:
-    """Return the task for each kind of tip that ``mode`` may touch the object with.
+    """Return the task for each kind of tip that ``mode`` may touch the object with, that
+    of the nearer arm first.
 
     Arms with alike tips share what depends on the object alone.
     """
@@ -152,7 +154,7 @@ def _by_tip(task: Task, mode: Mode) -> list[Task]:
         return [task]
     return [
         replace(task, motion=replace(task.motion, arm=ARM_NAMES[arm]))
-        for arm in task.scene.arms
+        for arm in nearest_arms(task, (0.0, 0.0))
     ]
 
 
@@ -170,12 +172,15 @@ def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
 
 
 def _judged_for_obstacles(task: Task, choices: Sequence[Choice]) -> list[Choice]:
-    """Return ``choices``, the feasible ones judged by their paths: either arm's at once."""
-    refusals: dict[tuple[tuple[MotionPath, Pose2], ...], Refusal | None] = {}
+    """Return ``choices``, the feasible ones judged by their paths, which either arm's
+    choices of one contact share.
+    """
+    refusals: dict[Way, Refusal | None] = {}
     out = []
     for choice in choices:
         if choice.feasible:
-            way = tuple((piece.path, piece.X_BV) for piece in choice.segments)
+            touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
+            way = (touched, tuple(piece.path for piece in choice.segments))
             if way not in refusals:
                 refusals[way] = path_refusal(task, choice.segments)
             choice = choice.refused(refusals[way])
