@@ -85,7 +85,8 @@ def test_of_equally_quick_modes_that_one_is_first_whose_contacts_do_not_push_aga
     None
 ):
     task = next(case.task for case in CASES if case.name == "large box ahead")
-    first, second = list(bests(task, 1).values())[:2]
+    both = [choice for choice in bests(task, 1).values() if len(choice.contacts) == 2]
+    first, second = both[:2]
     assert (first.mode, second.mode) == ("parallel_push", "orthogonal_push")
     assert first.time == pytest.approx(second.time, abs=1e-3)
 

@@ -43,6 +43,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.identification.findings import NOTHING
 
+AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
 PROGRESS_TICKS = 25  # between two reports of the progress
 
 
@@ -339,21 +340,28 @@ class _RunLoop:
 def tip_paths(
     placement: Plan, held: TipCommands, measurement: Measurement | None
 ) -> list[TipPath | None]:
-    """Return the way of each tip without an arm to before its planned contact, over the
-    object; None for one that holds its contact or has none, and at the start of a run.
+    """Return the way of each tip without an arm, over the object: to before its planned
+    contact, or to its robot's base, where a tip waits that has none. None for one that
+    holds its contact, and at the start of a run.
     """
     task = placement.task
     paths: list[TipPath | None] = [None] * len(task.robots)
     if measurement is None:
         return paths
     X_WB = task.start.compose(task.X_GB)
-    for contact in placement.contacts:
-        if held[contact.arm] is None:
-            radius = task.robots[contact.arm].tip_radius
-            gap = task.motion.approach_distance
-            paths[contact.arm] = tip_path(
-                measurement.tips[contact.arm].position,
-                tip_position(contact, X_WB, radius, gap),
-                task.object.shape.height + radius + gap,
-            )
+    gap = task.motion.approach_distance
+    ends = {
+        contact.arm: tip_position(
+            contact, X_WB, task.robots[contact.arm].tip_radius, gap
+        )
+        for contact in placement.contacts
+    }
+    for arm, (robot, base) in enumerate(
+        zip(task.robots, task.scene.bases, strict=True)
+    ):
+        begin = measurement.tips[arm].position
+        waits = arm not in ends and math.dist(begin, base) < AT_BASE
+        if held[arm] is None and not waits:
+            above = task.object.shape.height + robot.tip_radius + gap
+            paths[arm] = tip_path(begin, ends.get(arm, base), above)
     return paths

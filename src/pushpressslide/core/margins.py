@@ -267,6 +267,10 @@ class ArmMargins:
     """Of way from a start or goal that is nearer to an obstacle than motion.clearance, on
     which the gap that is asked for grows to it.
     """
+    waiting: float = field(default=0.05, metadata={"unit": "m"})
+    """That an arm without a contact keeps from all else, where it can: half of what the
+    object may be ``beside`` its planned way.
+    """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Of a tip on the last centimetres before a contact."""
     pressing: float = field(default=0.4, metadata={"unit": "s"})

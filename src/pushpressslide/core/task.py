@@ -17,6 +17,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.scene import ARM_NAMES, ArmName
 from pushpressslide.core.scene import Belief as Belief
 from pushpressslide.core.scene import ObjectModel as ObjectModel
 from pushpressslide.core.scene import Obstacle as Obstacle
@@ -252,6 +253,11 @@ class Motion:
         "the mode",
         within="[0, 63]",
     )
+    arm: ArmName | None = setting(
+        None,
+        "the only arm that may touch the object, in a mode that needs one; null: chosen "
+        "by the mode",
+    )
     contacts: tuple[Point, ...] | None = setting(
         None,
         "points of the top contacts in G. Of two, the first is the left arm's unless "
@@ -368,7 +374,7 @@ class Task:
     )
     modes: tuple[str, ...] | None = setting(
         None,
-        "contact modes to choose from; null: all modes for this number of robots",
+        "contact modes to choose from; null: all that need no more arms than there are",
         count=(1, math.inf),
     )
     # the last one to ``goal``
@@ -444,6 +450,7 @@ class Task:
     def scene(self) -> Scene:
         """The physical question, as believed."""
         told = self.told
+        name = told.motion.arm
         return Scene(
             told.object,
             told.support,
@@ -453,6 +460,7 @@ class Task:
             told.belief.rho,
             told.belief.friction_error,
             told.belief.center_error,
+            None if name is None else ARM_NAMES.index(name),
         )
 
     @property

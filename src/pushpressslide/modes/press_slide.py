@@ -45,6 +45,7 @@ from pushpressslide.modes.base import (
     promptness,
     search,
 )
+from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.pressed.driven import (
     DIRECTIONS,
     driven_again,
@@ -368,8 +369,9 @@ def _steered(
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """Return a choice as it is steered."""
-        return [with_turns(task, choice, least) if evaluated else choice]
+        """Return a choice as it is steered, by either arm."""
+        steered = with_turns(task, choice, least) if evaluated else choice
+        return either_arm(task, steered)
 
     return [
         Draft(float(i), partial(make, choice), ordered=True)

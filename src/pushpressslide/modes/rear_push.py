@@ -23,6 +23,7 @@ from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import window_of
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
+from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
     cone_margin,
     contact_refusal,
@@ -73,10 +74,10 @@ class RearPush(Mode):
     def _push(
         self, task: Task, face: Face, twists: Array, evaluated: bool
     ) -> list[Choice]:
-        """Judge a push on a face but for the arm's reach."""
+        """Judge a push on a face but for the arms' reach."""
         scene = task.scene
         height = contact_height(scene, task.motion)
-        contact = Contact(0, "side", face.foot, face.normal, height)
+        contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
         choice = Choice(self.name, f"face {face.index}", (contact,))
         refusal = contact_refusal(task, face, height)
         try:
@@ -91,7 +92,7 @@ class RearPush(Mode):
             return [choice.refused(refusal or Refusal("not_straight", straight))]
         drive = RearSteerDrive(car, scene.max_friction(), shift)
         driven = self._driven(task, choice, drive)
-        return [driven.refused(refusal or driven.refusal)]
+        return either_arm(task, driven.refused(refusal or driven.refusal))
 
     def _driven(self, task: Task, choice: Choice, drive: RearSteerDrive) -> Choice:
         """Return the choice with the path of a car; refused if that winds too much."""

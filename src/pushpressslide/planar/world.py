@@ -130,7 +130,11 @@ class World:
     def step(
         self, state: WorldState, commands: Sequence[TipCommand | None]
     ) -> WorldState:
-        """Return the state one tick on; a tip without a command stays where it is."""
+        """Return the state one tick on.
+
+        A tip without a command stays where it is; one without a contact is where its
+        command has it, and touches nothing.
+        """
         X_WB = state.X_WB
         reaches = [
             self._reach(state, contact, face, command)
@@ -158,7 +162,10 @@ class World:
         origin = twist.moved_to((0.0, 0.0))
         X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
-        tips = [_resting(tip.position) for tip in state.tips]
+        tips = [
+            _resting(tip.position) if command is None else _led(command)
+            for tip, command in zip(state.tips, commands, strict=True)
+        ]
         statuses: list[ContactStatus] = ["free"] * len(tips)
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
@@ -289,6 +296,10 @@ def _damping(damping: float, stiffness: float, dt: float) -> float:
     taken at the end of it.
     """
     return max(damping + stiffness * dt, TIP_DRAG)
+
+
+def _led(command: TipCommand) -> TipState:
+    return TipState(command.position, command.velocity, (0.0, 0.0, 0.0))
 
 
 def _resting(position: Vector3) -> TipState:

@@ -20,15 +20,15 @@ from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
 
 def contact_height(scene: Scene, motion: Motion) -> float:
-    """Return the height of the contacts above the support [m], the same for all arms:
-    low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
-    object.
+    """Return the height of the contacts above the support [m], the same for all arms
+    that may touch: low, since a push at height h moves the CoP by h mu_s, but with the
+    wrists above the object.
     """
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
-    radius = max(robot.tip_radius for robot in scene.robots)
-    reach = min(robot.tip_length for robot in scene.robots)
+    radius = max(robot.tip_radius for robot in scene.tips)
+    reach = min(robot.tip_length for robot in scene.tips)
     arm = margins.ARM
     low = max(radius + arm.tool_gap, height + arm.wrist_gap - reach)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)

@@ -40,7 +40,8 @@ def refusal(task: Task, choices: Sequence[Choice]) -> str:
             refused = group
             break
     part = task.parts[refused[0].leg]
-    fitting = [c for c in refused if MODES[c.mode].arms == len(task.robots)] or refused
+    arms = len(part.scene.arms)
+    fitting = [c for c in refused if MODES[c.mode].arms <= arms] or refused
     reasons = "; ".join(
         f"{choice.mode}: {reason}"
         for choice, reason in gathered(fitting)

@@ -1,4 +1,7 @@
-"""Joint paths of all arms of a plan; two arms keep clear of each other."""
+"""Joint paths of all arms of a plan; two arms keep clear of each other.
+
+Where only one of them has a contact, the other waits out of its way.
+"""
 
 from __future__ import annotations
 
@@ -139,6 +142,15 @@ class _TwoArms:
         along = self._along(best)
         if along >= APART or self.force:
             yield from self._waiting(best, along)
+        for arm, problem in enumerate(self.problems):
+            if problem.along is None:
+                # whatever the other arm does, this one may get out of its way
+                for result in searches[arm]:
+                    results[arm] = result
+                    best[arm] = result.solutions[-1]
+                    along = self._along(best)
+                    if along >= APART:
+                        yield from self._waiting(best, along)
         options = []
         for result, stream in zip(results, searches, strict=True):
             *_, complete = [result, *stream]
@@ -171,11 +183,20 @@ class _TwoArms:
         """Return the arms' least distance [m] as both go from beside the object to
         their contacts.
         """
-        left, right = (solution.path.touch for solution in pair)
-        if left is None or right is None:
-            return LOOK
-        count = min(len(left), len(right))
-        return self._least(left[-count:], right[-count:])
+        ways = []
+        for problem, solution in zip(self.problems, pair, strict=True):
+            way = solution.path.touch
+            if problem.along is None:
+                way = solution.path.move[:1]
+            if way is None:
+                return LOOK
+            ways.append(way)
+        left, right = ways
+        if len(left) > 1 and len(right) > 1:
+            count = min(len(left), len(right))
+            left = left[-count:]
+            right = right[-count:]
+        return self._least(left, right)
 
     def _least(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of

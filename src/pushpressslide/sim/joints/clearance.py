@@ -72,6 +72,7 @@ class ClearanceModel:
         self._frame = task.support.frame
         _add_surroundings(plant, task)
         self._bodies = _add_movable(plant, task)
+        self._heights = {o.name: 0.5 * o.size[2] for o in task.obstacles}  # [m]
         plant.Finalize()
         joints = self._robot.joints(plant)
         # of q in a Jacobian
@@ -125,19 +126,29 @@ class ClearanceModel:
         )
 
     def least(
-        self, postures: Array, object_poses: Sequence[Pose2], *, touching: bool
+        self,
+        postures: Array,
+        object_poses: Sequence[Pose2],
+        *,
+        touching: bool,
+        bodies: Mapping[str, Sequence[Pose2]] | None = None,
     ) -> tuple[float, str]:
         """Return the least distance [m], at most 0.08, over postures (k, n) and object
         poses X_WG (k), and the names of its pair.
 
         ``touching``: the tip's sphere touches the object on purpose; this pair is left
-        out.
+        out. ``bodies``: poses (k each) of movable obstacles by name, by default where
+        the task has them.
         """
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
         ]
         shapes = self.sphere if touching else set()
-        least, pair = self.least_in_space(postures, transforms, shapes)
+        moved = {
+            name: [rigid_transform(X, self._heights[name], self._frame) for X in poses]
+            for name, poses in (bodies or {}).items()
+        }
+        least, pair = self.least_in_space(postures, transforms, shapes, moved)
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
             if apart < least:
@@ -160,11 +171,11 @@ class ClearanceModel:
         """
         least = LOOK
         pair = "nothing within reach"
+        bodies = bodies or {}
+        before = {name: self._pose(name) for name in bodies}
         for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
-            for name, poses in (bodies or {}).items():
-                self._plant.SetFreeBodyPose(
-                    self._plant_context, self._bodies[name], poses[i]
-                )
+            for name, poses in bodies.items():
+                self._put(name, poses[i])
             for near in self._pairs(q, X, touching):
                 if near.distance < least:
                     least = near.distance
@@ -172,7 +183,17 @@ class ClearanceModel:
                         self._inspector.GetName(g).split("::")[-1]
                         for g in (near.id_A, near.id_B)
                     )
+        for name, pose in before.items():
+            self._put(name, pose)
         return float(least), pair
+
+    def _pose(self, name: str) -> RigidTransform:
+        """Return where a movable obstacle is."""
+        return self._plant.GetFreeBodyPose(self._plant_context, self._bodies[name])
+
+    def _put(self, name: str, pose: RigidTransform) -> None:
+        """Put a movable obstacle somewhere else."""
+        self._plant.SetFreeBodyPose(self._plant_context, self._bodies[name], pose)
 
     def smooth_least(
         self, q: Array, object_pose: Pose2, *, touching: bool
