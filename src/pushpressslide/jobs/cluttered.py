@@ -93,6 +93,22 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
     )
 
 
+def started_task(base: Task, index: int, seed: int) -> Task:
+    """Return ``base`` from another start: anywhere in reach, at any yaw, off all
+    obstacles and bases, with a free way to the goal.
+
+    Raises PushPressSlideError after TRIES draws.
+    """
+    rng = np.random.default_rng([seed, index])
+    arms = len(base.robots)
+    for _ in range(TRIES):
+        start = _pose(rng, base.robots, arms)
+        if _fits(base.robots, base.object, (start, base.goal), base.obstacles):
+            name = f"{base.name}-from-{seed}-{index:03d}"
+            return replace(base, name=name, source="", start=start)
+    raise PushPressSlideError(f"no start with a free way to the goal in {TRIES} draws")
+
+
 def _object(rng: np.random.Generator, arms: int) -> ObjectModel:
     """Draw a shape, evenly in the logarithm of its width, and its mass."""
     low, high = (math.log(size) for size in WIDTH[arms])
