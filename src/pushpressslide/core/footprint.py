@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Cylinder, Opening, Shape
+from pushpressslide.core.task import Opening, Shape
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,9 +30,12 @@ def gaps(shape: Shape, poses: Sequence[Pose2], others: Sequence[Polygon]) -> Arr
     import shapely
 
     there = np.array(others, dtype=object)[None]
-    if isinstance(shape, Cylinder):
-        centers = shapely.points([X.position for X in poses])
-        return np.maximum(shapely.distance(centers[:, None], there) - shape.radius, 0.0)
+    if (
+        not shape.corners and shape.middle == shape.centroid
+    ):  # a circle about its middle
+        centers = shapely.points([X.apply(shape.middle) for X in poses])
+        apart = shapely.distance(centers[:, None], there) - shape.circumradius
+        return np.asarray(np.maximum(apart, 0.0))
     out: Array = shapely.distance(all_placed(shape, poses)[:, None], there)
     return out
 
