@@ -42,6 +42,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.identification.findings import NOTHING
+from pushpressslide.planning.side_contacts import before_contacts
 
 PROGRESS_TICKS = 25  # between two reports of the progress
 
@@ -191,11 +192,10 @@ class _RunLoop:
         placement = self.placements[self.number]
         task = placement.task
         paths = self.plant.joint_paths
-        gap = None
+        gap = before_contacts(task, placement.contacts)
         if paths:  # what the approach really leaves
             self.approach: Approach = JointApproach(task.start, paths, held, time)
-            planned = task.motion.approach_distance
-            gap = min(planned, *(path.gap for path in paths))
+            gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
@@ -350,7 +350,7 @@ def tip_paths(
     for contact in placement.contacts:
         if held[contact.arm] is None:
             radius = task.robots[contact.arm].tip_radius
-            gap = task.motion.approach_distance
+            gap = before_contacts(task, placement.contacts)
             paths[contact.arm] = tip_path(
                 measurement.tips[contact.arm].position,
                 tip_position(contact, X_WB, radius, gap),

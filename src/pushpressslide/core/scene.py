@@ -255,7 +255,12 @@ class Scene:
     @property
     def inset(self) -> float:
         """How far [m] contacts stay inside the edges of a face or of the top."""
-        return margins.inset(max(robot.tip_radius for robot in self.robots))
+        return margins.inset(self.tip_radius)
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the largest tip [m]."""
+        return max(robot.tip_radius for robot in self.robots)
 
     @property
     def sure(self) -> float:
