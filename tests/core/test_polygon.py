@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pushpressslide.core.polygon import centroid, border_fault, signed_area
+from pushpressslide.core.polygon import border_fault, centroid, signed_area
 
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 # in steps of 1e-6: a distance below the rounding of a sum has no sign

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
@@ -135,11 +136,28 @@ def compliant_properties(
     return properties
 
 
+def _normal(a: Vector3, b: Vector3, c: Vector3) -> Vector3:
+    """Return the unit normal of a triangle."""
+    normal = np.cross(np.subtract(b, a), np.subtract(c, a))
+    x, y, z = (normal / np.linalg.norm(normal)).tolist()
+    return (x, y, z)
+
+
 def _obj_mesh(
-    vertices: Sequence[Vector3], faces: Sequence[Tile], name: str
+    vertices: Sequence[Vector3],
+    faces: Sequence[Tile],
+    name: str,
+    *,
+    drawn: bool = False,
 ) -> InMemoryMesh:
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
-    lines += ["f " + " ".join(str(i + 1) for i in face) for face in faces]
+    for k, face in enumerate(faces):
+        normal = ""
+        if drawn:  # what draws pictures asks for normals
+            x, y, z = _normal(*(vertices[i] for i in face[:3]))
+            lines.append(f"vn {x:.6g} {y:.6g} {z:.6g}")
+            normal = f"//{k + 1}"
+        lines.append("f " + " ".join(f"{i + 1}{normal}" for i in face))
     return InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", name))
 
 
@@ -264,7 +282,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
     if is_convex(shape.corners):
         return _convex_prism(shape.corners, shape.height)
     caps = triangles(shape.corners)
-    return Mesh(_prism_mesh(shape.corners, shape.height, caps))
+    return Mesh(_prism_mesh(shape.corners, shape.height, caps, drawn=True))
 
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
@@ -313,7 +331,11 @@ def _convex_prism(corners: tuple[Point, ...], height: float) -> Convex:
 
 
 def _prism_mesh(
-    corners: tuple[Point, ...], height: float, caps: Sequence[Tile]
+    corners: tuple[Point, ...],
+    height: float,
+    caps: Sequence[Tile],
+    *,
+    drawn: bool = False,
 ) -> InMemoryMesh:
     """Return the surface of a prism; ``caps`` make up its top by numbers of corners."""
     n = len(corners)
@@ -322,4 +344,4 @@ def _prism_mesh(
     faces: list[Tile] = [tuple(reversed(cap)) for cap in caps]
     faces += [tuple(n + i for i in cap) for cap in caps]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return _obj_mesh(vertices, faces, "prism.obj")
+    return _obj_mesh(vertices, faces, "prism.obj", drawn=drawn)
