@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 GRID = 1e-7  # [m] to which corners of a union are rounded
 DIGITS = 7  # the same, in decimal places
-ON_CHORD = 2e-6  # [m] from a circle's chord within which an edge is a part of it
+SLIVER = 0.01  # of an arc's radius: shorter edges beside it come from its chords
+ROUND = 0.004  # of a circle's radius: chords are up to half of that inside it
 
 
 def united(borders: Sequence[Border]) -> Border:
@@ -56,8 +57,8 @@ def bordered(whole: Polygon, arcs: Sequence[Arc] = ()) -> Border:
     rounded = tuple((round(x, DIGITS) + 0.0, round(y, DIGITS) + 0.0) for x, y in ring)
     if shapely.Polygon(rounded).exterior.is_ccw is False:
         rounded = rounded[::-1]
-    corners = without_straight_corners(rounded)
-    edges = list(map(Edge, corners, corners[1:] + corners[:1]))
+    corners = without_straight_corners(_without_slivers(rounded, arcs))
+    edges = _edges(corners)
     circles = [_circle_of(edge, arcs) for edge in edges]
     first = _first(corners, circles)
     edges = edges[first:] + edges[:first]
@@ -65,18 +66,45 @@ def bordered(whole: Polygon, arcs: Sequence[Arc] = ()) -> Border:
     return Border(corners[first:] + corners[:first], _sides(edges, circles))
 
 
+def _edges(corners: tuple[Point, ...]) -> list[Edge]:
+    return list(map(Edge, corners, corners[1:] + corners[:1]))
+
+
+def _without_slivers(
+    corners: tuple[Point, ...], arcs: Sequence[Arc]
+) -> tuple[Point, ...]:
+    """Return the corners without the edges that are left where an edge meets the chords
+    of an arc that it is a tangent of: the end of the edge stays.
+    """
+    if not arcs:
+        return corners
+    shortest = SLIVER * min(arc.radius for arc in arcs)
+    i = 0
+    while i < len(corners) and len(corners) > 3:
+        edges = _edges(corners)
+        if edges[i].length >= shortest:
+            i += 1
+            continue
+        after = edges[(i + 1) % len(edges)]
+        at = i
+        if _circle_of(after, arcs) is not None:
+            at = (i + 1) % len(corners)
+        corners = corners[:at] + corners[at + 1 :]
+        i = 0
+    return corners
+
+
 def _circle_of(edge: Edge, arcs: Sequence[Arc]) -> Arc | None:
-    """Return the circle of which an edge is a part of a chord, or None."""
+    """Return the circle of which an edge is about a chord, or a part of one; or None."""
+    middle = edge.at(0.5 * edge.length)
     for arc in arcs:
-        half = math.pi / CHORDS
-        nx, ny = edge.normal
-        cx, cy = arc.center
-        depth = (cx - edge.start[0]) * nx + (cy - edge.start[1]) * ny
-        flat = abs(depth - arc.radius * math.cos(half)) < ON_CHORD
-        farthest = max(
-            math.dist(edge.start, arc.center), math.dist(edge.end, arc.center)
-        )
-        if flat and farthest < arc.radius + ON_CHORD:
+        depths = [
+            1.0 - math.dist(point, arc.center) / arc.radius
+            for point in (edge.start, middle, edge.end)
+        ]
+        chord = 2.0 * arc.radius * math.sin(math.pi / CHORDS)
+        near = all(-ROUND < depth < ROUND for depth in depths)
+        if near and edge.length < (1.0 + SLIVER) * chord:
             return arc
     return None
 
