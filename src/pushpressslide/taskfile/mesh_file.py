@@ -43,7 +43,7 @@ def read_mesh(path: str, scale: float) -> MeshSolid:
     """
     file = Path(path)
     if file.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"allowed: a file {' or '.join(SUFFIXES)}")
+        raise ValueError(f"it ends neither in {' nor in '.join(SUFFIXES)}")
     if not file.is_file():
         raise ValueError("no such file")
     stat = file.stat()
