@@ -374,3 +374,8 @@ def test_a_shape_survives_a_trip_to_another_process(shape: Shape) -> None:
     assert again == shape
     assert hash(again) == hash(shape)
     assert again.corners == shape.corners
+
+
+def test_corners_that_run_clockwise_are_refused() -> None:
+    with pytest.raises(ValueError, match="counter-clockwise"):
+        Prism(tuple(reversed(L_SHAPE.corners)), 0.06)

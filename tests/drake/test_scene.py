@@ -194,6 +194,19 @@ def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(
     )
 
 
+@pytest.mark.parametrize("movable", [False, True])
+def test_what_stands_in_a_notch_is_not_touched(movable: bool) -> None:
+    """A post inside the hull of an L, 5 mm off both inner sides."""
+    pose = START.compose(Pose2(0.085, 0.085))
+    post = Obstacle("post", (0.04, 0.04, 0.1), pose, movable=movable)
+    plan = still_plan(SHAPES["L"], (post,))
+    dragged = Dragged(plan)
+    dragged.simulator.AdvanceTo(0.4)
+    X = dragged.plant.EvalBodyPoseInWorld(dragged.context, dragged.body)
+    assert X.translation()[:2] == pytest.approx(START.position, abs=1e-5)
+    assert dragged.yaw() == pytest.approx(START.yaw, abs=1e-4)
+
+
 def tilted_scene(plan: Plan, slope: float, bearing: float = 0.3):
     """Return the simulator of a scene whose gravity is that of a slope of ``slope`` =
     tan(angle).

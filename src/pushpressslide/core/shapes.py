@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from pushpressslide.core.border import Border, border_of, round_border
 from pushpressslide.core.outlined import Outlined
-from pushpressslide.core.polygon import is_convex
+from pushpressslide.core.polygon import is_convex, signed_area
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.shape import ORIGIN, Ends, Shape
 from pushpressslide.core.sides import ROUND_SIDES, RoundSide, Side, SidePlace
@@ -72,7 +72,8 @@ class Box(Shape):
 class Prism(Shape):
     """An upright prism on a simple polygon; its frame G is the polygon's own origin.
 
-    One on a concave polygon is a ``ConcavePrism``.
+    One on a concave polygon is a ``ConcavePrism``. Raises ValueError for corners that
+    run clockwise.
     """
 
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
@@ -82,6 +83,10 @@ class Prism(Shape):
         """Return a prism that answers by its hull only where that is its footprint."""
         concave = bool(polygon) and cls is Prism and not is_convex(polygon)
         return object.__new__(ConcavePrism if concave else cls)
+
+    def __post_init__(self) -> None:
+        if not signed_area(self.polygon) > 0.0:
+            raise ValueError("the corners of a prism must run counter-clockwise")
 
     @property
     def corners(self) -> tuple[Point, ...]:

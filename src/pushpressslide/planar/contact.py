@@ -149,7 +149,8 @@ class WedgedContact:
 
     def _stuck(self, twist: tuple[float, float, float]) -> Response:
         """Return the force of a tip that closes both gaps and moves with the object."""
-        (ax, ay), (bx, by) = self.own.law.axis, self.wall.law.axis
+        ax, ay = self.own.law.axis
+        bx, by = self.wall.law.axis
         a = self.own.approach
         b = self.wall.approach
         size = ax * by - ay * bx
