@@ -37,6 +37,10 @@ KEY = Compound(
         Part(Box((0.12, 0.02, 0.04)), Pose2(0.09, 0.0, 0.0)),
     )
 )
+KEY_PARTS = [
+    {"cylinder": {"radius": 0.05, "height": 0.04}},
+    {"box": [0.12, 0.02, 0.04], "pose": {"x": 0.09}},
+]
 # a block with a notch that is open to the robot
 NOTCHED = [[-0.1, -0.05], [0.1, -0.05], [0.1, 0.1], [0.05, 0.1]]
 NOTCHED += [[0.05, 0.05], [-0.05, 0.05], [-0.05, 0.1], [-0.1, 0.1]]
@@ -125,6 +129,14 @@ def data(name: str) -> dict:
             "start": {"x": 0.45, "y": -0.1, "yaw_deg": 90},
             "goal": {"x": 0.65, "y": -0.08, "yaw_deg": 80},
         }
+    if name == "key":  # pushed at the round end
+        return {
+            **shared,
+            "object": {"shape": {"compound": KEY_PARTS}, "mass": 0.7},
+            "start": {"x": 0.45, "y": -0.1, "yaw_deg": 0},
+            "goal": {"x": 0.63, "y": -0.09, "yaw_deg": 6},
+            "motion": {"face": 3},
+        }
     polygon = L_CORNERS if name == "l-shape" else NOTCHED
     starts = {"l-shape": (0.42, -0.05, 0), "notched": (0.45, 0.1, 90)}
     goals = {"l-shape": (0.58, -0.04, 8), "notched": (0.62, 0.08, 80)}
@@ -145,6 +157,7 @@ CASES = [
     ("l-shape", "rear_push"),
     ("l-shape", "press_slide"),
     ("notched", "rear_push"),
+    ("key", "rear_push"),
 ]
 every_case = pytest.mark.parametrize(("name", "mode"), CASES)
 
