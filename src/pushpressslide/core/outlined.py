@@ -90,6 +90,11 @@ class Outlined(Shape):
         return area
 
     @cached_property
+    def convex(self) -> bool:
+        """Whether the footprint is convex."""
+        return is_convex(self.corners)
+
+    @cached_property
     def hull(self) -> Shape:
         """The upright body on the footprint's convex hull."""
         return Hull(convex_hull(self.corners), self.height)
@@ -125,7 +130,7 @@ class Outlined(Shape):
         perimeter, as of a square, or that of its bounding rectangle.
         """
         whole = self.hull.breadth
-        if is_convex(self.corners):
+        if self.convex:
             return whole
         return min(whole, 4.0 * self.area.area / self.area.length)
 

@@ -61,6 +61,11 @@ class Shape:
         return border_of(self.corners)
 
     @property
+    def convex(self) -> bool:
+        """Whether the footprint is convex."""
+        return True
+
+    @property
     def hull(self) -> Shape:
         """The upright body on the convex hull of the footprint, which decides tipping."""
         return self

@@ -29,7 +29,6 @@ from pydrake.multibody.plant import CoulombFriction
 from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pieces import convex_pieces, triangles
-from pushpressslide.core.polygon import is_convex
 from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.sim.layered_mesh import layered_mesh
@@ -279,7 +278,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
         return Box(*shape.size)
     if isinstance(shape, model.Cylinder):
         return Cylinder(shape.radius, shape.height)
-    if is_convex(shape.corners):
+    if shape.convex:
         return _convex_prism(shape.corners, shape.height)
     caps = triangles(shape.corners)
     return Mesh(_prism_mesh(shape.corners, shape.height, caps, drawn=True))
@@ -287,7 +286,7 @@ def drawn_shape(shape: model.Shape) -> DrakeShape:
 
 def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
     """Return Drake's shapes whose union an object is; frame as of ``drawn_shape``."""
-    if not shape.corners or is_convex(shape.corners):
+    if shape.convex:
         return [drawn_shape(shape)]
     return [
         _convex_prism(piece, shape.height) for piece in convex_pieces(shape.corners)
@@ -303,7 +302,7 @@ def touched_shape(
     A concave object has a volume mesh. Its modulus is chosen so that it gives way as
     much as a convex object as thick as it is.
     """
-    if not shape.corners or is_convex(shape.corners):
+    if shape.convex:
         return drawn_shape(shape), compliant_properties(friction, resolution)
     outline = _without_details(shape.corners)
     mesh = layered_mesh(outline, shape.height)
