@@ -1,38 +1,42 @@
-"""Where two arms press a concave top."""
+"""Where two arms press: opposite each other about the CoM, and given to arms."""
 
 import math
 from dataclasses import replace
 
-from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Prism
-from pushpressslide.core.task import ObjectModel, Task
-from pushpressslide.mechanics.top import inside_top, top_places
+import pytest
+
+from pushpressslide import load_task
+from pushpressslide.core import margins
 from pushpressslide.planning.press_pairs import placed_pairs
-from pushpressslide.taskfile.load import load_task
 
-L_SHAPE = Prism(
-    ((0.0, 0.0), (0.25, 0.0), (0.25, 0.06), (0.06, 0.06), (0.06, 0.25), (0.0, 0.25)),
-    0.06,
-)
+TASK = load_task("bimanual-slide")
 
 
-def l_task() -> Task:
-    task = load_task("bimanual-slide")
-    body = ObjectModel(L_SHAPE, 1.0, L_SHAPE.centroid)
-    motion = replace(task.motion, contacts=None)
-    return replace(task, object=body, motion=motion, goal=Pose2(0.55, 0.1, 0.3))
-
-
-def test_where_nothing_is_opposite_a_place_the_nearest_one_there_is_pressed() -> None:
-    task = l_task()
-    inset = task.scene.inset
-    places = top_places(task.object, inset)
-    opposite = [p for p in places if inside_top(task.object, (-p[0], -p[1]), inset)]
-    assert len(opposite) < 0.2 * len(places)
-    pairs = [pair for pair in placed_pairs(task) if pair.refusal is None]
-    assert len(pairs) > len(opposite)
+def test_chosen_pairs_lie_opposite_each_other_about_the_com_and_far_enough_apart() -> (
+    None
+):
+    pairs = placed_pairs(TASK)
+    assert pairs
     for pair in pairs:
-        points = [contact.point for contact in pair.contacts]
-        assert all(inside_top(task.object, p, inset - 1e-5) for p in points)
-    # one of them has an arm of the L for each arm
-    assert max(math.dist(*(c.point for c in pair.contacts)) for pair in pairs) > 0.2
+        a, b = (contact.point for contact in pair.contacts)
+        assert a == pytest.approx((-b[0], -b[1]))
+        assert math.dist(a, b) >= margins.ARM.hand_room
+        assert pair.refusal is None
+
+
+def test_given_places_keep_their_arms_and_one_off_the_top_is_refused() -> None:
+    a, b = (contact.point for contact in placed_pairs(TASK)[0].contacts)
+    x, y = TASK.object.center_of_mass
+    places = ((a[0] + x, a[1] + y), (b[0] + x, b[1] + y))
+    task = replace(TASK, motion=replace(TASK.motion, contacts=places))
+    (pair,) = placed_pairs(task)
+    assert [contact.point for contact in pair.contacts] == [
+        pytest.approx(a),
+        pytest.approx(b),
+    ]
+    outside = ((9.0, 0.0), places[1])
+    (beside,) = placed_pairs(
+        replace(TASK, motion=replace(TASK.motion, contacts=outside))
+    )
+    assert beside.refusal is not None
+    assert beside.refusal.code == "off_top"

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 SLACK = 1e-4  # of the tip's radius, by which it may overlap: rounding, and chords
 QUADRANT = 64  # chords of a quarter of an offset corner
 DEGREE = math.radians(1.0)  # between the places of an arc that are tried
+OFF = 0.05  # of the tip's radius, off its contact, from where a way is looked at
 LEAST = 1e-6  # [m] of a side: less cannot be touched
 FAR = 1.0  # [m] up to which a way off a side is looked at
 
@@ -58,14 +59,17 @@ def free_way(border: Border, point: Point, normal: Point, tip_radius: float) -> 
     along the inward ``normal`` before it meets the border again; infinite if nowhere.
     """
     from shapely import LineString
+    from shapely import Point as Place
 
     blocked = _blocked(border, tip_radius, closed=False)
-    begin = (point[0] - tip_radius * normal[0], point[1] - tip_radius * normal[1])
+    # a measured point may be a little inside
+    out = (1.0 + OFF) * tip_radius
+    begin = (point[0] - out * normal[0], point[1] - out * normal[1])
     end = (begin[0] - FAR * normal[0], begin[1] - FAR * normal[1])
     met = LineString([begin, end]).intersection(blocked)
     if met.is_empty:
         return math.inf
-    return float(LineString([begin, begin]).distance(met))
+    return OFF * tip_radius + float(Place(begin).distance(met))
 
 
 @lru_cache(maxsize=64)

@@ -69,11 +69,9 @@ def room_before(task: Task, contact: Contact, wanted: float) -> float:
     """
     if contact.kind == "top":
         return wanted
-    body = task.object
     radius = task.robots[contact.arm].tip_radius
-    way = body.shape.free_way(
-        contact.point, contact.normal, radius, body.center_of_mass
-    )
+    origin = task.X_GB.position
+    way = task.object.shape.free_way(contact.point, contact.normal, radius, origin)
     return min(wanted, max(way - margins.ARM.clearance, 0.5 * way))
 
 
