@@ -318,6 +318,17 @@ def test_what_remains_of_a_round_part_is_round() -> None:
     assert [edge is None for edge in STADIUM.edges] == [False, True, False, True]
 
 
+def test_places_along_an_arc_are_lengths_from_the_contact() -> None:
+    center = (0.06, 0.0)
+    point = (0.085, 0.0)
+    side = STADIUM.side(point, (-1.0, 0.0), (0.0, 0.0))
+    turn = np.array([-0.3, 0.0, 0.4])
+    x = center[0] + 0.03 * np.cos(turn)
+    y = center[1] + 0.03 * np.sin(turn)
+    # to the left of the normal, which points to -x, is -y
+    assert side.coordinates(x, y) == pytest.approx(-0.025 * turn)
+
+
 def test_a_single_round_part_is_a_whole_circle() -> None:
     disc = Compound((Part(Cylinder(0.05, 0.04), Pose2(0.02, 0.0)),))
     (side,) = disc.border.sides

@@ -59,7 +59,7 @@ class FlatSide:
         return self.normal
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Return the places (N,) along the face [m]."""
+        """Return the places (N,) along the face [m] of points in B."""
         nx, ny = self.normal
         return -ny * x + nx * y
 
@@ -99,9 +99,11 @@ class RoundSide:
         return (x / math.hypot(x, y), y / math.hypot(x, y))
 
     def coordinates(self, x: Array, y: Array) -> Array:
-        """Return the arcs (N,) from the contact [m]."""
+        """Return the arcs (N,) from the contact [m] to points in B."""
         import numpy as np
 
+        x = x - self.center[0]
+        y = y - self.center[1]
         nx, ny = self.normal
         arcs: Array = self.radius * np.arctan2(-ny * x + nx * y, -(nx * x + ny * y))
         return arcs
