@@ -238,11 +238,6 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         "goal.body:",
         "allowed: a movable body",
     ),
-    "concave polygon": (
-        prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]),
-        "polygon:",
-        "convex",
-    ),
     "polygon that crosses itself": (
         prism([[0, 1], [0.59, -0.81], [-0.95, 0.31], [0.95, 0.31], [-0.59, -0.81]]),
         "polygon:",

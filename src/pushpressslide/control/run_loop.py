@@ -42,6 +42,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.identification.findings import NOTHING
+from pushpressslide.planning.side_contacts import before_contacts
 
 AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
 PROGRESS_TICKS = 25  # between two reports of the progress
@@ -192,11 +193,10 @@ class _RunLoop:
         placement = self.placements[self.number]
         task = placement.task
         paths = self.plant.joint_paths
-        gap = None
+        gap = before_contacts(task, placement.contacts)
         if paths:  # what the approach really leaves
             self.approach: Approach = JointApproach(task.start, paths, held, time)
-            planned = task.motion.approach_distance
-            gap = min(planned, *(path.gap for path in paths))
+            gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
@@ -349,7 +349,7 @@ def tip_paths(
     if measurement is None:
         return paths
     X_WB = task.start.compose(task.X_GB)
-    gap = task.motion.approach_distance
+    gap = before_contacts(task, placement.contacts)
     ends = {
         contact.arm: tip_position(
             contact, X_WB, task.robots[contact.arm].tip_radius, gap

@@ -275,7 +275,12 @@ class Scene:
     @property
     def inset(self) -> float:
         """How far [m] contacts stay inside the edges of a face or of the top."""
-        return margins.inset(max(robot.tip_radius for robot in self.tips))
+        return margins.inset(self.tip_radius)
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the largest tip [m] that may touch the object."""
+        return max(robot.tip_radius for robot in self.tips)
 
     @property
     def sure(self) -> float:

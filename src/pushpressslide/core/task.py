@@ -27,7 +27,10 @@ from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
 from pushpressslide.core.shapes import Box as Box
+from pushpressslide.core.shapes import Compound as Compound
 from pushpressslide.core.shapes import Cylinder as Cylinder
+from pushpressslide.core.shapes import MeshSolid as MeshSolid
+from pushpressslide.core.shapes import Part as Part
 from pushpressslide.core.shapes import Prism as Prism
 from pushpressslide.core.shapes import Shape as Shape
 
@@ -77,7 +80,7 @@ class ToolUse:
     face: int = field(
         metadata=entry(
             "index of the edge of the tool's footprint that pushes, as in motion.face",
-            within="[0, 63]",
+            within="[0, 255]",
             default_in_file=1,
         )
     )
@@ -251,7 +254,7 @@ class Motion:
         "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
         "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen by "
         "the mode",
-        within="[0, 63]",
+        within="[0, 255]",
     )
     arm: ArmName | None = setting(
         None,

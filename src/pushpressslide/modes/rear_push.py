@@ -34,7 +34,12 @@ from pushpressslide.planning.rear_car import (
     shortest_length,
     turning_refusal,
 )
-from pushpressslide.planning.segments import ends_onward, run_time, segment
+from pushpressslide.planning.segments import (
+    describe_points,
+    ends_onward,
+    run_time,
+    segment,
+)
 from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
@@ -78,7 +83,10 @@ class RearPush(Mode):
         scene = task.scene
         height = contact_height(scene, task.motion)
         contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
-        choice = Choice(self.name, f"face {face.index}", (contact,))
+        label = f"face {face.index}"
+        if scene.body.shape.edges and not face.flat:  # an arc, in one direction
+            label += f" at {describe_points([face.foot])}"
+        choice = Choice(self.name, label, (contact,))
         refusal = contact_refusal(task, face, height)
         try:
             car, shift = fitted_car(scene, task.motion, face, twists)

@@ -14,7 +14,7 @@ import numpy as np
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Task
@@ -64,8 +64,8 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     """
     feet = np.repeat([face.foot for face in pushed], 2, axis=0)
     axes = [
-        turned((-x / math.hypot(x, y), -y / math.hypot(x, y)), angle)
-        for x, y in (face.foot for face in pushed)
+        turned(_towards_center(face), angle)
+        for face in pushed
         for angle in planned_angles(scene, motion)
     ]
     lift = contact_height(scene, motion) * scene.support.friction
@@ -74,10 +74,22 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     return slid.twists.reshape(-1, 2, 3)
 
 
+def _towards_center(face: Face) -> Point:
+    """Return the unit vector from a face's foot to the CoM; of a foot that is there,
+    the face's normal.
+    """
+    x, y = face.foot
+    lever = math.hypot(x, y)
+    return (-x / lever, -y / lever) if lever > 0.0 else face.normal
+
+
 def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
     """Return what stands against one push on a face at ``height`` [m]: the contact's
     place, tipping, the force; None if nothing.
     """
+    if face.depth <= 0.0:
+        text = "the centre of mass is not before the face but beside or behind it"
+        return Refusal("offset_contact", text)
     allowed = task.scene.contact_friction * face.depth
     offset = abs(face.offset)
     if offset >= allowed:

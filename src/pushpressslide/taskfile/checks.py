@@ -77,14 +77,32 @@ def _motion_faults(task: Task) -> Iterator[Fault]:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
         yield "motion.time_step", motion.time_step, allowed
     if face is not None:
-        if not shape.corners:
-            yield "motion.face", face, "a cylinder has no edges; allowed: null"
-        elif face >= len(shape.corners):
-            allowed = f"allowed: null or 0 to {len(shape.corners) - 1}"
-            yield "motion.face", face, allowed
+        yield from _face_faults(task, face)
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
+
+
+def _face_faults(task: Task, face: int) -> Iterator[Fault]:
+    """Yield a face that is not there, or that no tip can touch."""
+    from pushpressslide.mechanics.faces import faces
+
+    edges = task.object.shape.edges
+    if not edges:
+        yield "motion.face", face, "a cylinder has no edges; allowed: null"
+        return
+    if face >= len(edges):
+        yield "motion.face", face, f"allowed: null or 0 to {len(edges) - 1}"
+        return
+    scene = task.scene
+    touched = {f.index for f in faces(scene.body, scene.inset, scene.tip_radius)}
+    if face not in touched:
+        allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
+        reason = (
+            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it; "
+            f"allowed: {allowed}"
+        )
+        yield "motion.face", face, reason
 
 
 def wall_faults(task: Task) -> Iterator[Fault]:

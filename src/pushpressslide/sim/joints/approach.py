@@ -85,15 +85,18 @@ class Approach:
         task: Task,
         kin: ArmKinematics,
         free: Free,
+        before: float,
         start: Array | None = None,
     ) -> None:
         """Choose how to rise from ``start`` (n,), or from the ready posture if None.
 
-        ``free`` says whether a posture (n,) is clear of everything. The ready posture
-        may be replaced by a free one near it.
+        The touch begins ``before`` [m] off the contact. ``free`` says whether a posture
+        (n,) is clear of everything. The ready posture may be replaced by a free one
+        near it.
         """
         self.task = task
         self.kin = kin
+        self.before = before
         frame = task.support.frame
         self._axes = frame.axes
         self._up = np.array(frame.normal)
@@ -146,7 +149,7 @@ class Approach:
         first = tip.positions[0]
         yaw = float(tip.yaws[0]) + posture.offset
         q = posture.q[0]
-        wanted = self.task.motion.approach_distance
+        wanted = self.before
         points = np.linspace(first, first - wanted * np.array(normal), BACK)
         retreat = self._follow(points, yaw, q, posture.attitude)
         reached = _reached(retreat)

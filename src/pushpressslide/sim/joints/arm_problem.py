@@ -15,6 +15,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Robot
+from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
@@ -114,6 +115,7 @@ class ArmProblem:
             self.plan.task,
             self.kin,
             lambda q: self.free(self.clearance, q),
+            before_contacts(self.plan.task, self.plan.contacts),
             self.start,
         )
 

@@ -15,6 +15,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints.arm_problem import ArmProblem
@@ -95,7 +96,9 @@ def drawn_back(
         if arm in contacts:
             kin = arm_kinematics(plan.task.robots[arm])
             R, p = kin.tip_pose(q)
-            away = p - margins.ARM.retreat * np.array(contacts[arm].direction(X_WB))
+            contact = contacts[arm]
+            room = room_before(plan.task, contact, margins.ARM.retreat)
+            away = p - room * np.array(contact.direction(X_WB))
             back = np.linspace(p, away, RETREAT_SAMPLES)
             yaws = np.full(len(back), attitude.yaw(R))
             q = continuation(kin, back, yaws, q, attitude).q[-1]

@@ -36,7 +36,7 @@ from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.slabs import slabs
-from pushpressslide.sim.surfaces import object_shape
+from pushpressslide.sim.surfaces import convex_shapes
 
 LOOK = 0.08  # [m] larger distances are not computed
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
@@ -100,13 +100,16 @@ class ClearanceModel:
         inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
         self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
         self._height = 0.5 * shape.height
-        self._object_shape = plant.RegisterCollisionGeometry(
-            self._object,
-            RigidTransform(),
-            object_shape(shape),
-            "object",
-            ProximityProperties(),
-        )
+        self._object_shapes = [
+            plant.RegisterCollisionGeometry(
+                self._object,
+                RigidTransform(),
+                piece,
+                f"object_{i}",
+                ProximityProperties(),
+            )
+            for i, piece in enumerate(convex_shapes(shape))
+        ]
 
     def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
         """Leave out pairs that may touch: the base and the table, the object and the
@@ -120,8 +123,8 @@ class ClearanceModel:
         graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration()
             .ExcludeBetween(GeometrySet(_shapes(plant, base)), world)
-            .ExcludeBetween(GeometrySet([self._object_shape, *movable]), world)
-            .ExcludeWithin(GeometrySet([self._object_shape, *movable]))
+            .ExcludeBetween(GeometrySet([*self._object_shapes, *movable]), world)
+            .ExcludeWithin(GeometrySet([*self._object_shapes, *movable]))
             .ExcludeWithin(arm)
         )
 
@@ -179,13 +182,16 @@ class ClearanceModel:
             for near in self._pairs(q, X, touching):
                 if near.distance < least:
                     least = near.distance
-                    pair = " and ".join(
-                        self._inspector.GetName(g).split("::")[-1]
-                        for g in (near.id_A, near.id_B)
-                    )
+                    pair = " and ".join(map(self._name, (near.id_A, near.id_B)))
         for name, pose in before.items():
             self._put(name, pose)
         return float(least), pair
+
+    def _name(self, shape: GeometryId) -> str:
+        """Return the name of what a shape is a part of."""
+        if shape in self._object_shapes:
+            return "object"
+        return str(self._inspector.GetName(shape)).split("::")[-1]
 
     def _pose(self, name: str) -> RigidTransform:
         """Return where a movable obstacle is."""
@@ -252,7 +258,8 @@ class ClearanceModel:
         query = self._query.Eval(self._plant_context)
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
             between = {pair.id_A, pair.id_B}
-            if self._object_shape in between and not between.isdisjoint(touching):
+            of_object = not between.isdisjoint(self._object_shapes)
+            if of_object and not between.isdisjoint(touching):
                 continue
             yield pair
 

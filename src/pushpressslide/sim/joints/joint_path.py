@@ -387,7 +387,7 @@ def _refined_move(
     """
     tip = along.tip
     first = tip.positions[0]
-    gap = min(LEAST_GAP, problem.plan.task.motion.approach_distance)
+    gap = min(LEAST_GAP, problem.approach.before)
     back = np.linspace(first - gap * np.array(along.normal), first, BACK + 1)[:-1]
     extended = TipPath(
         np.concatenate([back, tip.positions]),
