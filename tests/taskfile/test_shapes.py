@@ -14,7 +14,7 @@ from pushpressslide.core.pieces import triangles
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.shapes import Box, Compound, Cylinder, MeshSolid, Part, Prism
 from pushpressslide.core.task import Task
-from pushpressslide.selection.planner import plan
+from pushpressslide.selection.solve import plan
 from pushpressslide.taskfile.load import dump_task, task_from_data
 
 BOX = {"box": [0.2, 0.1, 0.05]}

@@ -134,7 +134,7 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
         "modes": measured["modes"],
         "legs": max(1, len(plan.task.legs)),
-        "planning_time": sum(measured["planning_time"].values()),
+        "planning_time": sum((measured["planning_time"] or {}).values()),
         "recoveries": sum(event["recovered"] for event in measured["events"]),
         **{name: measured[name] for name in FIGURES},
     }
