@@ -73,7 +73,7 @@ def test_a_seed_and_a_number_are_one_task(tasks: list[Task]) -> None:
 
 
 def test_other_starts_keep_all_else() -> None:
-    base = pps.load_task("post")
+    base = pps.load_task("turn-in-corner")
     drawn = [started_task(base, i, 5) for i in range(4)]
     assert len({task.start for task in drawn}) == 4
     for task in drawn:
