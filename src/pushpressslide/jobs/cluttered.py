@@ -69,7 +69,8 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
         start = _pose(rng, base.robots, arms)
         goal = _pose(rng, base.robots, arms)
         obstacles = _obstacles(rng, base.robots, (start, goal), count, blocked)
-        if _fits(base.robots, body, (start, goal), obstacles):
+        apart = _apart(obstacles)
+        if apart and _fits(base.robots, body, (start, goal), obstacles):
             break
     else:
         raise PushPressSlideError(
@@ -195,6 +196,15 @@ def _obstacles(
     return tuple(out)
 
 
+def _apart(obstacles: Sequence[Obstacle]) -> bool:
+    """Return whether obstacles stand apart from each other."""
+    others = [Box(obstacle.size).placed(obstacle.pose) for obstacle in obstacles]
+    for i, obstacle in enumerate(obstacles[1:], start=1):
+        if gaps(Box(obstacle.size), [obstacle.pose], others[:i]).min() < APART:
+            return False
+    return True
+
+
 def _fits(
     robots: Sequence[Robot],
     body: ObjectModel,
@@ -217,9 +227,6 @@ def _fits(
     others = tuple(box.placed(pose) for box, pose in placed)
     if others and gaps(body.shape, ends, others).min() < APART:
         return False
-    for i, (box, pose) in enumerate(placed[1:], start=1):
-        if gaps(box, [pose], others[:i]).min() < APART:
-            return False
     room = 0.3 + body.shape.circumradius
     xs = [X.x for X in ends]
     ys = [X.y for X in ends]
