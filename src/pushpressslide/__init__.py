@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     )
     from pushpressslide.jobs.run import run
     from pushpressslide.mechanics.line_push import FlatFinger, push_sticks
-    from pushpressslide.selection.planner import plan
     from pushpressslide.selection.select import select
+    from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import check_task, dump_task, load_task
 
     __version__: str
@@ -57,7 +57,7 @@ _HOMES = {
     "check_task": "taskfile.load",
     "dump_task": "taskfile.load",
     "load_task": "taskfile.load",
-    "plan": "selection.planner",
+    "plan": "selection.solve",
     "push_sticks": "mechanics.line_push",
     "run": "jobs.run",
     "select": "selection.select",

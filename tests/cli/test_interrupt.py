@@ -57,7 +57,9 @@ def names(folder: Path) -> set[str]:
 
 
 def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
-    patch = "import pushpressslide.jobs.run as r\nr.select = pressed_after(r.select)"
+    patch = (
+        "import pushpressslide.selection.solve as r\nr.select = pressed_after(r.select)"
+    )
     check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
     assert not (tmp_path / "out").exists()
 
@@ -122,8 +124,8 @@ def test_an_error_that_ctrl_c_turned_into_is_still_an_interruption(
     tmp_path: Path,
 ) -> None:
     patch = """
-import pushpressslide.jobs.run as r
-def select(task, enough):
+import pushpressslide.selection.solve as r
+def select(task, enough, first=0):
     try:
         press()
         while True: pass

@@ -36,6 +36,13 @@ def put(path: str, value: object) -> Callable[[dict[str, Any]], None]:
     return change
 
 
+def one_arm_for_two(data: dict[str, Any]) -> None:
+    """Ask one arm of two to push side by side."""
+    data["robots"] = [PANDA, {"model": "panda", "base": {"x": 1.2}}]
+    data["modes"] = ["parallel_push"]
+    data["motion"] = {"arm": "left"}
+
+
 def drop(key: str) -> Callable[[dict[str, Any]], None]:
     return lambda data: data.pop(key)
 
@@ -231,11 +238,6 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         "goal.body:",
         "allowed: a movable body",
     ),
-    "concave polygon": (
-        prism([[0, 0], [1, 0], [0.2, 0.2], [0, 1]]),
-        "polygon:",
-        "convex",
-    ),
     "polygon that crosses itself": (
         prism([[0, 1], [0.59, -0.81], [-0.95, 0.31], [0.95, 0.31], [-0.59, -0.81]]),
         "polygon:",
@@ -255,10 +257,20 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     ),
     "no robot": (put("robots", []), "robots:", "1 to 2"),
     "three robots": (put("robots", [PANDA] * 3), "robots:", "1 to 2"),
-    "two robots for one": (
-        put("robots", [PANDA, {"model": "panda", "base": {"x": 1.2}}]),
+    "one robot for two": (
+        put("modes", ["parallel_push"]),
         "robots:",
-        "1 robot",
+        "2 robots, the number that mode parallel_push uses",
+    ),
+    "an arm that is not there": (
+        put("motion.arm", "right"),
+        "motion.arm:",
+        "the task has 1 robot; allowed: null, left",
+    ),
+    "one arm for two": (
+        one_arm_for_two,
+        "motion.arm:",
+        "mode parallel_push uses both arms; allowed: null",
     ),
     "unknown robot": (
         put("robots", [{"model": "pnda"}]),

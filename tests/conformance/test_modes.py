@@ -48,8 +48,8 @@ from pushpressslide.rom.drives import (
     TurnDrive,
     UnicycleDrive,
 )
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 
 BASE = load_task("rear-push-rear")
 LAWS: list[Callable[[Mode], None]] = []
@@ -190,6 +190,26 @@ def figures(data: object) -> Iterator[float]:
 
 
 @every_mode
+def test_what_one_arm_can_do_either_of_two_can(mode: Mode) -> None:
+    if mode.arms > 1:
+        return
+    arms = tuple(Robot("hand", (0.0, y, 0.0)) for y in (0.2, -0.2))
+    able = 0
+    for task in random_tasks(mode, 4):
+        both = [c for c in mode.choices(replace(task, robots=arms)) if c.feasible]
+        for arm, robot in enumerate(arms):
+            alone = mode.choices(replace(task, robots=(robot,)))
+            mine = [c for c in both if c.contacts[0].arm == arm]
+            assert bool(mine) == alone[0].feasible
+            if mine:
+                assert mine[0].time == pytest.approx(alone[0].time)
+                segments = alone[0].segments
+                assert [p.path for p in mine[0].segments] == [p.path for p in segments]
+                able += 1
+    assert able, "none of the random tasks can be done"
+
+
+@every_mode
 def test_a_mode_says_what_it_is(mode: Mode) -> None:
     module = importlib.import_module(f"pushpressslide.modes.{mode.name}")
     assert module.MODE is mode
@@ -229,14 +249,15 @@ def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
 
 
 @every_mode
-def test_a_task_with_another_number_of_arms_is_refused_with_the_numbers(
-    mode: Mode,
-) -> None:
-    robots = tuple(Robot("hand", (0.0, 0.2 * i, 0.0)) for i in range(3))
+def test_a_task_with_too_few_arms_is_refused_once_with_the_numbers(mode: Mode) -> None:
+    fewer = mode.arms - 1
+    if not fewer:
+        return
+    robots = tuple(Robot("hand", (0.0, 0.2 * i, 0.0)) for i in range(fewer))
     (choice,) = select(replace(BASE, modes=(mode.name,), robots=robots))
     assert not choice.feasible
     assert choice.refusal is not None
-    assert (choice.refusal.figure, choice.refusal.allowed) == (3, mode.arms)
+    assert (choice.refusal.figure, choice.refusal.allowed) == (fewer, mode.arms)
     assert f"needs {mode.arms}" in choice.reason
 
 

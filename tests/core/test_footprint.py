@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pushpressslide.core.footprint import overlap_area
+from pushpressslide.core.footprint import gaps, overlap_area
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Cylinder, Prism
 
@@ -39,3 +39,15 @@ def test_bodies_apart_do_not_overlap() -> None:
         )
         < 1e-12
     )
+
+
+def test_what_stands_in_a_notch_does_not_overlap() -> None:
+    corners = ((0.0, 0.0), (0.2, 0.0), (0.2, 0.1), (0.1, 0.1), (0.1, 0.2), (0.0, 0.2))
+    hook = Prism(corners, 0.1)
+    X_WG = Pose2(0.3, -0.1, 0.7)
+    post = Box((0.04, 0.04, 0.1))
+    in_notch = X_WG.compose(Pose2(0.13, 0.13))
+    assert overlap_area(hook, X_WG, post, in_notch) == 0.0
+    assert gaps(hook, [X_WG], [post.placed(in_notch)])[0, 0] == pytest.approx(0.01)
+    deeper = X_WG.compose(Pose2(0.11, 0.13))
+    assert overlap_area(hook, X_WG, post, deeper) == pytest.approx(0.01 * 0.04)

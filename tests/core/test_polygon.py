@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pushpressslide.core.polygon import centroid, convexity_fault, signed_area
+from pushpressslide.core.polygon import border_fault, centroid, signed_area
 
 SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 # in steps of 1e-6: a distance below the rounding of a sum has no sign
@@ -32,7 +32,7 @@ def test_a_regular_polygon_has_no_fault_in_either_sense(
 ) -> None:
     angles = [turn + sense * 2 * math.pi * i / n for i in range(n)]
     assert (
-        convexity_fault(
+        border_fault(
             tuple((radius * math.cos(a), radius * math.sin(a)) for a in angles)
         )
         is None

@@ -70,7 +70,8 @@ def test_a_point_is_inside_or_at_a_distance(shape: Shape, x: float, y: float) ->
 @given(angles)
 def test_a_ray_ends_at_the_margin(shape: Shape, angle: float) -> None:
     ux, uy = unit(angle)
-    far = shape.ray((ux, uy), 0.01, ORIGIN)
+    ((near, far),) = shape.chords((ux, uy), 0.01, ORIGIN)
+    assert near == 0.0
     assert shape.depth(in_g((far * ux, far * uy))) == pytest.approx(0.01, abs=1e-9)
 
 
@@ -127,10 +128,12 @@ def test_half_widths_are_zero_on_the_outline_and_fall_outwards(shape: Shape) -> 
 
 
 @every_shape
-def test_side_points_are_on_the_outline_with_inward_normals(shape: Shape) -> None:
-    sides = shape.side_points(0.02, ORIGIN)
+def test_side_places_are_on_the_outline_with_inward_normals(shape: Shape) -> None:
+    sides = shape.side_places(0.02, 0.02, ORIGIN)
     assert len(sides) >= 3
-    for (x, y), (nx, ny) in sides:
+    for place in sides:
+        x, y = place.point
+        nx, ny = place.normal
         assert math.hypot(nx, ny) == pytest.approx(1.0)
         assert shape.depth(in_g((x, y))) == pytest.approx(0.0, abs=1e-9)
         inside = in_g((x + 0.002 * nx, y + 0.002 * ny))
@@ -143,9 +146,11 @@ def test_a_tip_before_a_side_is_as_far_off_it_as_its_gap_says(
     shape: Shape, gap: float, along: float
 ) -> None:
     radius = 0.02
-    sides = shape.side_points(0.02, ORIGIN)
+    sides = shape.side_places(0.02, 0.02, ORIGIN)
     assert len(sides) >= 3
-    for point, (nx, ny) in sides:
+    for place in sides:
+        point = place.point
+        nx, ny = place.normal
         side = shape.side(point, (nx, ny), ORIGIN)
         off = radius + gap
         tip = (
@@ -202,7 +207,8 @@ def test_a_disc_answers_as_a_polygon_of_many_corners(
     near = pytest.approx
     assert DISC.distance((x, y)) == near(NEAR_DISC.distance((x, y)), abs=1e-5)
     assert DISC.extent(u, ORIGIN) == near(NEAR_DISC.extent(u, ORIGIN), abs=1e-5)
-    assert DISC.ray(u, 0.01, ORIGIN) == near(NEAR_DISC.ray(u, 0.01, ORIGIN), abs=1e-4)
+    (chord,) = NEAR_DISC.chords(u, 0.01, ORIGIN)
+    assert DISC.chords(u, 0.01, ORIGIN) == (near(chord, abs=1e-4),)
     assert DISC.gauge()(x, y) == near(NEAR_DISC.gauge()(x, y), abs=1e-4)
 
 

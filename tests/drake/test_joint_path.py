@@ -16,7 +16,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.selection.planner import plan as make_plan
+from pushpressslide.selection.solve import plan as make_plan
 from pushpressslide.sim.joints import joint_path as search
 from pushpressslide.sim.joints.approach import APPROACH_SPEED, LEAST_GAP, led_in
 from pushpressslide.sim.joints.arm_problem import CLEARANCE

@@ -17,9 +17,11 @@ from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import (
     Box,
+    Compound,
     Cylinder,
     ObjectModel,
     Obstacle,
+    Part,
     Prism,
     Robot,
     Support,
@@ -43,14 +45,30 @@ SHAPES = {
     "bar": Box((0.30, 0.10, 0.08)),
     "triangle": Prism(((-0.07, -0.08), (0.11, -0.02), (-0.05, 0.10)), 0.10),
     "cylinder": Cylinder(0.08, 0.12),
+    "L": Prism(
+        (
+            (0.0, 0.0),
+            (0.16, 0.0),
+            (0.16, 0.06),
+            (0.06, 0.06),
+            (0.06, 0.16),
+            (0.0, 0.16),
+        ),
+        0.06,
+    ),
+    "T": Compound(
+        (
+            Part(Box((0.12, 0.03, 0.04)), Pose2(0.0, 0.06)),
+            Part(Box((0.03, 0.09, 0.04)), Pose2()),
+        )
+    ),
+    "key": Compound(
+        (
+            Part(Cylinder(0.05, 0.04), Pose2()),
+            Part(Box((0.12, 0.02, 0.04)), Pose2(0.09, 0.0, 0.4)),
+        )
+    ),
 }
-
-
-def centroid(shape):
-    if not isinstance(shape, Prism):
-        return (0.0, 0.0)
-    x, y = np.mean(np.array(shape.polygon), axis=0)  # right for a triangle
-    return (float(x), float(y))
 
 
 def still_plan(
@@ -59,7 +77,7 @@ def still_plan(
     """Return a plan that goes nowhere: it is only there to build a scene from, with no
     arm in it.
     """
-    body = ObjectModel(shape, MASS, com if com is not None else centroid(shape))
+    body = ObjectModel(shape, MASS, com if com is not None else shape.centroid)
     task = Task(
         "scene",
         body,
@@ -174,6 +192,19 @@ def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(
     assert np.linalg.norm(scale * (measured - wanted)) < 0.03 * np.linalg.norm(
         scale * wanted
     )
+
+
+@pytest.mark.parametrize("movable", [False, True])
+def test_what_stands_in_a_notch_is_not_touched(movable: bool) -> None:
+    """A post inside the hull of an L, 5 mm off both inner sides."""
+    pose = START.compose(Pose2(0.085, 0.085))
+    post = Obstacle("post", (0.04, 0.04, 0.1), pose, movable=movable)
+    plan = still_plan(SHAPES["L"], (post,))
+    dragged = Dragged(plan)
+    dragged.simulator.AdvanceTo(0.4)
+    X = dragged.plant.EvalBodyPoseInWorld(dragged.context, dragged.body)
+    assert X.translation()[:2] == pytest.approx(START.position, abs=1e-5)
+    assert dragged.yaw() == pytest.approx(START.yaw, abs=1e-4)
 
 
 def tilted_scene(plan: Plan, slope: float, bearing: float = 0.3):
@@ -370,9 +401,10 @@ def test_the_inertia_of_a_cylinder_is_drakes_own() -> None:
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (0.01, -0.02)])
-def test_the_inertia_of_a_prism_is_the_sum_over_its_cells(shift) -> None:
-    shape = SHAPES["triangle"]
-    middle = centroid(shape)
+@pytest.mark.parametrize("name", ["triangle", "L", "T", "key"])
+def test_the_inertia_of_a_prism_is_the_sum_over_its_cells(name, shift) -> None:
+    shape = SHAPES[name]
+    middle = shape.centroid
     com = (middle[0] + shift[0], middle[1] + shift[1])
     own = solid_inertia(ObjectModel(shape, MASS, com))
     # uniform, about the centroid

@@ -14,7 +14,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.robots.continuation import Continuation
 from pushpressslide.robots.tool import UPRIGHT
-from pushpressslide.selection.planner import plan as make_plan
+from pushpressslide.selection.solve import plan as make_plan
 from pushpressslide.sim.joints import arms
 from pushpressslide.sim.joints.approach import Descent
 from pushpressslide.sim.joints.arm_problem import STEP, ArmProblem, object_path

@@ -196,15 +196,22 @@ def test_a_post_in_the_objects_way_is_refused_with_the_gap(x: float) -> None:
 
 
 def test_an_obstacle_near_the_start_is_no_reason_to_refuse() -> None:
-    """5 mm before the motion, and never less on the way: what stands there already may
-    stay.
+    """8 mm away before the motion, and farther on the way: what stands there already may
+    stay. A way along it as near all the time is refused.
     """
     box = {"shape": {"box": [0.12, 0.12, 0.12]}, "mass": 1.0}
-    wall = [{"name": "wall", "box": [0.02, 0.3, 0.1], "pose": {"x": 0.575, "y": -0.15}}]
-    straight = task(
-        object=box, goal={"x": 0.5, "y": 0.1, "yaw_deg": 90}, obstacles=wall
-    )
-    assert pps.select(straight)[0].feasible
+    goal = {"x": 0.5, "y": 0.1, "yaw_deg": 90}
+    size = [0.02, 0.3, 0.1]
+    apart = {
+        "name": "wall",
+        "box": size,
+        "pose": {"x": 0.58, "y": -0.2, "yaw_deg": -10},
+    }
+    along = {"name": "wall", "box": size, "pose": {"x": 0.578, "y": -0.15}}
+    assert pps.select(task(object=box, goal=goal, obstacles=[apart]))[0].feasible
+    refused = pps.select(task(object=box, goal=goal, obstacles=[along]))
+    assert refused[0].refusal is not None
+    assert refused[0].refusal.code == "obstacle"
 
 
 def test_time_that_is_too_short_ends_the_run_with_the_reason() -> None:

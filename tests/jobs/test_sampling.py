@@ -79,6 +79,31 @@ def test_the_draws_are_within_what_is_published(name: str) -> None:
         assert task.believed.mass == task.object.mass
 
 
+def test_tasks_for_one_of_two_arms_are_drawn_about_either() -> None:
+    cell = replace(BASES["parallel-push"], modes=("rear_push", "press_slide"))
+    bases = [robot.base[:2] for robot in cell.robots]
+    nearer = set()
+    for i in range(20):
+        task = random_task(cell, i, 3)
+        reached = []
+        for base in bases:
+            far = [math.dist(place, base) for place in centers(task)]
+            reached.append(
+                ONE_ARM_REACH[0] <= min(far) and max(far) <= ONE_ARM_REACH[1]
+            )
+        assert any(reached)
+        nearer.add(reached.index(True))
+    assert nearer == {0, 1}
+
+
+def test_tasks_for_all_modes_of_two_arms_are_drawn_for_both() -> None:
+    free = replace(BASES["parallel-push"], modes=None)
+    both = ("parallel_push", "orthogonal_push", "bimanual_press_slide")
+    named = replace(free, modes=both)
+    for i in range(5):
+        assert replace(random_task(free, i, 3), modes=both) == random_task(named, i, 3)
+
+
 @pytest.mark.parametrize("name", ["parallel-push", "orthogonal-push"])
 def test_a_push_goes_ahead_and_away_from_the_robots(name: str) -> None:
     for task in drawn(name):

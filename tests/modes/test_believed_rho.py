@@ -73,7 +73,7 @@ def test_a_press_on_the_ellipsoid_has_its_axle_at_rho_squared_over_the_lever(
         car = steered(flat, False, angle)
         assert car.rho == pytest.approx(rho)
         assert car.shift == pytest.approx(0.0, abs=1e-6)
-    table = turn_table([flat], task.motion.speed)
+    table = turn_table((flat,), task.motion.speed)
     straight = table.effective_wheelbase[0, 0]
     assert straight == pytest.approx(rho * rho / press.lever, rel=0.01)
     px, py = flat.pivot(True)

@@ -21,8 +21,8 @@ from pushpressslide.modes.orthogonal_push import OrthogonalPush
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import TwistDrive
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 
 MODE = MODES["orthogonal_push"]
 assert isinstance(MODE, OrthogonalPush)

@@ -17,8 +17,8 @@ from pushpressslide.modes import MODES
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import CarDrive
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 
 MODE = MODES["parallel_push"]
 SHIPPED = load_task(

@@ -122,7 +122,7 @@ def scaled_arm(k: float, m: float) -> margins.ArmMargins:
 
 @pytest.fixture
 def no_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(base, "contact_refusal", lambda *_: None)
+    monkeypatch.setattr(base, "contact_refusal", lambda *_, **__: None)
 
 
 @cache

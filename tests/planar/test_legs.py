@@ -17,8 +17,8 @@ from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
 from pushpressslide.report.series import by_placement
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 from pushpressslide.taskfile.load import task_from_data
 
 PIN = (0.42, 0.15)  # [m] in the world, pressed
@@ -96,6 +96,29 @@ HELD = {
 }
 
 
+# the left arm keeps its press when the right one has done its part
+GOES_ON = {
+    "name": "hold-and-slide",
+    "object": {"shape": {"box": [0.4, 0.3, 0.1]}, "mass": 2.0},
+    "contact": {"friction": 0.8},
+    "start": {"x": 0.50, "y": 0.0},
+    "goal": {"x": 0.459, "y": 0.069, "yaw_deg": 12},
+    "limits": {"normal_force": 60},
+    "robots": [
+        {"model": "iiwa7", "base": {"y": 0.4, "z": 0.2}},
+        {"model": "iiwa7", "base": {"y": -0.4, "z": 0.2}},
+    ],
+    "motion": {"contacts": [[-0.08, 0.10]]},
+    "legs": [
+        {
+            "mode": "press_and_push",
+            "pose": {"x": 0.51904, "y": 0.01882, "yaw_deg": 12},
+        },
+        {"mode": "press_slide"},
+    ],
+}
+
+
 def task(data: dict[str, Any]) -> Task:
     return task_from_data(data, "by-hand")
 
@@ -139,6 +162,19 @@ def test_an_arm_whose_contact_stays_holds_it_while_the_other_takes_its_own_anew(
     press = -record.arrays["measured_force"][began + 1 : moved, 0, 2]
     assert press.min() > 0.9 * made.contacts[0].load
     assert np.ptp(record.arrays["object_pose"][began:moved, :2], axis=0).max() < 3e-3
+
+
+def test_an_arm_goes_on_with_its_press_alone_while_the_other_waits() -> None:
+    made, record, _ = simulate(task(GOES_ON), engine="planar")
+    assert result(task(GOES_ON), made, record, {})["success"]
+    assert lasting_arms(*made.placements) == {0}
+    alone = record.arrays["placement"] == 1
+    moving = alone & (record.arrays["phase"] == 2)
+    press = -record.arrays["measured_force"][alone, 0, 2]
+    assert press[: len(press) // 2].min() > 0.9 * made.contacts[0].load
+    waits = record.arrays["tip_position"][moving, 1]
+    assert np.ptp(waits, axis=0).max() == 0.0
+    assert math.dist(waits[0], (0.0, -0.4, 0.2)) < 0.01
 
 
 def test_where_it_turned_is_told_beside_what_was_predicted() -> None:

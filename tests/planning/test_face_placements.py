@@ -19,7 +19,7 @@ from pushpressslide.planning.face_placements import (
     side_by_side_refusal,
     spread,
 )
-from pushpressslide.planning.side_contacts import least_distance, span
+from pushpressslide.planning.side_contacts import least_distance
 
 TASK = load_task("parallel-push")
 HEIGHT = 0.04
@@ -49,7 +49,7 @@ def test_contacts_side_by_side_are_alike_on_either_side_and_clear_of_the_corners
 ) -> None:
     scene = scene_of(length, width, (0.0, 0.0))
     face = face_of(scene, 3)
-    _, left = span(scene.body, face)
+    _, left = face.ends
     pairs = side_by_side(scene, face, HEIGHT)
     assert pairs
     for a, b in pairs:
@@ -72,7 +72,7 @@ def test_contacts_on_two_faces_leave_room_for_the_tools_and_for_the_corners(
         apart = math.dist(contacts[0].point, contacts[1].point)
         assert apart >= least_distance(scene)
         for face, contact in zip(pair, contacts, strict=True):
-            right, left = span(scene.body, face)
+            right, left = face.ends
             place = beside(face, contact.point)
             clear = min(scene.inset, 0.5 * (left - right))
             assert right + clear - 1e-9 <= place <= left - clear + 1e-9

@@ -16,7 +16,6 @@ from pushpressslide.planning.side_contacts import (
     drag_refusal,
     given_to,
     least_distance,
-    span,
 )
 
 TASK = load_task(
@@ -79,10 +78,10 @@ def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
     assert contact_height(TASK.scene, replace(TASK.motion, contact_height=0.11)) == 0.11
 
 
-def test_the_span_of_a_face_is_told_from_the_com() -> None:
+def test_the_ends_of_a_face_is_told_from_the_com() -> None:
     body = replace(TASK.object, shape=Box((0.4, 0.3, 0.2)), center_of_mass=(0.0, 0.05))
     rear = next(face for face in faces(body, 0.01) if face.index == 3)
-    assert span(body, rear) == pytest.approx((-0.2, 0.1))
+    assert rear.ends == pytest.approx((-0.2, 0.1))
 
 
 def test_what_stands_against_a_push_is_told_with_the_number() -> None:

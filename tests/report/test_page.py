@@ -125,7 +125,7 @@ def test_a_press_alone_shows_its_axle_and_segments_are_listed(pressed, tmp_path)
     text = write_report([save(pressed, tmp_path / "run")]).read_text()
     assert "Tracking point, from the CoM" in text
     assert text.count("press on top") == 2
-    assert "Arm 1: hand" in text
+    assert "Right arm: hand" in text
     # two presses have no one axle
     assert "axle" not in figures(pressed.plan, pressed.record)
     alone = pressed.with_segments(pressed.plan.segments[0])

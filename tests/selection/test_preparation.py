@@ -64,4 +64,4 @@ def test_further_choices_are_not_taken_where_they_change_the_placements(
     monkeypatch.setattr(module, "placements", fewer)
     with pytest.raises(InfeasibleTaskError, match="no joint path"):
         module.prepared(Arms(()), TASK, choices, force=False)
-    assert asked == [module.MORE]
+    assert asked == [module.MANY]

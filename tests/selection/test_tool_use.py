@@ -9,8 +9,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Obstacle
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
-from pushpressslide.selection.planner import plan
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 from pushpressslide.selection.tool_use import StraightPush
 from pushpressslide.taskfile.load import load_task
 
@@ -84,12 +84,13 @@ BODY = Obstacle("block", (0.08, 0.04, 0.05), Pose2(0.3, -0.2, 0.1), movable=True
 def test_every_face_ends_square_to_the_push_and_against_the_body(
     face: int, direction: float
 ) -> None:
-    X_WG = StraightPush(BODY, direction, 0.25).tool_goal(TRIANGLE, face)
+    edge = (TRIANGLE[face], TRIANGLE[(face + 1) % 3])
+    X_WG = StraightPush(BODY, direction, 0.25).tool_goal(edge)
     first = X_WG.apply(TRIANGLE[face])
     second = X_WG.apply(TRIANGLE[(face + 1) % 3])
-    edge = (second[0] - first[0], second[1] - first[1])
+    along = (second[0] - first[0], second[1] - first[1])
     ahead = (math.cos(direction), math.sin(direction))
-    assert edge[0] * ahead[0] + edge[1] * ahead[1] == pytest.approx(0.0, abs=1e-12)
+    assert along[0] * ahead[0] + along[1] * ahead[1] == pytest.approx(0.0, abs=1e-12)
     lengthwise = abs(math.sin(direction - BODY.pose.yaw)) < 0.7
     half = 0.5 * BODY.size[0 if lengthwise else 1]
     middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
@@ -99,3 +100,11 @@ def test_every_face_ends_square_to_the_push_and_against_the_body(
             BODY.pose.y + (0.25 - half) * ahead[1],
         )
     )
+
+
+def test_a_tool_pushes_with_a_face_that_nothing_stands_out_beyond() -> None:
+    """The inner faces of an L are no faces to push a box with."""
+    corners = "[[0, 0], [0.2, 0], [0.2, 0.06], [0.06, 0.06], [0.06, 0.2], [0, 0.2]]"
+    shape = f"object.shape={{prism: {{polygon: {corners}, height: 0.1}}}}"
+    with pytest.raises(TaskError, match=r"tool\.face.*allowed: 0, 1, 4, 5"):
+        load_task("tool-use", [shape, "tool.face=2", "object.center_of_mass=null"])

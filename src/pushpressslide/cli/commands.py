@@ -77,8 +77,8 @@ def select(
     from pushpressslide.cli import tables
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
-    from pushpressslide.selection.planner import refusal
     from pushpressslide.selection.select import select as rank
+    from pushpressslide.selection.solve import plan as make_plan
 
     loaded = task_of(task, sets)
     folder = results_folder(
@@ -98,10 +98,15 @@ def select(
         ),
     )
     print_json(rows) if as_json else tables.print_choices(choices)
-    if any(choice.feasible for choice in choices):
-        return REACHED
-    complain(refusal(loaded, choices))
-    return WRONG_INPUT
+    if not any(choice.feasible for choice in choices):
+        try:
+            found = make_plan(loaded)
+        except InfeasibleTaskError as error:
+            complain(str(error))
+            return WRONG_INPUT
+        if not as_json:
+            tables.print_legs(found)
+    return REACHED
 
 
 @app.command()
@@ -117,26 +122,25 @@ def plan(
 
     Joint paths are not looked at.
     """
-    from pushpressslide.cli.tables import JOINT_PATHS
+    from pushpressslide.cli.tables import JOINT_PATHS, print_legs
     from pushpressslide.report.plan_files import plan_to_dict, write_plan
-    from pushpressslide.selection.planner import plan as make_plan
-    from pushpressslide.selection.planner import refusal
     from pushpressslide.selection.select import select as rank
+    from pushpressslide.selection.solve import plan as make_plan
 
     loaded = task_of(task, sets, mode)
     folder = results_folder(
         out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
     )
     choices = rank(loaded)
-    if not choices[0].feasible:
-        raise InfeasibleTaskError(refusal(loaded, choices))
-    made = make_plan(loaded, choices[0])
+    made = make_plan(loaded)
     write_plan(made, folder, choices)
     if as_json:
         print_json(plan_to_dict(made, choices))
         return
     for choice in made.chosen(choices):
         typer.echo(f"{choice.mode}: {choice.reason}")
+    if made.task.searched:
+        print_legs(made)
     length = sum(segment.path.length for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
     typer.echo(JOINT_PATHS)

@@ -16,6 +16,7 @@ class Variation(StrEnum):
 
     truth = "truth"
     tasks = "tasks"
+    start = "start"
 
 
 class Drawing(StrEnum):
@@ -23,6 +24,7 @@ class Drawing(StrEnum):
 
     ahead = "ahead"
     any = "any"
+    cluttered = "cluttered"
 
 
 class World(StrEnum):

@@ -50,7 +50,8 @@ class SweepOptions:
         Variation,
         typer.Option(
             "--vary",
-            help="truth: what is true of the task; tasks: new tasks for its robots.",
+            help="truth: what is true of the task; tasks: new tasks for its robots; "
+            "start: other starts.",
         ),
     ] = Variation.truth
     draw: Annotated[
@@ -58,7 +59,8 @@ class SweepOptions:
         typer.Option(
             "--draw",
             help="Of new tasks. ahead: goals about ahead of the push, objects of medium "
-            "size; any: goals in all directions, objects of all sizes, mass off centre.",
+            "size; any: goals in all directions, objects of all sizes, mass off centre; "
+            "cluttered: start and goal anywhere in reach, among obstacles, any mode.",
         ),
     ] = Drawing.ahead
     world: Annotated[

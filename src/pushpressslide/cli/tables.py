@@ -13,10 +13,12 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from pushpressslide.core.pose import wrap_angle
+from pushpressslide.planning.segments import describe_points
 from pushpressslide.selection.planner import gathered
 
 if TYPE_CHECKING:
-    from pushpressslide.core.plan import Choice
+    from pushpressslide.core.plan import Choice, Plan
     from pushpressslide.modes.base import Mode
 
 JOINT_PATHS = "Joint paths were not looked at; `pps run` looks for them."
@@ -103,6 +105,24 @@ def print_choices(choices: Sequence[Choice]) -> None:
         console.print(row.format(choice.mode, choice.verdict, *figures))
         console.print(Padding(reason, (0, 0, 0, 4)))
     console.print(JOINT_PATHS)
+
+
+def print_legs(plan: Plan) -> None:
+    """Print the motions of a plan that were found one after the other."""
+    if not plan.task.legs:
+        return
+    console = Console(markup=False, highlight=False, soft_wrap=True)
+    count = len(plan.task.legs)
+    console.print(f"{count} motions, one after the other:")
+    for number, placement in enumerate(plan.placements, start=1):
+        contacts = describe_points(contact.point for contact in placement[0].contacts)
+        console.print(f"contact {number}: {placement[0].mode} at {contacts}")
+        for leg in sorted({segment.leg for segment in placement}):
+            goal = plan.task.legs[leg].goal
+            console.print(
+                f"    {leg + 1}. to ({goal.x:.3f}, {goal.y:.3f}) m, "
+                f"{math.degrees(wrap_angle(goal.yaw)):.0f} deg"
+            )
 
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:

@@ -61,6 +61,7 @@ from pushpressslide.execution.normal_force import NormalForceRegulator, NormalFo
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
 from pushpressslide.modes import MODES
+from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.planning.workspace import poses_along
 
 CATCH_UP = 1.5  # [1/s] pull of the time reference on the progress
@@ -744,8 +745,9 @@ class Controller:
         rest = margins.ARM.rest_time if failed else 0.0
         duration = ramp_time(margins.ARM.retreat)
         elapsed = measurement.time - state.since
-        distance = margins.ARM.retreat * smooth((elapsed - rest) / duration)
+        share = smooth((elapsed - rest) / duration)
         contacts = state.binding.segment.contacts
+        part = self.parts[state.binding.segment.leg]
         yaw = measurement.object_pose.yaw
         progress = joint_progress(state)
         commands = []
@@ -756,7 +758,8 @@ class Controller:
             if holds or (contact.arm in self.lasting and not failed):
                 command = held_at(context, memory.start, push=touch.force)
             else:
-                command = drawn_back(context, memory.start, distance)
+                off = share * room_before(part, contact, margins.ARM.retreat)
+                command = drawn_back(context, memory.start, off)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
         if failed and elapsed < margins.ARM.longest_stop:

@@ -135,13 +135,15 @@ def _free(part: Task, segments: Sequence[Segment]) -> bool:
         poses = poses_along(piece)
         if workspace_refusal(part.object, part.limits, poses) is not None:
             return False
-    path = swept(part.object, segments)
+    clearance = part.motion.clearance
+    path = swept(part.object, segments, clearance)
     if part.obstacles and obstacle_refusal(part, path) is not None:
         return False
     if part.support.opening is None and part.tool is None:
         return True
     first = segments[0]
-    poses = swept(part.object, [p for p in segments if p.leg == first.leg])
+    same_leg = [piece for piece in segments if piece.leg == first.leg]
+    poses = swept(part.object, same_leg, clearance)
     # what is so where the object stands already is no reason to go on as before
     here = poses[:1]
     tips = opening_refusal(part, first, poses)

@@ -14,8 +14,8 @@ from pushpressslide.core.record import ReasonCode
 from pushpressslide.core.task import Restart, Task
 from pushpressslide.identification.findings import Findings, dragged_friction
 from pushpressslide.modes.base import ENOUGH
-from pushpressslide.selection.preparation import Preparation, prepared
-from pushpressslide.selection.select import select
+from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.solve import solve
 
 RECOVERABLE: frozenset[ReasonCode] = frozenset(
     {
@@ -49,25 +49,31 @@ def planned_anew(
     task: Task, begin: Restart, prepare: Callable[[], Preparation]
 ) -> Plan:
     """Return the plan of what is left of ``task``, in a preparation that ``prepare``
-    returns empty; where that cannot be done as the task names it, with free contacts.
+    returns empty.
 
-    Raises InfeasibleTaskError where there is none.
+    Where that cannot be done as the task names it, with free contacts. Where what was
+    identified leads nowhere, by the friction that was believed: an object that jams
+    drags too. Raises InfeasibleTaskError where there is none.
     """
-    try:
-        return _planned(task, begin, prepare())
-    except InfeasibleTaskError as refused:
-        free = replace(begin, free=True)
-        if task.resumed(free) == task.resumed(begin):
-            raise
+    free = replace(begin, free=True)
+    believed = replace(free, support_friction=task.told.support.friction)
+    tried: list[Task] = []
+    refused: InfeasibleTaskError | None = None
+    for one in (begin, free, believed):
+        rest = task.resumed(one)
+        if rest in tried:
+            continue
+        tried.append(rest)
         try:
-            return _planned(task, free, prepare())
-        except InfeasibleTaskError:
-            raise refused from None
+            return _planned(task, one, prepare())
+        except InfeasibleTaskError as error:
+            refused = refused or error
+    assert refused is not None
+    raise refused
 
 
 def _planned(task: Task, begin: Restart, preparation: Preparation) -> Plan:
+    if task.searched:  # other motions than those found before may lead on
+        begin = replace(begin, leg=0, legs=())
     rest = task.resumed(begin)
-    choices = select(rest, ENOUGH, begin.leg)
-    prepared(preparation, rest, choices, first=begin.leg)
-    segments = (piece for plan in preparation.plans for piece in plan.segments)
-    return Plan(rest, tuple(segments), begin)
+    return solve(preparation, rest, ENOUGH, begin=begin).plan

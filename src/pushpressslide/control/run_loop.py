@@ -42,7 +42,9 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.identification.findings import NOTHING
+from pushpressslide.planning.side_contacts import before_contacts
 
+AT_BASE = 0.01  # [m] from its base at which a tip without an arm waits
 PROGRESS_TICKS = 25  # between two reports of the progress
 
 
@@ -191,11 +193,10 @@ class _RunLoop:
         placement = self.placements[self.number]
         task = placement.task
         paths = self.plant.joint_paths
-        gap = None
+        gap = before_contacts(task, placement.contacts)
         if paths:  # what the approach really leaves
             self.approach: Approach = JointApproach(task.start, paths, held, time)
-            planned = task.motion.approach_distance
-            gap = min(planned, *(path.gap for path in paths))
+            gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
@@ -339,21 +340,28 @@ class _RunLoop:
 def tip_paths(
     placement: Plan, held: TipCommands, measurement: Measurement | None
 ) -> list[TipPath | None]:
-    """Return the way of each tip without an arm to before its planned contact, over the
-    object; None for one that holds its contact or has none, and at the start of a run.
+    """Return the way of each tip without an arm, over the object: to before its planned
+    contact, or to its robot's base, where a tip waits that has none. None for one that
+    holds its contact, and at the start of a run.
     """
     task = placement.task
     paths: list[TipPath | None] = [None] * len(task.robots)
     if measurement is None:
         return paths
     X_WB = task.start.compose(task.X_GB)
-    for contact in placement.contacts:
-        if held[contact.arm] is None:
-            radius = task.robots[contact.arm].tip_radius
-            gap = task.motion.approach_distance
-            paths[contact.arm] = tip_path(
-                measurement.tips[contact.arm].position,
-                tip_position(contact, X_WB, radius, gap),
-                task.object.shape.height + radius + gap,
-            )
+    gap = before_contacts(task, placement.contacts)
+    ends = {
+        contact.arm: tip_position(
+            contact, X_WB, task.robots[contact.arm].tip_radius, gap
+        )
+        for contact in placement.contacts
+    }
+    for arm, (robot, base) in enumerate(
+        zip(task.robots, task.scene.bases, strict=True)
+    ):
+        begin = measurement.tips[arm].position
+        waits = arm not in ends and math.dist(begin, base) < AT_BASE
+        if held[arm] is None and not waits:
+            above = task.object.shape.height + robot.tip_radius + gap
+            paths[arm] = tip_path(begin, ends.get(arm, base), above)
     return paths

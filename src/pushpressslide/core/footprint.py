@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Opening, Shape
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from shapely import Polygon
+
+    from pushpressslide.core.arrays import Array
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
@@ -13,9 +22,46 @@ def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> fl
     return float(shape_1.placed(X_W1).intersection(shape_2.placed(X_W2)).area)
 
 
-def gap(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
-    """Return the distance [m] between two footprints; zero where they overlap."""
-    return float(shape_1.placed(X_W1).distance(shape_2.placed(X_W2)))
+def gaps(shape: Shape, poses: Sequence[Pose2], others: Sequence[Polygon]) -> Array:
+    """Return the distances (n, k) [m] of a footprint at n ``poses`` X_WG to k polygons
+    in W; zero where they overlap.
+    """
+    import numpy as np
+    import shapely
+
+    there = np.array(others, dtype=object)[None]
+    if (
+        not shape.corners and shape.middle == shape.centroid
+    ):  # a circle about its middle
+        centers = shapely.points([X.apply(shape.middle) for X in poses])
+        apart = shapely.distance(centers[:, None], there) - shape.circumradius
+        return np.asarray(np.maximum(apart, 0.0))
+    out: Array = shapely.distance(all_placed(shape, poses)[:, None], there)
+    return out
+
+
+def overlaps(shape: Shape, poses: Sequence[Pose2], other: Polygon) -> Array:
+    """Return the areas (n,) [m^2] that a footprint at n ``poses`` X_WG shares with a
+    polygon in W.
+    """
+    import shapely
+
+    out: Array = shapely.area(shapely.intersection(all_placed(shape, poses), other))
+    return out
+
+
+def all_placed(shape: Shape, poses: Sequence[Pose2]) -> NDArray[np.object_]:
+    """Return the footprint at n ``poses`` X_WG as n polygons for Shapely."""
+    import numpy as np
+    import shapely
+
+    outline = shapely.get_coordinates(shape.placed(Pose2()))
+    yaw = np.array([X.yaw for X in poses])
+    place = np.array([X.position for X in poses])
+    turned = np.exp(1j * yaw)[:, None] * outline.view(np.complex128)[None, :, 0]
+    corners = np.stack([turned.real, turned.imag], axis=-1) + place[:, None]
+    out: NDArray[np.object_] = shapely.polygons(corners)
+    return out
 
 
 def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> float:

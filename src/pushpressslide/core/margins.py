@@ -104,6 +104,8 @@ PUSHED_SPEED = 0.8
 """Of the speed, of a vehicle that is pushed: what is ahead of the contact swings more."""
 SWING = 1.2
 """Times the axle's speed that a pressed contact may move at; tighter turns are slower."""
+CONTACT_PACE = math.hypot(1.0, SWING)
+"""Times motion.speed that a contact moves at, at most: along and across the heading."""
 PACE = (0.6, 5.0)
 """Speed of a pressed contact over the speed of the axle, within which turns are used."""
 FARTHEST_AXLE = 3.0
@@ -135,6 +137,9 @@ object.
 """
 
 # --- ways
+
+VIA_RUN_IN = 0.25
+"""Of motion.run_in: the straight end of a push to a pose on the way."""
 
 LOOP_RATIO = 1.6
 """Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
@@ -258,9 +263,13 @@ class ArmMargins:
     """Between two tips that push, for the tools that hold them."""
     hand_room: float = field(default=0.1, metadata={"unit": "m"})
     """Between two tips that press, for the hands above them."""
-    clearance: float = field(default=0.01, metadata={"unit": "m"})
-    """That an object keeps from obstacles, unless its start or goal is nearer: what the
-    run may be off the plan.
+    leaving: float = field(default=0.05, metadata={"unit": "m"})
+    """Of way from a start or goal that is nearer to an obstacle than motion.clearance, on
+    which the gap that is asked for grows to it.
+    """
+    waiting: float = field(default=0.05, metadata={"unit": "m"})
+    """That an arm without a contact keeps from all else, where it can: half of what the
+    object may be ``beside`` its planned way.
     """
     touch_speed: float = field(default=0.03, metadata={"unit": "m/s"})
     """Of a tip on the last centimetres before a contact."""
@@ -292,6 +301,10 @@ class ArmMargins:
     """Of the tracking point from its path: the run is given up. The joint path that was
     planned along it is of no use any more.
     """
+    via: float = field(default=0.02, metadata={"unit": "m"})
+    """That a pose on the way may be missed by: the arms still find their next contacts."""
+    turned_via: float = field(default=math.radians(5.0), metadata={"unit": "1"})
+    """The same of its yaw [rad]."""
     beside: float = field(default=0.1, metadata={"unit": "m"})
     """Of an object from its planned way, within which the arms' joints can follow."""
     turned_beside: float = field(default=0.4, metadata={"unit": "1"})

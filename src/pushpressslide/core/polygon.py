@@ -1,4 +1,4 @@
-"""Polygons in the plane: area, centroid, convexity, and the distance to an edge."""
+"""Polygons in the plane: area, centroid, what makes one sound, distance to an edge."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from pushpressslide.core.pose import Point, cross
 
 MIN_AREA = 1e-6
 """Least area of a footprint [m^2]."""
+
+STRAIGHT = 1e-6
+"""[rad] turn of the border below which a corner is none."""
 
 
 def signed_area(polygon: tuple[Point, ...]) -> float:
@@ -30,30 +33,67 @@ def centroid(polygon: tuple[Point, ...]) -> Point:
     return (ox + x / (6.0 * area), oy + y / (6.0 * area))
 
 
-def convexity_fault(polygon: tuple[Point, ...]) -> str | None:
-    """Return why a polygon is not simple, strictly convex and of positive area.
-
-    None if it is.
-    """
-    n = len(polygon)
-    if len(set(polygon)) < n:
-        return "two corners are the same"
+def turns(polygon: tuple[Point, ...]) -> list[float]:
+    """Return by how much the border turns at each corner [rad], to the left > 0."""
     edges = [
         (b[0] - a[0], b[1] - a[1])
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
     ]
-    turns = []
-    for u, v in zip(edges, edges[1:] + edges[:1], strict=True):
-        turns.append(math.atan2(cross(u, v), u[0] * v[0] + u[1] * v[1]))
-    for i, turn in enumerate(turns):
-        if abs(turn) < 1e-6 or abs(turn) > math.pi - 1e-6:
-            return f"corner {(i + 1) % n} is no corner: its edges lie on one line"
-    if any(t > 0 for t in turns) and any(t < 0 for t in turns):
-        return "it is not convex"
-    if abs(sum(turns)) > 2.0 * math.pi + 1e-3:
-        return "it crosses itself"
-    if abs(signed_area(polygon)) < MIN_AREA:
-        return f"its area {abs(signed_area(polygon)):.3g} m^2 is below {MIN_AREA:g} m^2"
+    return [
+        math.atan2(cross(u, v), u[0] * v[0] + u[1] * v[1])
+        for u, v in zip(edges[-1:] + edges[:-1], edges, strict=True)
+    ]
+
+
+def without_straight_corners(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return the corners without those at which the border goes straight on.
+
+    One at which it turns back stays.
+    """
+    while len(polygon) > 3:
+        straight = [abs(turn) < STRAIGHT for turn in turns(polygon)]
+        if not any(straight):
+            break
+        first = straight.index(True)
+        polygon = polygon[:first] + polygon[first + 1 :]
+    return polygon
+
+
+def is_convex(polygon: tuple[Point, ...]) -> bool:
+    """Return whether a simple polygon, its corners counter-clockwise, is convex."""
+    return all(turn > -STRAIGHT for turn in turns(polygon))
+
+
+def convex_hull(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return the corners of the convex hull, counter-clockwise, none of them straight."""
+    from shapely import Polygon
+
+    hull = Polygon(polygon).convex_hull
+    assert isinstance(hull, Polygon)
+    ring = tuple((x, y) for x, y in hull.exterior.coords[:-1])
+    if signed_area(ring) < 0.0:
+        ring = ring[::-1]
+    return without_straight_corners(ring)
+
+
+def border_fault(polygon: tuple[Point, ...]) -> str | None:
+    """Return why corners are not those of a simple polygon with an area.
+
+    None if they are. Corners on a straight line are allowed.
+    """
+    from shapely import Polygon
+
+    if len(set(polygon)) < len(polygon):
+        return "two corners are the same"
+    area = abs(signed_area(polygon))
+    kept = without_straight_corners(polygon)
+    for i, turn in enumerate(turns(polygon)):
+        if abs(turn) > math.pi - STRAIGHT:
+            return f"at corner {i} its edges lie on one line, and it turns back"
+    if not Polygon(kept).is_valid:
+        return "it crosses itself, or touches itself"
+    if area < MIN_AREA:
+        return f"its area {area:.3g} m^2 is below {MIN_AREA:g} m^2"
     return None
 
 

@@ -1,5 +1,8 @@
-"""Quadrature over convex polygons and discs, and the linear unilateral pressure with a
-given centre.
+"""Quadrature over polygons and discs, and the linear unilateral pressure with a given
+centre.
+
+A concave polygon is integrated over convex pieces. The pressure's centre may be
+anywhere inside its convex hull.
 """
 
 from __future__ import annotations
@@ -11,6 +14,8 @@ from functools import lru_cache
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.pieces import convex_pieces
+from pushpressslide.core.polygon import convex_hull, is_convex
 from pushpressslide.core.pose import Point
 
 DISC_CORNERS = 64  # of the polygon that stands for a disc where a part of it lifts
@@ -23,7 +28,7 @@ _RULE = ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743
 def as_polygon(corners: Sequence[Point]) -> Array:
     """Return the corners as an array (n, 2).
 
-    Raises ValueError unless convex and counter-clockwise.
+    Raises ValueError unless simple and counter-clockwise.
     """
     polygon = np.array(corners, dtype=np.float64)
     if (
@@ -39,13 +44,22 @@ def as_polygon(corners: Sequence[Point]) -> Array:
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     size = float(np.abs(edges).max())
+    concave = size > 0.0 and turns.min() < -1e-12 * size**2
     if (
         size == 0.0
-        or turns.min() < -1e-12 * size**2
         or not moments(polygon)[0] > 1e-12 * size**2
+        or (concave and not _is_simple(polygon))
     ):
-        raise ValueError("polygon must be convex, counter-clockwise, and have an area")
+        raise ValueError(
+            "polygon must not cross itself, be counter-clockwise, and have an area"
+        )
     return polygon
+
+
+def _is_simple(polygon: Array) -> bool:
+    from shapely import Polygon
+
+    return bool(Polygon(polygon).is_valid)
 
 
 @lru_cache(maxsize=64)
@@ -61,11 +75,31 @@ def base(corners: tuple[Point, ...]) -> Array:
 
 @lru_cache(maxsize=64)
 def base_rule(corners: tuple[Point, ...], resolution: int) -> tuple[Array, Array]:
-    """Return ``polygon_rule`` of an object's outline; read-only."""
-    points, areas = polygon_rule(base(corners), resolution)
+    """Return the rule over an object's outline; read-only."""
+    points, areas = pieces_rule(pieces(corners), resolution)
     points.setflags(write=False)
     areas.setflags(write=False)
     return points, areas
+
+
+@lru_cache(maxsize=64)
+def pieces(corners: tuple[Point, ...]) -> tuple[Array, ...]:
+    """Return the convex polygons that make up an object's outline.
+
+    Raises ValueError as ``as_polygon``.
+    """
+    whole = base(corners)
+    if is_convex(corners):
+        return (whole,)
+    return tuple(np.array(piece) for piece in convex_pieces(corners))
+
+
+@lru_cache(maxsize=64)
+def _hull(corners: tuple[Point, ...]) -> Array:
+    """Return the convex hull of an object's outline, counter-clockwise."""
+    if is_convex(corners):
+        return base(corners)
+    return np.array(convex_hull(corners))
 
 
 @lru_cache(maxsize=64)
@@ -109,9 +143,10 @@ def moments(polygon: Array) -> tuple[float, Array, Array]:
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
-    """Return the part of a convex polygon where a + b . r >= 0, as corners (m, 2).
+    """Return the part of a polygon where a + b . r >= 0, as corners (m, 2).
 
-    m = 0 if there is none.
+    m = 0 if there is none. Several parts of a concave polygon are joined by pairs of
+    opposite edges along the line: ``moments`` are right of them too.
     """
     values = a + polygon @ b
     if values.min() >= 0.0:
@@ -127,12 +162,15 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
     return np.array(corners) if corners else np.zeros((0, 2))
 
 
-def linear_pressure(polygon: Array, cop: Array) -> tuple[float, Array]:
+def linear_pressure(
+    polygon: Array, cop: Array, hull: Array | None = None
+) -> tuple[float, Array]:
     """Return (a, b) of the pressure max(0, a + b . r) with its centre at ``cop`` (2,).
 
-    Its integral is one. Raises ValueError for a CoP on or outside the outline.
+    Its integral is one. ``hull`` is that of a concave polygon. Raises ValueError for a
+    CoP on or outside the hull.
     """
-    _check_inside(polygon, cop)
+    _check_inside(polygon if hull is None else hull, cop)
     area, first, _ = moments(polygon)
     center = first / area
     scale = math.sqrt(area)
@@ -204,7 +242,7 @@ def _energy(polygon: Array, target: Array, x: Array) -> tuple[float, Array, Arra
     return float(0.5 * x @ integral - x @ target), integral - target, hessian
 
 
-def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
+def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
     """Return points (m, 2) and areas (m,) of a rule over a convex polygon, exact to
     degree 4.
 
@@ -240,6 +278,23 @@ def polygon_rule(polygon: Array, resolution: int) -> tuple[Array, Array]:
     return points.reshape(-1, 2)[kept], areas.ravel()[kept]
 
 
+def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:
+    """Return points (m, 2) and areas (m,) of a rule over convex polygons together, as
+    fine as ``polygon_rule`` over one of their whole area.
+    """
+    if len(parts) == 1:
+        return polygon_rule(parts[0], resolution)
+    sizes = [moments(part)[0] for part in parts]
+    whole = sum(sizes)
+    rules = [
+        polygon_rule(part, resolution * math.sqrt(size / whole))
+        for part, size in zip(parts, sizes, strict=True)
+        if size > 0.0
+    ]
+    points, areas = zip(*rules, strict=True)
+    return np.concatenate(points), np.concatenate(areas)
+
+
 def disc_rule(radius: float, resolution: int) -> tuple[Array, Array]:
     """Return points (m, 2) and areas (m,) of a rule over a disc about the origin: Gauss
     points on rings.
@@ -264,15 +319,16 @@ def polygon_pressure(
 ) -> tuple[Array, Array, Array]:
     """Return points (m, 2), areas (m,) and linear unilateral pressures (m,), unscaled.
 
-    Raises ValueError for a CoP outside the polygon.
+    Raises ValueError for a CoP outside the polygon's hull.
     """
     whole = whole_pressure(corners, cop)
     if whole is not None:
         points, areas = base_rule(corners, resolution)
         return points, areas, whole[0] + points @ whole[1]
-    polygon = base(corners)
-    a, b = linear_pressure(polygon, np.array(cop, dtype=np.float64))
-    points, areas = polygon_rule(clipped(polygon, a, b), resolution)
+    place = np.array(cop, dtype=np.float64)
+    a, b = linear_pressure(base(corners), place, _hull(corners))
+    loaded = [clipped(piece, a, b) for piece in pieces(corners)]
+    points, areas = pieces_rule([part for part in loaded if len(part) > 2], resolution)
     return points, areas, a + points @ b
 
 

@@ -22,6 +22,15 @@ FIT = 1e-6  # [m] by which what just fits an opening may be larger
 LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
 Value = TypeVar("Value")
 
+ArmName = Literal["left", "right"]
+ARM_NAMES: tuple[ArmName, ...] = ("left", "right")
+"""Names of a task's arms, in the order of its robots."""
+
+
+def arm_title(arm: int, count: int = 2) -> str:
+    """Return what the arm of a robot is called in a task that has ``count`` robots."""
+    return "arm" if count == 1 else f"{ARM_NAMES[arm]} arm"
+
 
 @dataclass(frozen=True, slots=True)
 class Opening:
@@ -233,6 +242,17 @@ class Scene:
     rho: float | None = None  # [m] of the limit surface; None: that of the shape
     friction_error: float = 0.0  # share by which both frictions may be wrong
     center_error: float = 0.0  # [m] by which the centre of mass may be elsewhere
+    arm: int | None = None  # the only one that may touch the body; None: any
+
+    @property
+    def arms(self) -> tuple[int, ...]:
+        """The arms that may touch the body."""
+        return tuple(range(len(self.robots))) if self.arm is None else (self.arm,)
+
+    @property
+    def tips(self) -> tuple[Robot, ...]:
+        """The robots whose tips may touch the body."""
+        return tuple(self.robots[arm] for arm in self.arms)
 
     @property
     def weight(self) -> Point:
@@ -255,7 +275,12 @@ class Scene:
     @property
     def inset(self) -> float:
         """How far [m] contacts stay inside the edges of a face or of the top."""
-        return margins.inset(max(robot.tip_radius for robot in self.robots))
+        return margins.inset(self.tip_radius)
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the largest tip [m] that may touch the object."""
+        return max(robot.tip_radius for robot in self.tips)
 
     @property
     def sure(self) -> float:

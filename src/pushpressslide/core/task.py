@@ -17,6 +17,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.scene import ARM_NAMES, ArmName
 from pushpressslide.core.scene import Belief as Belief
 from pushpressslide.core.scene import ObjectModel as ObjectModel
 from pushpressslide.core.scene import Obstacle as Obstacle
@@ -26,7 +27,10 @@ from pushpressslide.core.scene import Scene as Scene
 from pushpressslide.core.scene import Support as Support
 from pushpressslide.core.scene import assumption as assumption
 from pushpressslide.core.shapes import Box as Box
+from pushpressslide.core.shapes import Compound as Compound
 from pushpressslide.core.shapes import Cylinder as Cylinder
+from pushpressslide.core.shapes import MeshSolid as MeshSolid
+from pushpressslide.core.shapes import Part as Part
 from pushpressslide.core.shapes import Prism as Prism
 from pushpressslide.core.shapes import Shape as Shape
 
@@ -61,6 +65,10 @@ class Tolerance:
     )
 
 
+ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
+"""Of poses that a search leads the object by: nobody asked for them."""
+
+
 @dataclass(frozen=True, slots=True)
 class ToolUse:
     """The object is a tool: with a side face it pushes another body to that body's
@@ -72,7 +80,7 @@ class ToolUse:
     face: int = field(
         metadata=entry(
             "index of the edge of the tool's footprint that pushes, as in motion.face",
-            within="[0, 63]",
+            within="[0, 255]",
             default_in_file=1,
         )
     )
@@ -90,6 +98,12 @@ class Limits:
     # [m] x_min, x_max, y_min, y_max
     workspace: tuple[float, float, float, float] | None = setting(
         None, "region in which the origin of G stays; null: unbounded"
+    )
+    legs: int = setting(
+        5,
+        "motions, one after the other, that are searched for where one does not lead to "
+        "the goal; 1: no other than one",
+        within="[1, 20]",
     )
 
     @property
@@ -223,6 +237,13 @@ class Motion:
     run_in: float = setting(
         0.16, "length of the straight end of the path", "m", "[0, 1]"
     )
+    clearance: float = setting(
+        0.01,
+        "gap that the object keeps from obstacles; where it stands nearer at start or "
+        "goal, the gap that it has there, growing to this one on 5 cm of way",
+        "m",
+        "[0.001, 0.1]",
+    )
     control_period: float = setting(0.004, "control period", "s", "[0.0005, 0.01]")
     # at most the control period
     time_step: float = setting(
@@ -233,7 +254,12 @@ class Motion:
         "index of the pushed edge of the footprint, edge i from corner i to i + 1 "
         "counter-clockwise (box: 0 is -y, 1 is +x, 2 is +y, 3 is -x); null: chosen by "
         "the mode",
-        within="[0, 63]",
+        within="[0, 255]",
+    )
+    arm: ArmName | None = setting(
+        None,
+        "the only arm that may touch the object, in a mode that needs one; null: chosen "
+        "by the mode",
     )
     contacts: tuple[Point, ...] | None = setting(
         None,
@@ -311,6 +337,8 @@ class Restart:
     rho: float | None  # [m]; None: that of the base's pressure
     # whether face, contacts and vehicle are free that the task names for its first attempt
     free: bool = False
+    # that were found for the rest, in place of the task's; None: the task's go on
+    legs: tuple[Leg, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,7 +377,7 @@ class Task:
     )
     modes: tuple[str, ...] | None = setting(
         None,
-        "contact modes to choose from; null: all modes for this number of robots",
+        "contact modes to choose from; null: all that need no more arms than there are",
         count=(1, math.inf),
     )
     # the last one to ``goal``
@@ -378,6 +406,9 @@ class Task:
     description: str = setting("", "one line, shown by `pps tasks`")
     # the file it came from, for messages
     source: str = field(default="", compare=False)
+    # whether its legs were found, not prescribed, or it is one of many motions that are
+    # looked at to find them
+    searched: bool = field(default=False, compare=False)
 
     @property
     def believed(self) -> Belief:
@@ -422,6 +453,7 @@ class Task:
     def scene(self) -> Scene:
         """The physical question, as believed."""
         told = self.told
+        name = told.motion.arm
         return Scene(
             told.object,
             told.support,
@@ -431,6 +463,7 @@ class Task:
             told.belief.rho,
             told.belief.friction_error,
             told.belief.center_error,
+            None if name is None else ARM_NAMES.index(name),
         )
 
     @property
@@ -469,6 +502,10 @@ class Task:
         out = []
         begin = replace(self, legs=())
         for i, leg in enumerate(self.legs):
+            if self.searched and i + 1 < len(self.legs):
+                begin = replace(begin, tolerance=ON_THE_WAY)
+            else:
+                begin = replace(begin, tolerance=self.tolerance)
             part = replace(begin, goal=leg.goal, modes=(leg.mode,), motion=leg.motion)
             out.append(replace(part, source=f"{self.source}: legs[{i}]"))
             begin = replace(begin, start=leg.goal, start_error=Pose2())
@@ -488,6 +525,9 @@ class Task:
         if restart.free:
             legs = (replace(leg, motion=leg.motion.freed) for leg in self.legs)
             task = replace(task, motion=self.motion.freed, legs=tuple(legs))
+        if restart.legs is not None:
+            found = restart.legs
+            return replace(task, start=restart.pose, legs=found, searched=True)
         if restart.leg == 0:
             return replace(task, start=restart.pose)
         begun = list(task.legs)

@@ -11,7 +11,6 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions
@@ -22,8 +21,8 @@ from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
-from pushpressslide.selection.preparation import MORE, prepared
-from pushpressslide.selection.select import select
+from pushpressslide.selection.select import MANY, select
+from pushpressslide.selection.solve import solve
 
 
 def versions() -> dict[str, str]:
@@ -82,28 +81,21 @@ def simulate(
     preparation = chosen.preparation(force)
     # choices after the first are for where that has no joint path
     enough = ENOUGH if chosen.has_arms else 1
-    began = perf_counter()
-    choices = select(task, enough)
-    selected = perf_counter()
-    judged = prepared(preparation, task, choices, force)
-    planning_time = {"selection": selected - began}
-    if chosen.has_arms:
-        planning_time["joint_paths"] = perf_counter() - selected
-    segments = chain.from_iterable(part.segments for part in preparation.plans)
-    plan = Plan(task, tuple(segments))
+    solution = solve(preparation, task, enough, force=force)
+    plan = solution.plan
     with monitor.held():
         record = chosen.run(
             plan,
             RunOptions(seed, monitor.progress, monitor.interrupt or bool),
             ArmOptions(models, preparation.paths, monitor.live),
         )
-    meta = {**record.meta, "planning_time": planning_time}
-    return record.plan, replace(record, meta=meta), judged
+    meta = {**record.meta, "planning_time": solution.planning_time}
+    return record.plan, replace(record, meta=meta), solution.choices
 
 
 def forced_choices(task: Task, count: int) -> list[Choice]:
     """Return the ``count`` best-ranked choices that have a path, feasible or not."""
-    return [choice for choice in select(task, MORE) if choice.segments][:count]
+    return [choice for choice in select(task, MANY) if choice.segments][:count]
 
 
 def run_choice(

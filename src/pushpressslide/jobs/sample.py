@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.core.task import Task
+from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.run import forced_choices, run_choice, simulate, versions
 from pushpressslide.jobs.sampling import random_task, uncertain_task, varied_task
@@ -64,7 +65,12 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
     """
     if options.vary == "truth":
         return varied_task(task, index, options.seed)
-    drawn = random_task(task, index, options.seed, options.draw)
+    if options.vary == "start":
+        return started_task(task, index, options.seed)
+    if options.draw == "cluttered":
+        drawn = cluttered_task(task, index, options.seed)
+    else:
+        drawn = random_task(task, index, options.seed, options.draw)
     if options.world == "uncertain":
         return uncertain_task(drawn, index, options.seed)
     return drawn
@@ -127,6 +133,8 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "code": measured["reason"]["code"],
         "reason": measured["reason"]["text"] or measured["reason"]["code"],
         "modes": measured["modes"],
+        "legs": max(1, len(plan.task.legs)),
+        "planning_time": sum((measured["planning_time"] or {}).values()),
         "recoveries": sum(event["recovered"] for event in measured["events"]),
         **{name: measured[name] for name in FIGURES},
     }

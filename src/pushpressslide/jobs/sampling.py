@@ -26,9 +26,10 @@ from pushpressslide.mechanics.top import inside_top
 from pushpressslide.modes import MODES
 
 Range = tuple[float, float]
-Draw = Literal["ahead", "any"]
-"""Which tasks are drawn: goals about ahead of the push, objects of medium size; or goals
-in any direction, objects of any size, the centre of mass off centre.
+Draw = Literal["ahead", "any", "cluttered"]
+"""Which tasks are drawn: goals about ahead of the push, objects of medium size; goals in
+any direction, objects of any size, the centre of mass off centre; or start and goal
+anywhere in reach, among obstacles (``jobs/cluttered.py``).
 """
 Poses = tuple[Pose2, Pose2]
 """X_WG at the start and at the goal."""
@@ -131,6 +132,9 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
     neighbours, look back at the robots within ``HEADING``; the goal is up to
     ``BEARING`` off the direction of the push. Pressed objects go in any direction.
 
+    In a cell with two arms tasks are drawn for both at once. Where ``base`` names modes
+    that need one only, they are drawn for one of them, by chance.
+
     With ``draw`` "any" goals lie in any direction, and sizes, masses and centres of
     mass are drawn from ANY_SIZE, ANY_DENSITY and OFF_CENTER.
 
@@ -138,9 +142,9 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
     PushPressSlideError where no start and goal are found.
     """
     rng = np.random.default_rng([seed, index])
-    faces = _pushed_faces(base, rng)
+    arms = _arms(base)
+    faces = _pushed_faces(base, arms, rng)
     pressed = faces == 0
-    arms = len(base.robots)
     single = arms == 1
     if draw == "any":
         body = _any_object(rng, arms, pressed)
@@ -152,7 +156,7 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
     motion = replace(base.motion, face=None, contact_height=None, contacts=None)
     motion = replace(motion, press_force=None, vehicle=None)
     if single:
-        start, goal = _one_arm_poses(rng, base.robots[0], body, aim)
+        start, goal = _one_arm_poses(rng, _drawn_robot(base, rng), body, aim)
         if pressed and rng.random() < TOP_CONTACT_SHARE:
             place = _top_contact(rng, body)
             motion = replace(motion, contacts=None if place is None else (place,))
@@ -229,7 +233,23 @@ def uncertain_task(known: Task, index: int, seed: int) -> Task:
     )
 
 
-def _pushed_faces(base: Task, rng: np.random.Generator) -> int:
+def _arms(base: Task) -> int:
+    """Return how many arms tasks are drawn for: as many as may touch the object, or as
+    the modes need that ``base`` names.
+    """
+    most = len(base.scene.arms)
+    return min(most, max((MODES[name].arms for name in base.modes or ()), default=most))
+
+
+def _drawn_robot(base: Task, rng: np.random.Generator) -> Robot:
+    """Draw one of the robots that may touch the object."""
+    robots = base.scene.tips
+    if len(robots) == 1:
+        return robots[0]
+    return robots[int(rng.integers(len(robots)))]
+
+
+def _pushed_faces(base: Task, arms: int, rng: np.random.Generator) -> int:
     """Return how many faces are pushed, 0 if the object is pressed.
 
     That of the mode that ``base`` names; drawn where it leaves the mode open. One arm
@@ -238,11 +258,11 @@ def _pushed_faces(base: Task, rng: np.random.Generator) -> int:
     drawn = {
         name: mode.pushed_faces
         for name, mode in MODES.items()
-        if mode.arms == len(base.robots) and mode.pushed_faces is not None
+        if mode.arms == arms and mode.pushed_faces is not None
     }
     names = base.modes or tuple(drawn)
     faces = sorted({drawn[name] for name in names if name in drawn})
-    if not faces and len(base.robots) == 1:
+    if not faces and arms == 1:
         return 1
     if not faces:
         allowed = f"allowed where tasks are drawn: {', '.join(drawn)}"

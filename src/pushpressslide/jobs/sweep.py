@@ -27,7 +27,7 @@ from pushpressslide.jobs.sample import FORCED, run_forced, run_sample, sample_ta
 from pushpressslide.jobs.sampling import Draw
 from pushpressslide.jobs.summary import ATTEMPTED, summarise, write_table
 
-Vary = Literal["truth", "tasks"]
+Vary = Literal["truth", "tasks", "start"]
 World = Literal["known", "uncertain"]
 Progress = Callable[[int, int], None]
 Work = Callable[[], Row]
@@ -40,7 +40,8 @@ class SweepOptions:
 
     samples: int = 0  # that are drawn, where no ``attempts`` are asked for
     attempts: int = 0  # samples that are not refused: drawn until there are so many
-    vary: Vary = "truth"  # what is true of the task, or new tasks for its robots
+    # what is true of the task, new tasks for its robots, or other starts
+    vary: Vary = "truth"
     draw: Draw = "ahead"  # which new tasks
     world: World = "known"  # whether new tasks are as believed
     seed: int = 0

@@ -12,7 +12,7 @@ from pushpressslide.core.task import ObjectModel
 class Face:
     """One side face; all in B, the frame at the projected centre of mass."""
 
-    # of the footprint's edge, counter-clockwise; on a cylinder, of the direction
+    # of the footprint's side, counter-clockwise; on a cylinder, of the direction
     index: int
     # [m] the face's point nearest to the line through the CoM along the normal, corners
     # kept clear
@@ -21,22 +21,36 @@ class Face:
     # [m] of ``foot`` to the left of that line, seen along the normal; 0 where the face
     # is wide enough
     offset: float
-    depth: float  # [m] distance of the CoM from the face's line, > 0
+    # [m] distance of the CoM from the face's line; < 0 where it is on the tip's side
+    depth: float
+    # [m] right and left end, from that line, of what a tip can touch; of a round face,
+    # which goes on to both sides, both are the foot's
+    ends: tuple[float, float]
+    flat: bool
 
 
-def faces(body: ObjectModel, corner_clearance: float) -> tuple[Face, ...]:
-    """Return the faces of ``body``.
+def faces(
+    body: ObjectModel, corner_clearance: float, tip_radius: float = 0.0
+) -> tuple[Face, ...]:
+    """Return the faces of ``body`` that a tip of ``tip_radius`` [m] can touch; a point
+    touches all.
 
-    Contacts stay ``corner_clearance`` [m] away from the corners (or at a short edge's
-    middle).
+    Of a face before which there is something else, several parts may be left: each is a
+    face. Contacts stay ``corner_clearance`` [m] away from the corners (or at a short
+    edge's middle).
     """
     out = []
-    places = body.shape.side_points(corner_clearance, body.center_of_mass)
-    for i, (foot, normal) in enumerate(places):
+    for place in body.shape.side_places(
+        corner_clearance, tip_radius, body.center_of_mass
+    ):
+        foot = place.point
+        normal = place.normal
         left = turned_left(normal)
         offset = foot[0] * left[0] + foot[1] * left[1]
         depth = -(foot[0] * normal[0] + foot[1] * normal[1])
-        out.append(Face(i, foot, normal, offset, depth))
+        ends = place.ends or (offset, offset)
+        flat = place.ends is not None
+        out.append(Face(place.index, foot, normal, offset, depth, ends, flat))
     return tuple(out)
 
 

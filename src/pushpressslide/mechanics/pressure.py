@@ -147,14 +147,14 @@ def polygon_pressure(
     cop: Point | None = None,
     resolution: int = 12,
 ) -> PressureSamples:
-    """Return the unilateral linear (Winkler) pressure on a convex ``polygon`` with the
+    """Return the unilateral linear (Winkler) pressure on a simple ``polygon`` with the
     given CoP.
 
     Corners counter-clockwise [m]. The pressure is max(0, a + b . r): uniform for
     ``cop`` None or at the centroid, linear over the whole face for a CoP near it, with
     the far side lifted beyond (docs/mechanics.md, 1.2). Total ``load`` [N]. About 24
     ``resolution``^2 samples, exact for moments up to the third. Raises ValueError for a
-    CoP outside the polygon.
+    CoP outside the polygon's hull.
     """
     outline = tuple((float(x), float(y)) for x, y in polygon)
     if cop is None:
@@ -235,7 +235,7 @@ def support_pressure(
     (``ObjectModel.center_of_mass``), ``cop`` [m] in B: (0, 0) for the object at rest,
     moved by presses and by pushes at a height. The distribution is unilateral linear
     with total ``load`` [N]; it is uniform where the CoP is the centroid of the base.
-    Raises ValueError for a CoP outside the base.
+    Raises ValueError for a CoP outside the base's hull.
     """
     cop_G = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
     samples_G = _cells(*shape.pressure(cop_G, resolution), load)

@@ -27,13 +27,13 @@ def punch_pressure(
 ) -> PressureSamples:
     """Return the pressure of a rigid, frictionless face on an elastic half-space.
 
-    Convex ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default
+    Simple ``polygon``, counter-clockwise [m]; total ``load`` [N]; ``cop`` [m], default
     the centroid. About 24 ``resolution``^2 samples; rho is then about 1 % low. Raises
     ValueError for a CoP so far out that an edge would lift.
     """
-    corners = quadrature.as_polygon(polygon)
-    points, areas = quadrature.polygon_rule(corners, resolution)
-    area, first, _ = quadrature.moments(corners)
+    outline = tuple((float(x), float(y)) for x, y in polygon)
+    points, areas = quadrature.base_rule(outline, resolution)
+    area, first, _ = quadrature.moments(quadrature.base(outline))
     center = first / area if cop is None else np.array(cop, dtype=np.float64)
     n = len(areas)
     system = np.zeros((n + 3, n + 3))

@@ -24,7 +24,8 @@ def inside_top(body: ObjectModel, point: Point, margin: float) -> bool:
 
 
 def room_inside(body: ObjectModel, point: Point) -> float:
-    """Return how far ``point`` [m] is inside the outline; < 0 outside.
+    """Return how far a centre of pressure at ``point`` [m] is inside the base's convex
+    hull; < 0 outside, where the object tips.
 
     In half widths across the nearest edge.
     """
@@ -39,13 +40,15 @@ def rooms_inside(body: ObjectModel, points: Array) -> Array:
 def top_places(body: ObjectModel, margin: float) -> list[Point]:
     """Return places to press [m], ``margin`` [m] inside the outline.
 
-    They are at some shares of the way to the outline, in all directions from the CoM.
+    They are at some shares of the way along all chords that go off from the CoM in some
+    directions; the first chord of a convex top begins at the CoM.
     """
     out = []
     for i in range(DIRECTIONS):
         angle = 2.0 * math.pi * i / DIRECTIONS
         u = (math.cos(angle), math.sin(angle))
-        far = body.shape.ray(u, margin, body.center_of_mass)
-        if far > margin:
-            out += [(share * far * u[0], share * far * u[1]) for share in SHARES]
+        for near, far in body.shape.chords(u, margin, body.center_of_mass):
+            if far > margin:
+                places = (near + share * (far - near) for share in SHARES)
+                out += [(place * u[0], place * u[1]) for place in places]
     return out

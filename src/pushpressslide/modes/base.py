@@ -14,6 +14,7 @@ from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import ClassVar, NamedTuple, Protocol
 
+from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
@@ -102,6 +103,17 @@ class Mode(ABC):
         judged feasible or not; evaluated until ``enough`` are feasible.
         """
         return search(task, self.drafts(task), enough)
+
+    def least_time(self, task: Task) -> float:
+        """Return a time [s] that no choice of the mode is below, contacts held at the
+        start; quickly.
+        """
+        start, goal = task.body_ends
+        turn = math.remainder(goal.yaw - start.yaw, 2.0 * math.pi)
+        # a contact may be as far off the CoM as the object's edge
+        swept = 2.0 * task.object.radius * abs(math.sin(0.5 * turn))
+        far = math.dist(start.position, goal.position) - swept
+        return max(far, 0.0) / (margins.CONTACT_PACE * task.motion.speed)
 
     def drafts(self, task: Task) -> Sequence[Draft | Choice]:
         """Return a draft for each placement of the contacts, or a choice with what
@@ -274,7 +286,9 @@ def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
         poses = poses_along(piece)
         refusal = workspace_refusal(task.object, task.limits, poses)
         for contact in piece.contacts:
-            refusal = refusal or contact_refusal(task.scene, contact, poses)
+            refusal = refusal or contact_refusal(
+                task.scene, contact, poses, quick=task.searched
+            )
         if refusal is not None:
             return refusal
     return None

@@ -30,7 +30,7 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.friction import utilisation_margin
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.mechanics.top import inside_top
+from pushpressslide.mechanics.top import room_inside
 from pushpressslide.mechanics.wall import lever
 from pushpressslide.modes.base import (
     BOTH_CROSSING,
@@ -211,7 +211,7 @@ def _tracking_point(scene: Scene, contacts: Sequence[Contact], twist: Twist) -> 
     if not twist.w:
         return ORIGIN
     icr = (-twist.vy / twist.w, twist.vx / twist.w)
-    if not inside_top(scene.body, icr, 0.0):
+    if room_inside(scene.body, icr) < 0.0:
         return ORIGIN
     return resting_cop(scene, contacts)
 

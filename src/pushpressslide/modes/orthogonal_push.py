@@ -73,11 +73,12 @@ class OrthogonalPush(TwistPushes):
         """Return the best placements on every two faces: the quickest first; of equally
         quick ones that with the least force, if it is well inside its cone.
         """
-        if not task.object.shape.corners:
-            text = "a cylinder has no flat faces for two pushes"
+        flat = [face for face in pushable(task.scene) if face.flat]
+        if not flat:
+            text = "there are no flat faces for two pushes"
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed = []
-        for pair in combinations(pushable(task.scene), 2):
+        for pair in combinations(flat, 2):
             if ANGLES[0] <= angle_between(*pair) <= ANGLES[1]:
                 placed += self._placed(task, pair)
         if not placed:

@@ -86,15 +86,16 @@ class ParallelPush(TwistPushes):
 
     def drafts(self, task: Task) -> list[Draft | Choice]:
         """Return one draft for each pair of contacts on each face."""
-        if not task.object.shape.corners:
-            text = "a cylinder has no flat face for two tips side by side"
-            return [Choice(self.name, refusal=Refusal("no_faces", text))]
         scene = task.scene
         motion = task.motion
+        flat = [face for face in pushable(scene, motion.face) if face.flat]
+        if not flat:
+            text = "there is no flat face for two tips side by side"
+            return [Choice(self.name, refusal=Refusal("no_faces", text))]
         height = contact_height(scene, motion)
         placed = [
             (face, contacts)
-            for face in pushable(scene, motion.face)
+            for face in flat
             for contacts in side_by_side(scene, face, height)
         ]
 

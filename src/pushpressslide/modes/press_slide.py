@@ -45,6 +45,7 @@ from pushpressslide.modes.base import (
     promptness,
     search,
 )
+from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.pressed.driven import (
     DIRECTIONS,
     driven_again,
@@ -273,16 +274,18 @@ class PressSlide(Mode):
             if spun:
                 return spun
         if isinstance(drive, TurnDrive) and not drive.last:
-            turns = turns_onward(task, segments, measured.X_WB, contact)
-            return turns if turns[0].path.length <= measured.longest else ()
+            mine, others = _of_first_leg(segments)
+            turns = turns_onward(task, mine, measured.X_WB, contact)
+            return (*turns, *others) if turns[0].path.length <= measured.longest else ()
         return super().onward(task, segments, measured)
 
     def misses(self, task: Task, segments: Sequence[Segment], X_WB: Pose2) -> bool:
         """Whether the turns of a manoeuvre end too far from its run-in."""
-        if not isinstance(segments[-1].drive, TurnDrive):
+        mine, _ = _of_first_leg(segments)
+        if not isinstance(mine[-1].drive, TurnDrive):
             return False
         radius = task.object.radius
-        return run_in_missed(segments, X_WB, radius) > margins.MISSED * radius
+        return run_in_missed(mine, X_WB, radius) > margins.MISSED * radius
 
     def _manoeuvre(
         self, task: Task, goal: Pose2, measured: Measured
@@ -346,6 +349,15 @@ class PressSlide(Mode):
         return Course((contact,), steered, path)
 
 
+def _of_first_leg(
+    segments: Sequence[Segment],
+) -> tuple[tuple[Segment, ...], tuple[Segment, ...]]:
+    """Return the segments of the first one's leg, and those of the legs after it."""
+    leg = segments[0].leg
+    mine = tuple(segment for segment in segments if segment.leg == leg)
+    return mine, tuple(segments[len(mine) :])
+
+
 def _told(task: Task, choices: Sequence[Choice]) -> list[Choice]:
     """Return refused choices that say with which believed rho they are refused."""
     rho = task.scene.rho
@@ -368,8 +380,9 @@ def _steered(
     """
 
     def make(choice: Choice, evaluated: bool) -> list[Choice]:
-        """Return a choice as it is steered."""
-        return [with_turns(task, choice, least) if evaluated else choice]
+        """Return a choice as it is steered, by either arm."""
+        steered = with_turns(task, choice, least) if evaluated else choice
+        return either_arm(task, steered)
 
     return [
         Draft(float(i), partial(make, choice), ordered=True)

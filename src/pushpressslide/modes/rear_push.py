@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
@@ -16,12 +16,14 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, refusal_of
-from pushpressslide.core.task import Task
+from pushpressslide.core.scene import Scene
+from pushpressslide.core.task import Motion, Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import window_of
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
+from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
     cone_margin,
     contact_refusal,
@@ -29,9 +31,15 @@ from pushpressslide.planning.rear_car import (
     push_twists,
     route,
     route_onward,
+    shortest_length,
     turning_refusal,
 )
-from pushpressslide.planning.segments import ends_onward, run_time, segment
+from pushpressslide.planning.segments import (
+    describe_points,
+    ends_onward,
+    run_time,
+    segment,
+)
 from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
@@ -51,6 +59,14 @@ class RearPush(Mode):
     pushed_faces = 1
     drives = (RearSteerDrive,)
 
+    def least_time(self, task: Task) -> float:
+        """Return the time [s] of the shortest path of any face's car, at full speed."""
+        ends = task.body_ends
+        lengths = [
+            shortest_length(drive, ends) for drive in _drives(task.scene, task.motion)
+        ]
+        return min(lengths, default=math.inf) / task.motion.speed
+
     def drafts(self, task: Task) -> list[Draft]:
         """Return one draft per face."""
         pushed = pushable(task.scene, task.motion.face)
@@ -63,11 +79,14 @@ class RearPush(Mode):
     def _push(
         self, task: Task, face: Face, twists: Array, evaluated: bool
     ) -> list[Choice]:
-        """Judge a push on a face but for the arm's reach."""
+        """Judge a push on a face but for the arms' reach."""
         scene = task.scene
         height = contact_height(scene, task.motion)
-        contact = Contact(0, "side", face.foot, face.normal, height)
-        choice = Choice(self.name, f"face {face.index}", (contact,))
+        contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
+        label = f"face {face.index}"
+        if scene.body.shape.edges and not face.flat:  # an arc, in one direction
+            label += f" at {describe_points([face.foot])}"
+        choice = Choice(self.name, label, (contact,))
         refusal = contact_refusal(task, face, height)
         try:
             car, shift = fitted_car(scene, task.motion, face, twists)
@@ -81,7 +100,7 @@ class RearPush(Mode):
             return [choice.refused(refusal or Refusal("not_straight", straight))]
         drive = RearSteerDrive(car, scene.max_friction(), shift)
         driven = self._driven(task, choice, drive)
-        return [driven.refused(refusal or driven.refusal)]
+        return either_arm(task, driven.refused(refusal or driven.refusal))
 
     def _driven(self, task: Task, choice: Choice, drive: RearSteerDrive) -> Choice:
         """Return the choice with the path of a car; refused if that winds too much."""
@@ -200,6 +219,22 @@ class RearPush(Mode):
         turning = planned_path.turning
         path = route_onward(ends, drive, measured.longest, turning)
         return None if path is None else Course((contact,), drive, path)
+
+
+@lru_cache(maxsize=64)
+def _drives(scene: Scene, motion: Motion) -> tuple[RearSteerDrive, ...]:
+    """Return the drives of all faces by which the object can be pushed straight."""
+    pushed = pushable(scene, motion.face)
+    out = []
+    for face, pair in zip(pushed, push_twists(scene, motion, pushed), strict=True):
+        try:
+            car, shift = fitted_car(scene, motion, face, pair)
+        except ValueError:
+            continue
+        low, high = car.curvature_limits
+        if low < 0.0 < high:
+            out.append(RearSteerDrive(car, scene.max_friction(), shift))
+    return tuple(out)
 
 
 MODE = RearPush()

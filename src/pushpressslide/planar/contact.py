@@ -18,6 +18,8 @@ from pushpressslide.core.pose import Point
 
 ContactStatus = Literal["free", "stick", "slip", "slip_left", "slip_right", "pull"]
 
+ENTERING = 1e-9  # [m/s] into a wall, that is rounding
+PARALLEL = 1e-3  # sine of the angle between two walls below which they are parallel
 ON_RIM = 1e-12  # of the limit: force beyond it at which a slip is found
 SLIP_STEPS = 30  # one for equal dampings
 
@@ -98,6 +100,87 @@ class SideContact:
         )
 
 
+def side_contact(
+    tip: Point,
+    tip_radius: float,
+    gap: float,
+    law: TipLaw,
+    friction: float,
+    dt: float,
+) -> SideContact:
+    """Return the contact of a tip whose centre is at ``tip`` [m], ``gap`` [m] before
+    the side whose inward normal is the law's axis, in a tick of ``dt`` [s].
+    """
+    nx, ny = law.axis
+    out = gap + tip_radius
+    point = (tip[0] + out * nx, tip[1] + out * ny)
+    center = (tip[0] + gap * nx, tip[1] + gap * ny)
+    return SideContact(point, center, law, friction, gap / dt)
+
+
+@dataclass(frozen=True, slots=True)
+class WedgedContact:
+    """A tip between its own side and another wall of a notch.
+
+    It touches the one that alone keeps it out of both; where neither does, it sticks
+    between them.
+    """
+
+    own: SideContact
+    wall: SideContact
+
+    @property
+    def point(self) -> Point:
+        """Where the forces are taken to act: at the tip's centre [m]."""
+        return self.own.center
+
+    @property
+    def center(self) -> Point:
+        """Place of the tip's centre in the plane [m]."""
+        return self.own.center
+
+    def response(self, twist: tuple[float, float, float]) -> Response:
+        """Return the force under an object's ``twist`` at the CoP."""
+        for one, other in ((self.own, self.wall), (self.wall, self.own)):
+            response = one.response(twist)
+            if not _enters(one, other, response, twist):
+                return response
+        return self._stuck(twist)
+
+    def _stuck(self, twist: tuple[float, float, float]) -> Response:
+        """Return the force of a tip that closes both gaps and moves with the object."""
+        ax, ay = self.own.law.axis
+        bx, by = self.wall.law.axis
+        a = self.own.approach
+        b = self.wall.approach
+        size = ax * by - ay * bx
+        if abs(size) < PARALLEL:
+            return self.own.response(twist)
+        closing = ((a * by - b * ay) / size, (b * ax - a * bx) / size)
+        vx = twist[0] - twist[2] * self.own.center[1] + closing[0]
+        vy = twist[1] + twist[2] * self.own.center[0] + closing[1]
+        law = self.own.law
+        bn, bt = law.damping
+        fn = law.force[0] - bn * (ax * vx + ay * vy)
+        ft = law.force[1] - bt * (ax * vy - ay * vx)
+        force = (ax * fn - ay * ft, ay * fn + ax * ft)
+        return Response(force, _turned(law.axis, bn, 0.0, bt), "stick")
+
+
+def _enters(
+    touched: SideContact,
+    other: SideContact,
+    response: Response,
+    twist: tuple[float, float, float],
+) -> bool:
+    """Return whether a tip that touches one side would go into another one."""
+    ux, uy = touched.law.velocity(response.force)
+    cx, cy = touched.center
+    nx, ny = other.law.axis
+    into = nx * (ux - twist[0] + twist[2] * cy) + ny * (uy - twist[1] - twist[2] * cx)
+    return into > other.approach + ENTERING
+
+
 @dataclass(frozen=True, slots=True)
 class TopContact:
     """A tip pressed on the top face."""
@@ -160,7 +243,7 @@ class Pull:
         return Response(self.force, (0.0, 0.0, 0.0, 0.0), "pull")
 
 
-Contact = SideContact | TopContact | Pull
+Contact = SideContact | WedgedContact | TopContact | Pull
 
 
 def _turned(

@@ -13,10 +13,12 @@ from typing import Protocol
 
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point
-from pushpressslide.core.shapes import Side
+from pushpressslide.core.shapes import Shape
+from pushpressslide.core.sides import Side
 from pushpressslide.core.task import ObjectModel
-from pushpressslide.planar.support import Support
 
+NEAR = 2e-3  # [m] a wall that is farther off is not met within a tick
+NO_WALL = (math.inf, (1.0, 0.0))  # far off
 PASSED = 1e-3  # [m] behind a face: a tip there came round its end, not through it
 
 
@@ -29,18 +31,33 @@ class Face(Protocol):
         """
         ...
 
+    def wall(self, tip: Point, height: float) -> tuple[float, Point]:
+        """Return the same of the nearest wall beside the face, infinite if none."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class SideFace:
-    """A side of the object, up to its top."""
+    """A side of the object, up to its top, and the other walls of a notch."""
 
     side: Side
+    walls: tuple[Side, ...]
     top: float  # [m]
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
         """Return gap and normal."""
-        gap, normal = self.side.gap(tip, self.tip_radius)
+        return self._gap(self.side, tip, height)
+
+    def wall(self, tip: Point, height: float) -> tuple[float, Point]:
+        """Return gap and normal of the wall that a tip comes to next, but for the face
+        itself; no wall where none is near.
+        """
+        found = [self._gap(wall, tip, height) for wall in self.walls]
+        return min((wall for wall in found if wall[0] < NEAR), default=NO_WALL)
+
+    def _gap(self, side: Side, tip: Point, height: float) -> tuple[float, Point]:
+        gap, normal = side.gap(tip, self.tip_radius)
         beside = height <= self.top and gap > -PASSED
         return gap if beside else math.inf, normal
 
@@ -49,25 +66,28 @@ class SideFace:
 class Top:
     """The top face."""
 
-    support: Support
-    height: float  # [m]
+    shape: Shape
+    origin: Point  # [m] in the shape's frame, of B
     tip_radius: float  # [m]
 
     def gap(self, tip: Point, height: float) -> tuple[float, Point]:
         """Return gap and normal, which has no part in the plane."""
-        gap = height - self.tip_radius - self.height
-        above = gap > -PASSED and self.support.outwards(tip) <= 1.0
+        gap = height - self.tip_radius - self.shape.height
+        above = gap > -PASSED and self.shape.holds(tip, 0.0, self.origin)
         return gap if above else math.inf, (0.0, 0.0)
 
+    def wall(self, tip: Point, height: float) -> tuple[float, Point]:
+        """Return no wall."""
+        return NO_WALL
 
-def face_of(
-    body: ObjectModel, support: Support, contact: Contact, tip_radius: float
-) -> Face:
+
+def face_of(body: ObjectModel, contact: Contact, tip_radius: float) -> Face:
     """Return the face of ``body`` on which a ``contact`` is, for a tip of
     ``tip_radius`` [m].
     """
     shape = body.shape
     if contact.kind == "top":
-        return Top(support, shape.height, tip_radius)
-    side = shape.side(contact.point, contact.normal, body.center_of_mass)
-    return SideFace(side, shape.height, tip_radius)
+        return Top(shape, body.center_of_mass, tip_radius)
+    contacted = (contact.point, contact.normal, body.center_of_mass)
+    side = shape.side(*contacted)
+    return SideFace(side, shape.walls(*contacted), shape.height, tip_radius)

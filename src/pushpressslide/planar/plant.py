@@ -14,6 +14,7 @@ from pushpressslide.control.plant import PlantRow
 from pushpressslide.core.control import Commands, Measurement, TipCommand
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.planar.world import World
+from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.preparation import PlansAlone, Preparation
 
 TIPPING_TIME = 0.1  # [s] of load off the base that ends a run
@@ -36,7 +37,7 @@ class PlanarPlant:
         self._task = task
         self._X_BG = task.object.X_GB.inverse()
         self._world = World(task, plan.contacts, self._period)
-        gap = task.motion.approach_distance
+        gap = before_contacts(task, plan.contacts)
         self._now = self._world.start(task.true_start, task.start, gap)
         self._before = self._now  # one tick ago
         self._commands: list[TipCommand | None] = []

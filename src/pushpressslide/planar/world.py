@@ -24,6 +24,8 @@ from pushpressslide.planar.contact import (
     SideContact,
     TipLaw,
     TopContact,
+    WedgedContact,
+    side_contact,
 )
 from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
@@ -46,6 +48,14 @@ class WorldState:
 
 
 @dataclass(frozen=True, slots=True)
+class _Wall:
+    """A side that a tip may meet beside its own face."""
+
+    gap: float  # [m]
+    law: TipLaw
+
+
+@dataclass(frozen=True, slots=True)
 class _Reach:
     """One commanded tip at the start of a tick, in B."""
 
@@ -56,10 +66,11 @@ class _Reach:
     law: TipLaw
     press: float  # [N] on the top
     climb: float  # [m/s] upwards
+    wall: _Wall | None = None  # of a notch, beside the face
 
     def touching(
         self, cop: Point, friction: float, dt: float
-    ) -> SideContact | TopContact | None:
+    ) -> SideContact | WedgedContact | TopContact | None:
         """Return what the tip may do at its face in a tick.
 
         None if it does not come near it.
@@ -68,13 +79,18 @@ class _Reach:
         y = self.place[1] - cop[1]
         if self.press > 0.0:
             return TopContact((x, y), self.law, friction * self.press)
-        if self.contact.kind == "top" or self.gap == math.inf:
+        if self.contact.kind == "top":
             return None
-        nx, ny = self.law.axis
-        out = self.gap + self.radius
-        point = (x + out * nx, y + out * ny)
-        center = (x + self.gap * nx, y + self.gap * ny)
-        return SideContact(point, center, self.law, friction, self.gap / dt)
+        near = [] if self.gap == math.inf else [(self.gap, self.law)]
+        if self.wall is not None:
+            near.append((self.wall.gap, self.wall.law))
+        sides = [
+            side_contact((x, y), self.radius, gap, law, friction, dt)
+            for gap, law in near
+        ]
+        if len(sides) == 2:
+            return WedgedContact(*sides)
+        return sides[0] if sides else None
 
 
 class World:
@@ -103,7 +119,7 @@ class World:
         self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
         self.support = Support(task.object.shape, task.object.center_of_mass)
         self.faces = [
-            face_of(task.object, self.support, c, task.robots[c.arm].tip_radius)
+            face_of(task.object, c, task.robots[c.arm].tip_radius)
             for c in self.contacts
         ]
 
@@ -130,7 +146,11 @@ class World:
     def step(
         self, state: WorldState, commands: Sequence[TipCommand | None]
     ) -> WorldState:
-        """Return the state one tick on; a tip without a command stays where it is."""
+        """Return the state one tick on.
+
+        A tip without a command stays where it is; one without a contact is where its
+        command has it, and touches nothing.
+        """
         X_WB = state.X_WB
         reaches = [
             self._reach(state, contact, face, command)
@@ -158,7 +178,10 @@ class World:
         origin = twist.moved_to((0.0, 0.0))
         X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
-        tips = [_resting(tip.position) for tip in state.tips]
+        tips = [
+            _resting(tip.position) if command is None else _led(command)
+            for tip, command in zip(state.tips, commands, strict=True)
+        ]
         statuses: list[ContactStatus] = ["free"] * len(tips)
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
@@ -225,15 +248,19 @@ class World:
         # at a side the dampings are taken along the face's own axes, a few degrees off
         # the command's
         axis = normal if contact.kind == "side" else X_WB.unrotate((c, s))
-        along = (axis[0] * force[0] + axis[1] * force[1], cross(axis, force))
-        law = TipLaw(axis, along, (_damping(bn, kn, dt), _damping(bt, kt, dt)))
+        damping_plane = (_damping(bn, kn, dt), _damping(bt, kt, dt))
+        law = _law(axis, force, damping_plane)
+        beside, inwards = face.wall(place, z)
+        wall = None
+        if beside < math.inf:
+            wall = _Wall(beside, _law(inwards, force, damping_plane))
         lift = command.force[2] + kz * (command.position[2] - z) + bz * uz
         damping = _damping(bz, kz, dt)
         press = -(lift + damping * gap / dt) if contact.kind == "top" else 0.0
         radius = self.task.robots[contact.arm].tip_radius
         if press > 0.0:
             return _Reach(contact, radius, place, gap, law, press, -gap / dt)
-        return _Reach(contact, radius, place, gap, law, 0.0, lift / damping)
+        return _Reach(contact, radius, place, gap, law, 0.0, lift / damping, wall)
 
     def _load(
         self, state: WorldState, reaches: Sequence[_Reach]
@@ -284,11 +311,21 @@ class World:
         return moving, falling
 
 
+def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
+    """Return a tip's law along an axis, its force f_0 [N] given in B."""
+    along = axis[0] * force[0] + axis[1] * force[1]
+    return TipLaw(axis, (along, cross(axis, force)), damping)
+
+
 def _damping(damping: float, stiffness: float, dt: float) -> float:
     """Return what a tip's force loses with its velocity over a tick: its spring is
     taken at the end of it.
     """
     return max(damping + stiffness * dt, TIP_DRAG)
+
+
+def _led(command: TipCommand) -> TipState:
+    return TipState(command.position, command.velocity, (0.0, 0.0, 0.0))
 
 
 def _resting(position: Vector3) -> TipState:

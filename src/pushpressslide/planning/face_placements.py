@@ -17,7 +17,6 @@ from pushpressslide.planning.side_contacts import (
     drag_refusal,
     least_distance,
     side_contact,
-    span,
 )
 
 # places on each of two faces, in shares of the face on either side of the CoM's line
@@ -30,7 +29,7 @@ def side_by_side(scene: Scene, face: Face, height: float) -> list[Contacts]:
     """Return contacts left and right of the line through the CoM at ``height`` [m], the
     widest first.
     """
-    low, high = span(scene.body, face)
+    low, high = face.ends
     inside = max(scene.inset, min(high, -low) - scene.inset)
     return [
         (side_contact(0, face, half, height), side_contact(1, face, -half, height))
@@ -58,7 +57,7 @@ def on_two_faces(scene: Scene, pair: Sequence[Face], height: float) -> list[Cont
     """
     sides = []
     for arm, face in enumerate(pair):
-        right, left = span(scene.body, face)
+        right, left = face.ends
         low = right + scene.inset
         high = left - scene.inset
         middle = min(max(0.0, low), high)

@@ -9,7 +9,7 @@ from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.scene import Scene
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face
-from pushpressslide.planning.side_contacts import pushable, span
+from pushpressslide.planning.side_contacts import pushable
 
 PLACES = [0.1 * i for i in range(11)]  # on a face, from corner to corner
 
@@ -35,8 +35,8 @@ def levers(
     out = []
     for candidate in pushable(scene, face):
         points = [candidate.foot]
-        if body.shape.corners:
-            right, left = span(body, candidate)
+        if candidate.flat:
+            right, left = candidate.ends
             clear = min(inset, 0.5 * (left - right))
             points = [
                 on_face(candidate, right + clear + k * (left - right - 2.0 * clear))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
@@ -74,18 +75,22 @@ def _arm_length(task: Task, contacts: Sequence[Contact]) -> float:
 
 def _pairs(task: Task) -> list[Pair]:
     """Return pairs of places to press, in B [m]: opposite each other about the CoM, or
-    given.
+    given. On a concave top, where there is nothing opposite a place, the one that is
+    nearest to it there.
     """
     scene = task.scene
     body = task.object
-    places = task.motion.contacts
-    if places is not None and len(places) == 2:
-        first, second = (body.X_GB.inverse().apply(place) for place in places)
+    given = task.motion.contacts
+    if given is not None and len(given) == 2:
+        first, second = (body.X_GB.inverse().apply(place) for place in given)
         return [(first, second)]
     dx, dy = lean(scene, task.goal, task.motion.press_force or lean_press(scene))
     pairs: list[Pair] = []
-    for p in top_places(body, scene.inset):
+    places = top_places(body, scene.inset)
+    for p in places:
         q = (-p[0], -p[1])
+        if not body.shape.convex and not inside_top(body, q, scene.inset - ROUNDING):
+            q = min(places, key=partial(math.dist, q))
         new = all(
             min(math.dist(p, other) for other in pair) > ROUNDING for pair in pairs
         )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +14,14 @@ import numpy as np
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Task
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.virtual_axle import turned
+from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
 from pushpressslide.planning.side_contacts import contact_height, drag_refusal
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
@@ -62,8 +64,8 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     """
     feet = np.repeat([face.foot for face in pushed], 2, axis=0)
     axes = [
-        turned((-x / math.hypot(x, y), -y / math.hypot(x, y)), angle)
-        for x, y in (face.foot for face in pushed)
+        turned(_towards_center(face), angle)
+        for face in pushed
         for angle in planned_angles(scene, motion)
     ]
     lift = contact_height(scene, motion) * scene.support.friction
@@ -72,10 +74,22 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     return slid.twists.reshape(-1, 2, 3)
 
 
+def _towards_center(face: Face) -> Point:
+    """Return the unit vector from a face's foot to the CoM; of a foot that is there,
+    the face's normal.
+    """
+    x, y = face.foot
+    lever = math.hypot(x, y)
+    return (-x / lever, -y / lever) if lever > 0.0 else face.normal
+
+
 def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
     """Return what stands against one push on a face at ``height`` [m]: the contact's
     place, tipping, the force; None if nothing.
     """
+    if face.depth <= 0.0:
+        text = "the centre of mass is not before the face but beside or behind it"
+        return Refusal("offset_contact", text)
     allowed = task.scene.contact_friction * face.depth
     offset = abs(face.offset)
     if offset >= allowed:
@@ -129,6 +143,13 @@ def fitted_car(
     return car, axle - wheelbase
 
 
+def shortest_length(drive: RearSteerDrive, ends: tuple[Pose2, Pose2]) -> float:
+    """Return the length [m] of the shortest path of a car between two poses X_WB."""
+    low, high = drive.car.curvature_limits
+    start, goal = (X_WB.compose(drive.X_BV) for X_WB in ends)
+    return shortest_path(start, goal, high, -low).length
+
+
 def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     """Return the most comfortable path without a loop, and False; the shortest one and
     True where each has a loop.
@@ -140,11 +161,14 @@ def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
     longest = longest_way(task, straight)
     routes = []
     least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
-    for run_share, harder, slower in COMFORT:
+    for gentle, (run_share, harder, slower) in product((True, False), COMFORT):
         run_in = max(least, run_share) * motion.run_in
         share = min(1.0, harder * motion.curvature_margin)
+        speed = slower * motion.speed
+        if gentle:  # no turn so tight that it slows the whole way down
+            share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
         path = with_run_in((start, goal), high * share, -low * share, run_in)
-        routes.append(Route(path, run_in, share, slower * motion.speed))
+        routes.append(Route(path, run_in, share, speed))
         if path.length <= longest:
             break
     best = routes[-1]

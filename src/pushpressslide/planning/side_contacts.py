@@ -11,24 +11,24 @@ from dataclasses import replace
 from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2, cross, turned_left
+from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, ObjectModel, Task
+from pushpressslide.core.task import FORCE_ALLOWED, Limits, Motion, Task
 from pushpressslide.mechanics.face_push import on_face
 from pushpressslide.mechanics.faces import Face, faces, room_ahead
 
 
 def contact_height(scene: Scene, motion: Motion) -> float:
-    """Return the height of the contacts above the support [m], the same for all arms:
-    low, since a push at height h moves the CoP by h mu_s, but with the wrists above the
-    object.
+    """Return the height of the contacts above the support [m], the same for all arms
+    that may touch: low, since a push at height h moves the CoP by h mu_s, but with the
+    wrists above the object.
     """
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
-    radius = max(robot.tip_radius for robot in scene.robots)
-    reach = min(robot.tip_length for robot in scene.robots)
+    radius = max(robot.tip_radius for robot in scene.tips)
+    reach = min(robot.tip_length for robot in scene.tips)
     arm = margins.ARM
     low = max(radius + arm.tool_gap, height + arm.wrist_gap - reach)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
@@ -48,23 +48,31 @@ def side_contact(arm: int, face: Face, left: float, height: float) -> Contact:
 
 
 def pushable(scene: Scene, index: int | None = None) -> list[Face]:
-    """Return the faces of the object, contacts clear of their corners; only the one with
-    ``index`` if that is given.
+    """Return the faces of the object that the tips can touch, contacts clear of their
+    corners; only those with ``index`` if that is given.
     """
-    found = faces(scene.body, scene.inset)
+    found = faces(scene.body, scene.inset, scene.tip_radius)
     return [face for face in found if index in (None, face.index)]
 
 
-def span(body: ObjectModel, face: Face) -> tuple[float, float]:
-    """Return the ends [m] of a flat face, right and left of the CoM's line along the
-    normal (left: > 0).
+def before_contacts(task: Task, contacts: Sequence[Contact]) -> float:
+    """Return how far [m] before their contacts tips begin to touch: as far as the task
+    says, or as the narrowest notch leaves room for.
     """
-    com = body.center_of_mass
-    corners = body.shape.corners
-    left = turned_left(face.normal)
-    ends = (corners[face.index], corners[(face.index + 1) % len(corners)])
-    b, a = ((x - com[0]) * left[0] + (y - com[1]) * left[1] for x, y in ends)
-    return a, b
+    wanted = task.motion.approach_distance
+    return min((room_before(task, c, wanted) for c in contacts), default=wanted)
+
+
+def room_before(task: Task, contact: Contact, wanted: float) -> float:
+    """Return how far [m] a tip can be drawn back from its contact: as far as
+    ``wanted`` or, in a notch, with a clearance to its other wall.
+    """
+    if contact.kind == "top":
+        return wanted
+    radius = task.robots[contact.arm].tip_radius
+    origin = task.X_GB.position
+    way = task.object.shape.free_way(contact.point, contact.normal, radius, origin)
+    return min(wanted, max(way - task.motion.clearance, 0.5 * way))
 
 
 def drag_refusal(

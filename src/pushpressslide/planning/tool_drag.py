@@ -16,11 +16,10 @@ def tool_load(task: Task, heading: float) -> tuple[float, float]:
     """
     shape = task.object.shape
     tool = task.tool
-    if tool is None or not shape.corners:
+    edge = None if tool is None else shape.edges[tool.face]
+    if tool is None or edge is None:
         return 0.0, 0.0
-    corners = shape.corners
-    ax, ay = corners[tool.face % len(corners)]
-    bx, by = corners[(tool.face + 1) % len(corners)]
+    (ax, ay), (bx, by) = edge
     body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
     outward = math.atan2(ax - bx, by - ay)
     skew = abs(math.remainder(heading - outward, TURN))

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.scene import arm_title
 from pushpressslide.report.series import path_length
 
 
@@ -310,7 +311,8 @@ def _contact_names(plan: Plan, parts: Sequence[Plan]) -> list[str]:
             which = f"placement {placements.index(part) + 1}, "
         for contact in part.contacts:
             model = Path(robots[contact.arm].model).name
-            names.append(f"{which}arm {contact.arm}: {model}".capitalize())
+            title = arm_title(contact.arm, len(robots))
+            names.append(f"{which}{title}: {model}".capitalize())
     return names
 
 

@@ -17,6 +17,7 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
+from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Obstacle, Robot, Scene, Shape
 from pushpressslide.report import series, style
 
@@ -295,7 +296,7 @@ def _surroundings(ax: Axes, scene: Scene) -> None:
         _base(ax, robot, "" if i else "robot base")
         if len(scene.robots) > 1:
             place = (robot.base[0], robot.base[1] - 0.5 * BASE_RADIUS)
-            _name(ax, f"arm {i}", place, fontsize=7.5)
+            _name(ax, arm_title(i), place, fontsize=7.5)
 
 
 def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:

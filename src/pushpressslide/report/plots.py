@@ -16,6 +16,7 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.record import Record
+from pushpressslide.core.scene import arm_title
 from pushpressslide.core.task import Robot
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
@@ -145,7 +146,7 @@ def forces_figure(plan: Plan, record: Record) -> Figure | None:
     tangents[quiet] = np.nan
     for i, contact in enumerate(contacts):
         forces = ContactForces(
-            f"arm {contact.arm}: " if len(plan.task.robots) > 1 else "",
+            f"{arm_title(contact.arm)}: " if len(plan.task.robots) > 1 else "",
             record.arrays["time"],
             normals[:, i],
             tangents[:, i],
@@ -224,7 +225,7 @@ def torques_figure(plan: Plan, record: Record) -> Figure | None:
             for limit in (-100.0, 100.0):
                 ax.axhline(limit, color=style.BLACK, ls="--", lw=1.0)
         ax.set_ylim(-span, span)
-        name = f"arm {arm}: " if len(shares) > 1 else ""
+        name = f"{arm_title(arm)}: " if len(shares) > 1 else ""
         ax.set_ylabel(f"{name}torque [% of limit]")
     style.time_axis(axes, record, "Joint torques")
     return made

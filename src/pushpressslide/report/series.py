@@ -258,7 +258,7 @@ def surface_coordinates(body: ObjectModel, record: Record, contact: Contact) -> 
     if contact.kind == "top":
         return np.stack([x, y], axis=1)
     side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
-    along = side.coordinates(x, y)
+    along = side.coordinates(x - body.center_of_mass[0], y - body.center_of_mass[1])
     return np.stack([along, tip[:, 2]], axis=1)
 
 

@@ -14,7 +14,9 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Scene
+from pushpressslide.core.support_frame import TABLE
 from pushpressslide.robots.reach import held_somehow_problem
+from pushpressslide.robots.reach_map import surely_reached
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
@@ -22,14 +24,17 @@ from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 ASIDE = (math.radians(20.0), math.radians(60.0))
 # from behind the contact, of a tool that turns with the object
 LEANS = tuple(math.radians(a) for a in (0.0, -45.0, 45.0, -75.0, 75.0))
+UNKNOWN = Refusal("reach", "the arm does not reach it, upright or tilted, for sure")
 TURNING = 0.3  # [rad] of the object on its path, from which such tools are tried
 
 
 def contact_refusal(
-    scene: Scene, contact: Contact, bodies: Sequence[Pose2]
+    scene: Scene, contact: Contact, bodies: Sequence[Pose2], quick: bool = False
 ) -> Refusal | None:
     """Return why the arm of a contact cannot follow it along the body poses X_WB; None
     if it can.
+
+    ``quick``: what the tables of reach do not know is refused without a search.
     """
     robot = scene.robots[contact.arm]
     frame = scene.support.frame
@@ -37,9 +42,15 @@ def contact_refusal(
     points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
     middle = bodies[len(bodies) // 2]
     azimuths = tool_azimuths(contact, middle, scene.bases[contact.arm])
-    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
-    holds += [(ToolAttitude(*held, frame.axes), None) for held in [(0.0, 0.0), *tilted]]
+    fixed = [ToolAttitude(*held, frame.axes) for held in [(0.0, 0.0), *tilted]]
+    if frame == TABLE:
+        if surely_reached(robot, points, fixed if quick else fixed[:1]):
+            return None
+        if quick:
+            return UNKNOWN
+    holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
+    holds += [(hold, None) for hold in fixed]
     yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
     if np.ptp(yaws) > TURNING:
         behind = math.atan2(contact.normal[1], contact.normal[0])

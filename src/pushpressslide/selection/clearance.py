@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pushpressslide.core import margins
-from pushpressslide.core.footprint import gap, overlap_area
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.footprint import gaps, overlaps
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Box, ObjectModel, Obstacle, Shape, Task
+from pushpressslide.planning.free_way import moved
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
+
+if TYPE_CHECKING:
+    from shapely import Polygon
 
 # of the square of the clearance, shared with an obstacle: the object is in it from
 # there on, not beside it
 ENTERED = 0.1
 SWEEP_STEP = 0.5  # clearances of path between the places where the gap is looked at
+ROUND_OFF = 1e-6  # [m]
 
 
 def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
@@ -26,9 +35,10 @@ def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     """
     if not (task.obstacles or task.support.opening or task.tool):
         return None
-    poses = swept(task.object, segments)
+    poses = swept(task.object, segments, task.motion.clearance)
     return (
         obstacle_refusal(task, poses)
+        or tips_refusal(task, segments)
         or opening_refusal(task, segments[0], poses)
         or tool_refusal(task, poses)
     )
@@ -50,33 +60,64 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
         else:
             others.append(obstacle)
     ends = (task.start, task.goal)
-    refusal = _too_near("the object", task.object.shape, poses, ends, others)
+    clearance = task.motion.clearance
+    shape = task.object.shape
+    refusal = _too_near("the object", shape, poses, ends, others, clearance)
     if refusal is not None or pushed is None or tool is None:
         return refusal
     ends = (pushed.pose, tool.goal)
     distance = math.dist(pushed.pose.position, tool.goal.position)
-    steps = max(1, math.ceil(distance / _step()))
+    steps = max(1, math.ceil(distance / (SWEEP_STEP * clearance)))
     poses = [_between(*ends, i / steps) for i in range(steps + 1)]
-    return _too_near(f"{pushed.name!r}", Box(pushed.size), poses, ends, others)
+    body = Box(pushed.size)
+    return _too_near(f"{pushed.name!r}", body, poses, ends, others, clearance)
 
 
-def swept(body: ObjectModel, segments: Sequence[Segment]) -> list[Pose2]:
-    """Return the poses X_WG along planned segments, a few millimetres apart."""
+def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
+    """Return where a tip on the object's way would touch an obstacle that stands as high
+    as its contact, or None.
+    """
+    import shapely
+
+    scene = task.scene
+    contacts = {contact for segment in segments for contact in segment.contacts}
+    poses = swept(task.object, segments, task.motion.clearance)
+    for contact in contacts:
+        radius = scene.robots[contact.arm].tip_radius
+        place, height = contact.tip_place(radius)
+        x, y = task.X_GB.apply(place)
+        tall = [o for o in task.obstacles if o.size[2] > height - radius]
+        if not tall:
+            continue
+        tips = shapely.points([X.apply((x, y)) for X in poses])
+        for obstacle in tall:
+            apart = shapely.distance(tips, Box(obstacle.size).placed(obstacle.pose))
+            nearest = int(apart.argmin())
+            gap = float(apart[nearest]) - radius
+            if gap < 0.0:
+                name = literal(repr(obstacle.name))
+                text = f"the tip runs into obstacle {name} at {_at(poses[nearest])}"
+                return Refusal("obstacle", text, gap, 0.0, "m")
+    return None
+
+
+def swept(
+    body: ObjectModel, segments: Sequence[Segment], clearance: float
+) -> list[Pose2]:
+    """Return the poses X_WG along planned segments, closer together than the
+    ``clearance`` [m].
+    """
+    step = SWEEP_STEP * clearance
     poses = []
     X_BG = body.X_GB.inverse()
     for segment in segments:
         path = segment.path
         X_VG = segment.X_BV.inverse().compose(X_BG)
-        steps = max(1, math.ceil(path.length / _step()))
+        steps = max(1, math.ceil(path.length / step))
         poses += [
             path.pose(path.length * i / steps).compose(X_VG) for i in range(steps + 1)
         ]
     return poses
-
-
-def _step() -> float:
-    """Return the way [m] between the places of a path where the gap is looked at."""
-    return SWEEP_STEP * margins.ARM.clearance
 
 
 def _between(a: Pose2, b: Pose2, u: float) -> Pose2:
@@ -90,37 +131,59 @@ def _too_near(
     poses: Sequence[Pose2],
     ends: tuple[Pose2, Pose2],
     obstacles: Sequence[Obstacle],
+    clearance: float,
 ) -> Refusal | None:
-    """Say where ``what`` comes nearer to an obstacle than it may; at its ``ends`` it
-    may be where it is.
+    """Say where ``what`` comes nearer to an obstacle than it may: ``clearance`` [m], or
+    near an end that is nearer itself what that leaves.
     """
-    for obstacle in obstacles:
-        box = Box(obstacle.size)
-
-        def apart(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
-            """Return the gap [m] to the obstacle at a pose."""
-            return gap(shape, X_WG, box, X_WO)
-
-        def inside(X_WG: Pose2, box: Box = box, X_WO: Pose2 = obstacle.pose) -> float:
-            """Return the area [m^2] shared with the obstacle at a pose."""
-            return overlap_area(shape, X_WG, box, X_WO)
-
-        allowed = min(margins.ARM.clearance, *(apart(X) for X in ends)) - 1e-6
-        least, nearest = min(((apart(X), X) for X in poses), key=lambda found: found[0])
-        if least == 0.0 and allowed <= 0.0:  # it touches at an end, and may on the way
-            nearest = max(poses, key=inside)
-            place = f"({nearest.x:.3f}, {nearest.y:.3f})"
-            if inside(nearest) > ENTERED * margins.ARM.clearance**2:
-                text = literal(
-                    f"{what} runs into obstacle {obstacle.name!r} at {place}"
-                )
+    if not obstacles:
+        return None
+    others = [Box(obstacle.size).placed(obstacle.pose) for obstacle in obstacles]
+    apart = gaps(shape, poses, others)
+    allowed = allowed_gaps(shape, poses, ends, others, clearance)
+    for i, obstacle in enumerate(obstacles):
+        lacking = allowed[:, i] - apart[:, i]
+        if apart[:, i].min() == 0.0 and allowed[:, i].min() <= 0.0:
+            # it touches at an end, and may on the way
+            shared = overlaps(shape, poses, others[i])
+            deepest = int(shared.argmax())
+            if shared[deepest] > ENTERED * clearance**2:
+                name = literal(repr(obstacle.name))
+                text = f"{literal(what)} runs into obstacle {name} at {_at(poses[deepest])}"
                 return Refusal("obstacle", text)
-        place = f"({nearest.x:.3f}, {nearest.y:.3f})"
-        if least < allowed:
+        worst = int(lacking.argmax())
+        if lacking[worst] > 0.0:
             text = (
                 f"{literal(what)} comes within {{figure:mm.0f}} of obstacle "
-                f"{literal(repr(obstacle.name))} at {place}, allowed from "
+                f"{literal(repr(obstacle.name))} at {_at(poses[worst])}, allowed from "
                 "{allowed:mm.0f}"
             )
-            return Refusal("obstacle", text, least, allowed, "m")
+            least = float(apart[worst, i])
+            return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
     return None
+
+
+def _at(pose: Pose2) -> str:
+    return f"({pose.x:.3f}, {pose.y:.3f})"
+
+
+def allowed_gaps(
+    shape: Shape,
+    poses: Sequence[Pose2],
+    ends: Sequence[Pose2],
+    others: Sequence[Polygon],
+    clearance: float,
+) -> Array:
+    """Return the least gaps (n, k) [m] that a footprint may leave at n ``poses`` X_WG
+    to k polygons.
+
+    They are ``clearance`` [m]. Where it stands nearer at one of its ``ends`` they are
+    what it has there, and grow to the clearance within ``margins.ARM.leaving`` [m].
+    """
+    at_ends = np.minimum(gaps(shape, ends, others), clearance)
+    allowed = np.full((len(poses), len(others)), clearance)
+    for end, there in zip(ends, at_ends, strict=True):
+        far = np.array([moved(shape, end, X) for X in poses])
+        share = np.minimum(far / margins.ARM.leaving, 1.0)[:, None]
+        allowed = np.minimum(allowed, there + (clearance - there) * share)
+    return allowed - ROUND_OFF

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pushpressslide.core import margins
 from pushpressslide.core.footprint import depth_beside
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
@@ -30,7 +29,7 @@ def opening_refusal(
     if opening is None:
         return None
     width, height = opening.size
-    room = 2.0 * margins.ARM.clearance  # within which an outline counts as going in
+    room = 2.0 * task.motion.clearance  # within which an outline counts as going in
     wide = replace(opening, size=(width + room, height + room))
     drive = segment.drive
     cop = drive.center

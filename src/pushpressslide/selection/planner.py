@@ -8,25 +8,6 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.selection.select import placements
-
-
-def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
-    """Return the plan for ``choice``, by default the best one.
-
-    Joint paths are not looked at: ``jobs.run.run`` looks for them. Of a task with
-    legs, the best choice does every placement but that one.
-    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
-    InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
-    """
-    if choice is not None and not task.legs:
-        return plan_of(task, usable(task, [choice], force=force))
-    chosen = []
-    for candidates in placements(task):
-        if choice is not None and choice.leg == candidates[0].leg:
-            candidates = [choice]
-        chosen.append(usable(task, candidates, force=force)[0])
-    return plan_of(task, chosen)
 
 
 def plan_of(task: Task, chosen: Sequence[Choice]) -> Plan:
@@ -59,7 +40,8 @@ def refusal(task: Task, choices: Sequence[Choice]) -> str:
             refused = group
             break
     part = task.parts[refused[0].leg]
-    fitting = [c for c in refused if MODES[c.mode].arms == len(task.robots)] or refused
+    arms = len(part.scene.arms)
+    fitting = [c for c in refused if MODES[c.mode].arms <= arms] or refused
     reasons = "; ".join(
         f"{choice.mode}: {reason}"
         for choice, reason in gathered(fitting)

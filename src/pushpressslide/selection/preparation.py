@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby
@@ -11,12 +12,8 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of, refusal, usable
-from pushpressslide.selection.select import placements
-
-# choices of a mode that are judged in full where the first have no joint path
-MORE = 3 * ENOUGH
+from pushpressslide.selection.select import MANY, placements
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
 
@@ -38,6 +35,9 @@ class Preparation(Protocol):
         Raises InfeasibleTaskError where an arm has no joint path for it.
         """
 
+    def keep(self, count: int) -> None:
+        """Forget all placements but the first ``count``."""
+
 
 @dataclass
 class PlansAlone:
@@ -49,6 +49,10 @@ class PlansAlone:
     def add(self, placement: Plan) -> None:
         """Add the plan of one more placement."""
         self.plans.append(placement)
+
+    def keep(self, count: int) -> None:
+        """Forget all placements but the first ``count``."""
+        del self.plans[count:]
 
 
 def prepared(
@@ -70,13 +74,13 @@ def prepared(
         usable(task, group, force=force)
     for number, group in enumerate(groups):
         problems: Problems = {}
-        added = _add_first(preparation, task, group, force, problems)
+        added = add_first(preparation, task, group, force, problems)
         if not added and not all(choice.evaluated for choice in group):
-            more = placements(task, MORE, first)
+            more = placements(task, MANY, first)
             # with more choices a leg may go on with the contacts of the one before it
             if [other[0].leg for other in more] == [other[0].leg for other in groups]:
                 groups[number] = group = more[number]
-                added = _add_first(preparation, task, group, force, problems)
+                added = add_first(preparation, task, group, force, problems)
         if added:
             continue
         if len(problems) == 1:
@@ -85,22 +89,25 @@ def prepared(
     return list(chain.from_iterable(groups))
 
 
-def _add_first(
+def add_first(
     preparation: Preparation,
     task: Task,
     choices: list[Choice],
     force: bool,
     problems: Problems,
+    tries: float = math.inf,
 ) -> bool:
     """Add the first choice of a placement that has a joint path, and return whether
     there is one.
 
     Writes into ``choices`` and ``problems`` what the others lack, which are not tried
-    again.
+    again; at most ``tries`` problems.
     """
     for i, choice in enumerate(choices):
         if not choice.segments or not (choice.feasible or force):
             continue
+        if len(problems) >= tries:
+            return False
         key = (choice.mode, choice.contacts, choice.label, choice.merits)
         try:
             if key not in problems:

@@ -7,13 +7,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from pushpressslide.core.plan import Choice, same_places
+from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
 from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Mode, promptness
+from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
+MANY = 3 * ENOUGH
+"""Choices of a mode that are judged where obstacles or joint paths stand against the
+first ones.
+"""
+
+Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
     "falls",
     "the object falls when the arms let go for it: nothing carries it where the leg "
@@ -67,10 +75,18 @@ def _share_modes(parts: Sequence[Task]) -> bool:
 
 def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
     """Return all choices for one leg of a task, best first."""
-    return [_of_leg(choice, leg) for choice in _select(part, enough)]
+    return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def _of_leg(choice: Choice, leg: int) -> Choice:
+def judged_motion(task: Task) -> list[Choice]:
+    """Return the choices for one motion from a told task's start to its goal, best
+    first; few are judged.
+    """
+    return _select(task, 2)
+
+
+def of_leg(choice: Choice, leg: int) -> Choice:
+    """Return a choice as that of a leg of its task."""
     segments = tuple(replace(segment, leg=leg) for segment in choice.segments)
     return replace(choice, leg=leg, segments=segments)
 
@@ -120,11 +136,13 @@ def _squeeze(choice: Choice) -> float:
 def _select(task: Task, enough: int) -> list[Choice]:
     """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
+    arms = len(task.scene.arms)
     for name in MODES if task.modes is None else task.modes:
         mode = MODES[name]
-        arms = len(task.robots)
-        if mode.arms != arms:
+        if mode.arms > arms:
             text = f"needs {mode.arms} arm(s), the task has {arms}"
+            if arms < len(task.robots):
+                text = f"needs {mode.arms} arm(s), motion.arm leaves {arms}"
             out.append(Choice(name, refusal=Refusal("arms", text, arms, mode.arms)))
         elif any(task.scene.weight_along) and not mode.carries_weight:
             text = (
@@ -133,8 +151,24 @@ def _select(task: Task, enough: int) -> list[Choice]:
             )
             out.append(Choice(name, refusal=Refusal("support", text)))
         else:
-            out.extend(_clear(task, mode, enough))
+            for part in _by_tip(task, mode):
+                out.extend(_clear(part, mode, enough))
     return _ranked(out)
+
+
+def _by_tip(task: Task, mode: Mode) -> list[Task]:
+    """Return the task for each kind of tip that ``mode`` may touch the object with, that
+    of the nearer arm first.
+
+    Arms with alike tips share what depends on the object alone.
+    """
+    tips = {(robot.tip_radius, robot.tip_length) for robot in task.scene.tips}
+    if mode.arms > 1 or len(tips) == 1:
+        return [task]
+    return [
+        replace(task, motion=replace(task.motion, arm=ARM_NAMES[arm]))
+        for arm in nearest_arms(task, (0.0, 0.0))
+    ]
 
 
 def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
@@ -142,15 +176,29 @@ def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
 
     More of them are evaluated where obstacles are in the way of the first.
     """
-    judged = mode.choices(task, enough)
-    choices = [_judged_for_obstacles(task, choice) for choice in judged]
-    blocked = any(c.feasible for c in judged) and not any(c.feasible for c in choices)
-    if blocked and enough < ENOUGH:
-        return _clear(task, mode, ENOUGH)
+    for effort in (enough, ENOUGH, MANY):
+        if effort < enough:
+            continue
+        judged = mode.choices(task, effort)
+        choices = _judged_for_obstacles(task, judged)
+        blocked = any(choice.feasible for choice in judged)
+        if not blocked or any(choice.feasible for choice in choices):
+            break
     return choices
 
 
-def _judged_for_obstacles(task: Task, choice: Choice) -> Choice:
-    if not choice.feasible:
-        return choice
-    return choice.refused(path_refusal(task, choice.segments))
+def _judged_for_obstacles(task: Task, choices: Sequence[Choice]) -> list[Choice]:
+    """Return ``choices``, the feasible ones judged by their paths, which either arm's
+    choices of one contact share.
+    """
+    refusals: dict[Way, Refusal | None] = {}
+    out = []
+    for choice in choices:
+        if choice.feasible:
+            touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
+            way = (touched, tuple(piece.path for piece in choice.segments))
+            if way not in refusals:
+                refusals[way] = path_refusal(task, choice.segments)
+            choice = choice.refused(refusals[way])
+        out.append(choice)
+    return out

@@ -13,6 +13,8 @@ from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import ObjectModel, Obstacle, Task, ToolUse
 
+ON_HULL = 1e-6  # [m] inside the hull, up to which a face's point is on it
+
 
 @dataclass(frozen=True, slots=True)
 class StraightPush:
@@ -22,10 +24,10 @@ class StraightPush:
     direction: float  # [rad] in W
     distance: float  # [m]
 
-    def tool_goal(self, corners: Sequence[Point], face: int) -> Pose2:
+    def tool_goal(self, face: tuple[Point, Point]) -> Pose2:
         """Return X_WG of the tool where the push ends, its face against the body.
 
-        ``corners`` [m] are the tool's, in G; face i is from corner i to the next.
+        ``face`` [m] are the ends in G of the tool's face.
         """
         pose = self.body.pose
         ahead = (math.cos(self.direction), math.sin(self.direction))
@@ -33,8 +35,7 @@ class StraightPush:
         end_y = pose.y + self.distance * ahead[1]
         axis = round((pose.yaw - self.direction) / (0.5 * math.pi)) % 2
         half = 0.5 * self.body.size[axis]
-        ax, ay = corners[face]
-        bx, by = corners[(face + 1) % len(corners)]
+        (ax, ay), (bx, by) = face
         middle = (0.5 * (ax + bx), 0.5 * (ay + by))
         outward = math.atan2(ax - bx, by - ay)
         yaw = wrap_angle(self.direction - outward)
@@ -61,15 +62,31 @@ def tool_use(
         return None, target
     body = _movable_body(name, obstacles, source)
     face = d["tool"]["face"]
-    corners = tool.shape.corners
-    if not corners:
+    pushing = _outer_edges(tool)
+    if not pushing:
         allowed = "allowed: object; a cylinder has no flat face to push with"
         raise TaskError(source, "goal.body", name, allowed)
-    if face >= len(corners):
-        raise TaskError(source, "tool.face", face, f"allowed: 0 to {len(corners) - 1}")
+    if face not in pushing:
+        known = ", ".join(str(index) for index in pushing)
+        raise TaskError(source, "tool.face", face, f"allowed: {known}")
     push = _straight_push(d, body, target, source)
-    tool_goal = push.tool_goal(corners, face)
+    tool_goal = push.tool_goal(pushing[face])
     return ToolUse(name, target, face, push.distance), tool_goal
+
+
+def _outer_edges(tool: ObjectModel) -> dict[int, tuple[Point, Point]]:
+    """Return the ends in G of the flat faces that no other part of the tool stands out
+    beyond, by index.
+    """
+    shape = tool.shape
+    edges = {i: edge for i, edge in enumerate(shape.edges) if edge is not None}
+    hull = shape.hull
+    return {
+        i: (a, b)
+        for i, (a, b) in edges.items()
+        if max(hull.depth(a), hull.depth(b)) < ON_HULL
+        and hull.depth((0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))) < ON_HULL
+    }
 
 
 def _movable_body(name: str, obstacles: Sequence[Obstacle], source: str) -> Obstacle:
@@ -131,11 +148,10 @@ def tool_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     """
     tool = task.tool
     goal = task.goal
-    if tool is None or not task.object.shape.corners:
+    edge = None if tool is None else task.object.shape.edges[tool.face]
+    if tool is None or edge is None:
         return None
-    corners = task.object.shape.corners
-    ax, ay = corners[tool.face]
-    bx, by = corners[(tool.face + 1) % len(corners)]
+    (ax, ay), (bx, by) = edge
     nx, ny = goal.rotate((by - ay, ax - bx))
     size = math.hypot(nx, ny)
     for X_WG in reversed(poses):

@@ -45,6 +45,6 @@ def run(
     station = Station(plan, models=models, time_step=step, view=view)
     plant = DrakePlant(plan, station, paths, models)
     record = run_loop(plant, plan, options)
-    clearance, pair = clearance_driven(plan, record)
+    clearance, pair = clearance_driven(record)
     driven = {"clearance_driven": clearance, "clearance_pair": pair}
     return replace(record, meta={**record.meta, **driven})

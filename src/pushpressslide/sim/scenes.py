@@ -36,7 +36,6 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.core import task as model
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
-from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
@@ -45,9 +44,10 @@ from pushpressslide.sim.surfaces import (
     Bounds,
     SurfaceFrictions,
     compliant_properties,
-    object_shape,
+    drawn_shape,
     rigid_properties,
     support_grid,
+    touched_shape,
 )
 
 # [m] the object starts this deep in the support, so that it is in contact at once
@@ -162,9 +162,7 @@ def reached_bounds(plan: Plan, room: float) -> Bounds:
 
 def tile_size(shape: model.Shape) -> float:
     """Return the edge of a support tile [m]."""
-    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
-    width = min(x_max - x_min, y_max - y_min)
-    return width / TILES_PER_WIDTH
+    return shape.breadth / TILES_PER_WIDTH
 
 
 def mesh_size(shape: model.Shape) -> float:
@@ -222,11 +220,11 @@ def add_object(
 ) -> RigidBody:
     """Add the object as a compliant body, meshed with edges of ``mesh`` [m]."""
     added = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
-    shape = object_shape(body.shape)
     X = RigidTransform()
-    properties = compliant_properties(friction, mesh)
-    plant.RegisterCollisionGeometry(added, X, shape, "object", properties)
-    plant.RegisterVisualGeometry(added, X, shape, "object_visual", OBJECT_COLOR)
+    touched, properties = touched_shape(body.shape, friction, mesh)
+    plant.RegisterCollisionGeometry(added, X, touched, "object", properties)
+    drawn = drawn_shape(body.shape)
+    plant.RegisterVisualGeometry(added, X, drawn, "object_visual", OBJECT_COLOR)
     return added
 
 

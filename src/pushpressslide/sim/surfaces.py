@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
@@ -27,7 +28,10 @@ from pydrake.multibody.plant import CoulombFriction
 
 from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
+from pushpressslide.core.pieces import convex_pieces, triangles
+from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE
+from pushpressslide.sim.layered_mesh import layered_mesh
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
@@ -35,6 +39,7 @@ DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
 OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
 # friction of a pair over that of the smoother surface; 2 is the theoretical limit
 ROUGHEST = 1.99
+DETAIL = 1e-4  # [m] of a concave outline that contact does not see
 Tile = tuple[int, ...]
 Bounds = tuple[float, float, float, float]
 
@@ -114,12 +119,14 @@ def rigid_properties(
     return properties
 
 
-def compliant_properties(friction: float, resolution: float) -> ProximityProperties:
+def compliant_properties(
+    friction: float, resolution: float, modulus: float = HYDROELASTIC_MODULUS
+) -> ProximityProperties:
     """Return the properties of a compliant hydroelastic surface with surface (not pair)
-    friction ``friction``.
+    friction ``friction``, and a ``modulus`` [Pa].
     """
     properties = ProximityProperties()
-    AddCompliantHydroelasticProperties(resolution, HYDROELASTIC_MODULUS, properties)
+    AddCompliantHydroelasticProperties(resolution, modulus, properties)
     AddContactMaterial(
         dissipation=DISSIPATION,
         friction=CoulombFriction(friction, friction),
@@ -128,11 +135,28 @@ def compliant_properties(friction: float, resolution: float) -> ProximityPropert
     return properties
 
 
+def _normal(a: Vector3, b: Vector3, c: Vector3) -> Vector3:
+    """Return the unit normal of a triangle."""
+    normal = np.cross(np.subtract(b, a), np.subtract(c, a))
+    x, y, z = (normal / np.linalg.norm(normal)).tolist()
+    return (x, y, z)
+
+
 def _obj_mesh(
-    vertices: Sequence[Vector3], faces: Sequence[Tile], name: str
+    vertices: Sequence[Vector3],
+    faces: Sequence[Tile],
+    name: str,
+    *,
+    drawn: bool = False,
 ) -> InMemoryMesh:
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
-    lines += ["f " + " ".join(str(i + 1) for i in face) for face in faces]
+    for k, face in enumerate(faces):
+        normal = ""
+        if drawn:  # what draws pictures asks for normals
+            x, y, z = _normal(*(vertices[i] for i in face[:3]))
+            lines.append(f"vn {x:.6g} {y:.6g} {z:.6g}")
+            normal = f"//{k + 1}"
+        lines.append("f " + " ".join(f"{i + 1}{normal}" for i in face))
     return InMemoryMesh(mesh_file=MemoryFile("\n".join(lines) + "\n", ".obj", name))
 
 
@@ -245,8 +269,8 @@ def _lines(first: float, last: float, tile: float) -> list[float]:
     return [first + (last - first) * i / count for i in range(count + 1)]
 
 
-def object_shape(shape: model.Shape) -> DrakeShape:
-    """Return Drake's shape of an object.
+def drawn_shape(shape: model.Shape) -> DrakeShape:
+    """Return Drake's shape of an object to look at.
 
     Its frame is at G's origin in the plane, and at half height.
     """
@@ -254,11 +278,69 @@ def object_shape(shape: model.Shape) -> DrakeShape:
         return Box(*shape.size)
     if isinstance(shape, model.Cylinder):
         return Cylinder(shape.radius, shape.height)
-    n = len(shape.corners)
-    half = 0.5 * shape.height
-    vertices = [(x, y, -half) for x, y in shape.corners] + [
-        (x, y, half) for x, y in shape.corners
+    if shape.convex:
+        return _convex_prism(shape.corners, shape.height)
+    caps = triangles(shape.corners)
+    return Mesh(_prism_mesh(shape.corners, shape.height, caps, drawn=True))
+
+
+def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
+    """Return Drake's shapes whose union an object is; frame as of ``drawn_shape``."""
+    if shape.convex:
+        return [drawn_shape(shape)]
+    return [
+        _convex_prism(piece, shape.height) for piece in convex_pieces(shape.corners)
     ]
-    faces: list[Tile] = [tuple(reversed(range(n))), tuple(range(n, 2 * n))]
+
+
+def touched_shape(
+    shape: model.Shape, friction: float, resolution: float
+) -> tuple[DrakeShape, ProximityProperties]:
+    """Return Drake's shape of an object to touch, and its properties, as of
+    ``compliant_properties``; frame as of ``drawn_shape``.
+
+    A concave object has a volume mesh. Its modulus is chosen so that it gives way as
+    much as a convex object as thick as it is.
+    """
+    if shape.convex:
+        return drawn_shape(shape), compliant_properties(friction, resolution)
+    outline = _without_details(shape.corners)
+    mesh = layered_mesh(outline, shape.height)
+    file = MemoryFile(mesh.vtk(), ".vtk", "object.vtk")
+    share = mesh.depth / (0.5 * min(shape.height, shape.breadth))
+    properties = compliant_properties(
+        friction, resolution, share * HYDROELASTIC_MODULUS
+    )
+    return Mesh(InMemoryMesh(mesh_file=file), 1.0), properties
+
+
+def _without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return an outline without corners that stand out by less than ``DETAIL``."""
+    from shapely import Polygon
+
+    simple = Polygon(corners).simplify(DETAIL)
+    assert isinstance(simple, Polygon)
+    return tuple((x, y) for x, y in simple.exterior.coords[:-1])
+
+
+def _convex_prism(corners: tuple[Point, ...], height: float) -> Convex:
+    """Return a prism on a convex polygon."""
+    cap = tuple(range(len(corners)))
+    return Convex(_prism_mesh(corners, height, [cap]), 1.0)
+
+
+def _prism_mesh(
+    corners: tuple[Point, ...],
+    height: float,
+    caps: Sequence[Tile],
+    *,
+    drawn: bool = False,
+) -> InMemoryMesh:
+    """Return the surface of a prism; ``caps`` make up its top by numbers of corners."""
+    n = len(corners)
+    half = 0.5 * height
+    vertices = [(x, y, -half) for x, y in corners] + [(x, y, half) for x, y in corners]
+    faces: list[Tile] = [tuple(reversed(cap)) for cap in caps]
+    faces += [tuple(n + i for i in cap) for cap in caps]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return Convex(_obj_mesh(vertices, faces, "prism.obj"), 1.0)
+    return _obj_mesh(vertices, faces, "prism.obj", drawn=drawn)

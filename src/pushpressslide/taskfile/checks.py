@@ -20,6 +20,7 @@ from pushpressslide.core.footprint import (
     overlap_area,
 )
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.task import (
     Box,
     Obstacle,
@@ -56,6 +57,7 @@ def check(task: Task) -> None:
         TaskError: the first field that does not fit the others.
     """
     refuse(task.source, _motion_faults(task))
+    refuse(task.source, _arm_faults(task))
     refuse(task.source, _mode_faults(task))
     refuse(task.source, _vehicle_faults(task))
     refuse(task.source, _goal_faults(task))
@@ -75,14 +77,32 @@ def _motion_faults(task: Task) -> Iterator[Fault]:
         allowed = f"allowed: at most motion.control_period, {motion.control_period:g} s"
         yield "motion.time_step", motion.time_step, allowed
     if face is not None:
-        if not shape.corners:
-            yield "motion.face", face, "a cylinder has no edges; allowed: null"
-        elif face >= len(shape.corners):
-            allowed = f"allowed: null or 0 to {len(shape.corners) - 1}"
-            yield "motion.face", face, allowed
+        yield from _face_faults(task, face)
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
+
+
+def _face_faults(task: Task, face: int) -> Iterator[Fault]:
+    """Yield a face that is not there, or that no tip can touch."""
+    from pushpressslide.mechanics.faces import faces
+
+    edges = task.object.shape.edges
+    if not edges:
+        yield "motion.face", face, "a cylinder has no edges; allowed: null"
+        return
+    if face >= len(edges):
+        yield "motion.face", face, f"allowed: null or 0 to {len(edges) - 1}"
+        return
+    scene = task.scene
+    touched = {f.index for f in faces(scene.body, scene.inset, scene.tip_radius)}
+    if face not in touched:
+        allowed = ", ".join(["null", *(str(index) for index in sorted(touched))])
+        reason = (
+            f"a tip of radius {scene.tip_radius * 1e3:g} mm does not get to it; "
+            f"allowed: {allowed}"
+        )
+        yield "motion.face", face, reason
 
 
 def wall_faults(task: Task) -> Iterator[Fault]:
@@ -131,19 +151,29 @@ def _mode_faults(task: Task) -> Iterator[Fault]:
 
     count = len(task.robots)
     robots = Shown(_count(count))
-    if task.modes is None and all(mode.arms != count for mode in MODES.values()):
-        needed = ", ".join(f"{name} {mode.arms}" for name, mode in MODES.items())
-        yield "robots", robots, f"no mode uses that many; robots by mode: {needed}"
+    arm = task.motion.arm
     names = task.modes or ()
     for i, name in enumerate(names):
         field = f"modes[{i}]"
         if name not in MODES:
             yield field, name, f"unknown mode; {nearest(name, MODES)}"
-        elif MODES[name].arms != count:
+        elif MODES[name].arms > count:
             allowed = f"{_count(MODES[name].arms)}, the number that mode {name} uses"
             yield "robots", robots, f"allowed: {allowed}"
+        elif MODES[name].arms > 1 and arm is not None:
+            yield "motion.arm", arm, f"mode {name} uses both arms; allowed: null"
         elif name in names[:i]:
             yield field, name, "it is listed twice; allowed: each mode once"
+
+
+def _arm_faults(task: Task) -> Iterator[Fault]:
+    """Yield an arm that the task does not have."""
+    arm = task.motion.arm
+    names = ARM_NAMES[: len(task.robots)]
+    if arm is not None and arm not in names:
+        allowed = ", ".join(["null", *names])
+        reason = f"the task has {_count(len(names))}; allowed: {allowed}"
+        yield "motion.arm", arm, reason
 
 
 def _vehicle_faults(task: Task) -> Iterator[Fault]:
@@ -151,8 +181,8 @@ def _vehicle_faults(task: Task) -> Iterator[Fault]:
     from pushpressslide.modes import MODES
 
     vehicle = task.motion.vehicle
-    arms = len(task.robots)
-    names = task.modes or [name for name, mode in MODES.items() if mode.arms == arms]
+    arms = len(task.scene.arms)
+    names = task.modes or [name for name, mode in MODES.items() if mode.arms <= arms]
     known = [known for name in names for known in MODES[name].vehicles]
     if vehicle is not None and vehicle not in known:
         allowed = ", ".join(["null", *known])

@@ -256,6 +256,23 @@ def section(
     )
 
 
+def shorthand(kind: Kind, key: str) -> Kind:
+    """Return the kind of a section that may be given by one of its fields, a text."""
+
+    def read(value: Any, place: Place) -> Any:
+        """Read a section, or its one field."""
+        if isinstance(value, str):
+            value = {key: value}
+        return kind.read(value, place)
+
+    return replace(
+        kind,
+        words=f"{kind.words}, or its {key} alone",
+        json={"anyOf": [{"type": "string"}, kind.json]},
+        read=read,
+    )
+
+
 def nullable(kind: Kind) -> Kind:
     """Return the kind of what may be null, and is null where the file leaves it out."""
 

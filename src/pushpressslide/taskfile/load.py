@@ -19,7 +19,7 @@ from pushpressslide.taskfile.dump import dump_task, task_data
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
-from pushpressslide.taskfile.shapes import shape_faults
+from pushpressslide.taskfile.shapes import located, shape_faults
 from pushpressslide.taskfile.supports import support_faults
 from pushpressslide.taskfile.yaml_text import apply_overrides, read_yaml
 
@@ -86,14 +86,16 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         TaskError: as :func:`load_task`.
     """
     plain = SCHEMA.read(inherited(data), Place(source))
-    refuse(source, shape_faults(plain["object"]["shape"]))
+    folder = Path(source).parent
+    shape = located(plain["object"]["shape"], folder)
+    plain["object"] = {**plain["object"], "shape": shape}
+    refuse(source, shape_faults(shape))
     values = SCHEMA.decode(plain)
     body = values["object"]
     obstacles = values["obstacles"]
     centers = {name: plain[name]["center_of_mass"] for name in ("object", "belief")}
     refuse(source, _body_faults(centers, body, obstacles))
     tool, goal = tool_use(plain, body, obstacles, source)
-    folder = Path(source).parent
     for i, robot in enumerate(values["robots"]):
         refuse(source, _model_faults(robot, folder, f"robots[{i}]"))
     refuse(source, support_faults(plain["support"]))
@@ -122,7 +124,7 @@ def _body_faults(
     for section, center in centers.items():
         if center is None:
             continue
-        depth = body.shape.depth(center)
+        depth = body.shape.hull.depth(center)
         if depth <= 0.0:
             allowed = f"a point inside the footprint, here {-depth:.4g} m outside"
             yield f"{section}.center_of_mass", list(center), f"allowed: {allowed}"

@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
-from pushpressslide.core.polygon import convexity_fault, signed_area
-from pushpressslide.core.pose import Point
-from pushpressslide.core.task import Box, Cylinder, Prism, Shape
+from pushpressslide.core.errors import Shown
+from pushpressslide.core.polygon import (
+    border_fault,
+    signed_area,
+    without_straight_corners,
+)
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import (
+    Box,
+    Compound,
+    Cylinder,
+    MeshSolid,
+    Part,
+    Prism,
+    Shape,
+)
 from pushpressslide.taskfile.kinds import (
+    TEXT,
     Field,
     Kind,
     array,
@@ -18,20 +33,27 @@ from pushpressslide.taskfile.kinds import (
     number,
     point,
     section,
+    shorthand,
 )
+from pushpressslide.taskfile.mesh_file import read_mesh
 from pushpressslide.taskfile.place import Fault
+
+SAME_HEIGHT = 1e-6
+"""[m] by which the heights of a compound's parts may differ: rounding."""
 
 _LENGTH = number("m", "(0, 10]")
 _HEIGHT = Field(_LENGTH, "height")
 _RADIUS = Field(number("m", "(0, 5]"), "radius")
 _POLYGON = Field(
     array(point("m", "[-5, 5]"), 3, 64),
-    "corners of the base in G: convex, in order, either sense",
+    "corners of the base in G: in order, either sense, concave too; one on a straight "
+    "line is left out",
 )
 
 
 def _prism(polygon: tuple[Point, ...], height: float) -> Prism:
     """Return the prism with its corners counter-clockwise, the first one staying so."""
+    polygon = without_straight_corners(polygon)
     if signed_area(polygon) < 0.0:
         polygon = polygon[:1] + polygon[:0:-1]
     return Prism(polygon, height)
@@ -41,12 +63,33 @@ _BOX = replace(array(_LENGTH, 3, 3), decode=Box, encode=lambda box: list(box.siz
 _PRISM = section({"polygon": _POLYGON, "height": _HEIGHT}, _prism)
 _CYLINDER = section({"radius": _RADIUS, "height": _HEIGHT}, Cylinder)
 
-_ROWS: tuple[tuple[str, type[Shape], Kind, str], ...] = (
+Row = tuple[str, type[Shape], Kind, str]
+
+_PARTS: tuple[Row, ...] = (
     ("box", Box, _BOX, "full lengths along x, y and z; G at the centre"),
     ("prism", Prism, _PRISM, "upright prism; G is the polygon's own origin"),
     ("cylinder", Cylinder, _CYLINDER, "upright cylinder; G at the centre"),
 )
-"""Name, data, kind of the field and meaning of each kind of shape."""
+"""Name, data, kind of the field and meaning of each kind of shape that is whole."""
+
+_OFFSET = number("m", "[-5, 5]")
+_POSE = section(
+    {
+        "x": Field(_OFFSET, "along x of G", 0.0),
+        "y": Field(_OFFSET, "along y of G", 0.0),
+        "yaw_deg": Field(number("deg", "[-360, 360]"), "from x towards y", 0.0),
+    },
+    Pose2,
+)
+
+
+def _fields(rows: Sequence[Row]) -> dict[str, Field]:
+    return {name: Field(nullable(kind), meaning) for name, _, kind, meaning in rows}
+
+
+def _named(rows: Sequence[Row], shape: Shape) -> dict[str, Shape]:
+    """Return a shape by the name of its kind."""
+    return {name: shape for name, data, *_ in rows if isinstance(shape, data)}
 
 
 def _shape(**shapes: Shape | None) -> Shape:
@@ -54,25 +97,109 @@ def _shape(**shapes: Shape | None) -> Shape:
     return shape
 
 
-_ANY = section(
-    {name: Field(nullable(kind), meaning) for name, _, kind, meaning in _ROWS},
-    _shape,
-    lambda shape: {name: shape for name, data, *_ in _ROWS if isinstance(shape, data)},
+def _part(pose: Pose2, **shapes: Any) -> Part:
+    shape: Any = _shape(**shapes)
+    return Part(shape, pose)
+
+
+_PART = section(
+    {**_fields(_PARTS), "pose": Field(_POSE, "pose of the part's own frame in G")},
+    _part,
+    lambda part: {**_named(_PARTS, part.shape), "pose": part.pose},
 )
+_ALL = array(_PART, 1, 32)
+_COMPOUND = replace(
+    _ALL,
+    decode=lambda plain: Compound(_ALL.decode(plain)),
+    encode=lambda compound: _ALL.encode(compound.parts),
+)
+_MESH = shorthand(
+    section(
+        {
+            "path": Field(TEXT, "an OBJ or STL file, z up; relative to the task file"),
+            "scale": Field(
+                number("m", "(0, 1000]"), "one unit of the file: 0.001 for mm", 1.0
+            ),
+        },
+        read_mesh,
+        lambda solid: {"path": solid.path, "scale": solid.scale},
+    ),
+    "path",
+)
+
+_ROWS: tuple[Row, ...] = (
+    *_PARTS,
+    (
+        "compound",
+        Compound,
+        _COMPOUND,
+        "union of upright parts of one height that touch; G is that of their poses",
+    ),
+    ("mesh", MeshSolid, _MESH, "upright solid in a file; G is the file's own frame"),
+)
+
+_ANY = section(_fields(_ROWS), _shape, lambda shape: _named(_ROWS, shape))
 _GIVEN = {"not": {"type": "null"}}
 _ONE = [{"properties": {row[0]: _GIVEN}, "required": [row[0]]} for row in _ROWS]
 SHAPE = replace(_ANY, absent=REQUIRED, json={**_ANY.json, "oneOf": _ONE})
 
 
+def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the fields of a shape with the full path of its mesh."""
+    mesh = plain["mesh"]
+    if mesh is None:
+        return dict(plain)
+    path = str((folder / mesh["path"]).resolve())
+    return {**plain, "mesh": {**mesh, "path": path}}
+
+
 def shape_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield what keeps the fields from being one shape: several, a concave polygon."""
+    """Yield what keeps the fields from being one shape: several kinds, a polygon that
+    crosses itself, parts that do not make one body, a mesh that is no upright solid.
+    """
+    field = "object.shape"
     given = [name for name, value in plain.items() if value is not None]
     if len(given) != 1:
-        yield "object.shape", given, f"allowed: exactly one of {', '.join(plain)}"
+        yield field, given, f"allowed: exactly one of {', '.join(plain)}"
     elif plain["prism"]:
-        polygon = plain["prism"]["polygon"]
-        fault = convexity_fault(polygon)
-        allowed = "a convex polygon of at least 3 distinct corners, in order"
-        if fault is not None:
-            corners = [list(corner) for corner in polygon]
-            yield "object.shape.prism.polygon", corners, f"{fault}; allowed: {allowed}"
+        yield from _polygon_faults(f"{field}.prism", plain["prism"]["polygon"])
+    elif plain["compound"]:
+        yield from _compound_faults(f"{field}.compound", plain["compound"])
+    elif plain["mesh"]:
+        mesh = plain["mesh"]
+        try:
+            read_mesh(mesh["path"], mesh["scale"])
+        except ValueError as error:
+            allowed = "allowed: a closed, upright solid on a flat base without a hole"
+            yield f"{field}.mesh.path", mesh["path"], f"{error}; {allowed}"
+
+
+def _polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
+    fault = border_fault(tuple(polygon))
+    if fault is not None:
+        corners = [list(corner) for corner in polygon]
+        allowed = "a polygon of at least 3 distinct corners that does not cross itself"
+        yield f"{field}.polygon", corners, f"{fault}; allowed: {allowed}"
+
+
+def _compound_faults(field: str, plain: Sequence[Mapping[str, Any]]) -> Iterator[Fault]:
+    names = [row[0] for row in _PARTS]
+    for i, part in enumerate(plain):
+        given = [name for name in names if part[name] is not None]
+        if len(given) != 1:
+            yield f"{field}[{i}]", given, f"allowed: exactly one of {', '.join(names)}"
+        elif part["prism"]:
+            place = f"{field}[{i}].prism"
+            yield from _polygon_faults(place, part["prism"]["polygon"])
+    compound: Compound = _COMPOUND.decode(plain)
+    height = compound.height
+    for i, placed in enumerate(compound.parts):
+        if abs(placed.shape.height - height) > SAME_HEIGHT:
+            allowed = f"height allowed: {height:g} m, that of the first part"
+            yield f"{field}[{i}]", placed.shape.height, allowed
+    try:
+        _ = compound.border
+    except ValueError as error:
+        count = len(compound.parts)
+        allowed = "parts that overlap or touch along a line, without a hole"
+        yield field, Shown(f"{count} parts"), f"{error}; allowed: {allowed}"

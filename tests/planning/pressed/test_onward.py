@@ -13,7 +13,7 @@ from pushpressslide.jobs.sampling import random_task
 from pushpressslide.modes.press_slide import MODE
 from pushpressslide.planning.pressed.onward import turns_onward
 from pushpressslide.rom.drives import TurnDrive
-from pushpressslide.selection.planner import plan
+from pushpressslide.selection.solve import plan
 
 
 def manoeuvre(index: int) -> Plan:

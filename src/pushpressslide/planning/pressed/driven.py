@@ -70,7 +70,7 @@ def driven_choice(task: Task, mode: str, press: Press) -> Choice:
     if task.motion.vehicle == "pivot":
         how = "turned on the spot"
     choice = Choice(mode, f"{how} at {describe_points([contact.point])}", (contact,))
-    inset = task.scene.inset
+    inset = margins.inset(task.robots[contact.arm].tip_radius)
     if not inside_top(task.object, contact.point, inset):
         text = "the contact must be {allowed:mm.0f} inside the object's top"
         return choice.refused(Refusal("off_top", text, None, inset, "m"))

@@ -6,8 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
+from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.task import Task
+from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.ranking import by_time, soonest
@@ -22,7 +24,8 @@ def manoeuvre_choices(
     arms_refusal: Callable[[Choice], Refusal | None],
 ) -> list[Choice]:
     """Return manoeuvres until ``enough`` are feasible, those of the safest press first:
-    one per contact, then others; then the contacts that were skipped.
+    one per contact, then others, each by either arm; then the contacts that were
+    skipped.
     """
     X_WB, _ = task.body_ends
     out: list[Choice] = []
@@ -34,24 +37,29 @@ def manoeuvre_choices(
         ranked = by_time(task, X_WB, contacts)
         wanted = min(missing, ENOUGH)
         for manoeuvre in soonest(task, X_WB, list(ranked)):
-            choice = manoeuvre.choice(task, mode)
-            choice = choice.refused(arms_refusal(choice))
-            out.append(choice)
-            wanted -= choice.feasible
+            for choice in either_arm(task, manoeuvre.choice(task, mode)):
+                refusal = arms_refusal(choice) if wanted > 0 else NOT_EVALUATED
+                out.append(choice.refused(refusal))
+                wanted -= refusal is None
             if wanted == 0:
                 break
         missing = enough - sum(choice.feasible for choice in out)
         if missing < enough and not skipped:
-            tried = {choice.contacts[0] for choice in out}
+            tried = {_press(choice.contacts[0]) for choice in out}
             skipped = [
                 _skipped(task, mode, contact, time)
                 for contact, time in ranked.items()
-                if contact not in tried
+                if _press(contact) not in tried
             ]
         # lighter presses only where more are asked for
         if missing == 0 or missing < enough <= ENOUGH:
             break
     return sorted(out, key=lambda choice: not choice.feasible) + skipped
+
+
+def _press(contact: Contact) -> tuple[Point, float]:
+    """Return where [m] and how hard [N] a contact presses, whichever arm does it."""
+    return contact.point, contact.load
 
 
 def _skipped(task: Task, mode: str, contact: Contact, time: float) -> Choice:

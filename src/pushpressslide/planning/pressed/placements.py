@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
@@ -23,7 +22,7 @@ from pushpressslide.rom.drives import ORIGIN
 class PressPlacements:
     """The places and loads that a task allows for the press."""
 
-    contacts: tuple[Contact, ...]  # without loads, one for each arm and place
+    contacts: tuple[Contact, ...]  # without loads, one for each place
     loads: tuple[float, ...]  # [N], the safest first
 
     def turning(self, scene: Scene) -> list[Contact]:
@@ -68,8 +67,6 @@ def press_placements(task: Task) -> PressPlacements:
         text = "the top has no place {allowed:mm.0f} inside its edges"
         raise RefusedError(Refusal("off_top", text, None, scene.inset, "m"))
     height = task.object.shape.height
-    contacts = tuple(
-        Contact(arm, "top", place, ORIGIN, height)
-        for arm, place in product(range(len(task.robots)), places)
-    )
+    arm = scene.arms[0]
+    contacts = tuple(Contact(arm, "top", place, ORIGIN, height) for place in places)
     return PressPlacements(contacts, tuple(loads))

@@ -77,7 +77,7 @@ def manoeuvre_times(
     goal takes by each of m presses of its object; infinite where there is none.
     """
     speed = task.motion.speed
-    table = turn_table(presses, speed, RESOLUTION)
+    table = turn_table(tuple(presses), speed, RESOLUTION)
     paces = _paces(task, table)
     axes = np.array([p.axis for p in presses]).view(np.complex128)
     cops = np.array([p.cop for p in presses]).view(np.complex128)

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,8 +85,9 @@ class _Slides:
     rooms: Array  # (m, COUNT) [half widths] inside the base
 
 
+@lru_cache(maxsize=64)
 def turn_table(
-    presses: Sequence[Press], speed: float, resolution: int = RESOLUTION
+    presses: tuple[Press, ...], speed: float, resolution: int = RESOLUTION
 ) -> TurnTable:
     """Return what forces at all angles do to presses of one object at ``speed`` [m/s],
     its base cut up as finely as ``resolution`` says (mechanics/dragging.py).
@@ -201,7 +203,7 @@ def pressed_turns(presses: Sequence[Press], speed: float) -> list[list[PressedTu
     """
     if not presses:
         return []
-    table = turn_table(presses, speed)
+    table = turn_table(tuple(presses), speed)
     return [
         [
             _turn(table, row, int(column) * EVERY, press)

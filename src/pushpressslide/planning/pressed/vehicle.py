@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from pushpressslide.core import margins
 from pushpressslide.core.path import ArcPath, advance
@@ -49,6 +50,7 @@ def press_of(scene: Scene, contact: Contact) -> Press:
     return Press(scene.body, mu, contact.point, contact.load, scene.rho)
 
 
+@lru_cache(maxsize=4096)
 def steered(press: Press, backward: bool, angle: float) -> Unicycle:
     """Return the vehicle that turns by a force at ``angle`` [rad] from the motion.
 
@@ -113,6 +115,7 @@ def way_back(press: Press, backward: bool) -> Unicycle | None:
     return car
 
 
+@lru_cache(maxsize=4096)
 def _room(press: Press, angle: float, backward: bool) -> float:
     if backward:
         angle = math.pi - angle

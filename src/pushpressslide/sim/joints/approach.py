@@ -35,6 +35,7 @@ FASTEST = 1.875  # peak over mean speed of a minimum-jerk motion
 FINEST = 0.04  # [rad] or [m] of any joint between two postures of a trajectory
 DRAWN = 480  # random postures to begin with where the ready one is not free
 SPREAD = 1.2  # [rad] or [m] of these about the ready posture
+TURNS = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0)  # [rad] of a base, out of the way
 BACK = 11  # samples of the straight line from the contact to beside the object
 LEAST_GAP = 0.015  # [m] of that line, where the arm cannot follow all of it
 
@@ -84,15 +85,18 @@ class Approach:
         task: Task,
         kin: ArmKinematics,
         free: Free,
+        before: float,
         start: Array | None = None,
     ) -> None:
         """Choose how to rise from ``start`` (n,), or from the ready posture if None.
 
-        ``free`` says whether a posture (n,) is clear of everything. The ready posture
-        may be replaced by a free one near it.
+        The touch begins ``before`` [m] off the contact. ``free`` says whether a posture
+        (n,) is clear of everything. The ready posture may be replaced by a free one
+        near it.
         """
         self.task = task
         self.kin = kin
+        self.before = before
         frame = task.support.frame
         self._axes = frame.axes
         self._up = np.array(frame.normal)
@@ -145,7 +149,7 @@ class Approach:
         first = tip.positions[0]
         yaw = float(tip.yaws[0]) + posture.offset
         q = posture.q[0]
-        wanted = self.task.motion.approach_distance
+        wanted = self.before
         points = np.linspace(first, first - wanted * np.array(normal), BACK)
         retreat = self._follow(points, yaw, q, posture.attitude)
         reached = _reached(retreat)
@@ -185,33 +189,73 @@ class Approach:
         )
         return path
 
+    @property
+    def begin(self) -> Array:
+        """The posture (n,) from which every approach begins."""
+        begin: Array = self._rises[0][0]
+        return begin
+
     def direct(self, descent: Descent) -> Iterator[Trajectory]:
         """Yield approaches straight through joint space, the highest first: all joints
         at once, then the base joint before the others.
         """
         for count in _counts(len(descent.up)):
-            down = descent.up[count - 1]
-            for rise in self._rises:
-                yield self._timed(rise, [rise[-1], down], descent, count)
-                if self.kin.facts.moving[0].kind == "revolute":
-                    turned = rise[-1].copy()
-                    turned[0] = down[0]
-                    yield self._timed(rise, [rise[-1], turned, down], descent, count)
+            yield from self._direct(*descent.down(count))
 
     def around(self, descent: Descent, free: Free) -> Iterator[Trajectory]:
         """Yield approaches around what is in the way, by RRT-Connect.
 
         ``free`` says whether a posture (n,) is clear of everything.
         """
-        facts = self.kin.facts
         high = len(descent.up)
         for count in dict.fromkeys((high, 1)) if high else ():
-            for rise in self._rises:
-                corners = connect(
-                    rise[-1], descent.up[count - 1], free, facts.lower, facts.upper
-                )
-                if corners is not None:
-                    yield self._timed(rise, list(corners), descent, count)
+            yield from self._around(*descent.down(count), free)
+
+    def to(self, posture: Array, free: Free | None = None) -> Iterator[Trajectory]:
+        """Yield motions to a ``posture`` (n,) away from the object: straight through
+        joint space, or around what is in the way, if it is asked for what is ``free``.
+        """
+        end = posture[None]
+        yield from (
+            self._direct(end, 0.0) if free is None else self._around(end, 0.0, free)
+        )
+
+    def high_postures(self) -> Iterator[Array]:
+        """Yield postures (n,) with the tip above everything: the ready one lifted, that
+        with its base joint turned, then random ones.
+        """
+        facts = self.kin.facts
+        raised = facts.home
+        lifted = self._lifted(raised)
+        if lifted is not None:
+            raised = lifted
+            yield raised
+        if facts.moving[0].kind == "revolute":
+            for turn in TURNS:
+                turned = raised.copy()
+                turned[0] += turn
+                if self.kin.joint_margin(turned) >= DESCENT_MARGIN:
+                    yield turned
+        yield from self._high()
+
+    def _direct(self, down: Array, drop: float) -> Iterator[Trajectory]:
+        """Yield the direct motions to the first of postures ``down`` (m, n), which drop
+        the tip by ``drop`` [m], and along them.
+        """
+        for rise in self._rises:
+            yield self._timed(rise, [rise[-1], down[0]], down, drop)
+            if self.kin.facts.moving[0].kind == "revolute":
+                turned = rise[-1].copy()
+                turned[0] = down[0, 0]
+                yield self._timed(rise, [rise[-1], turned, down[0]], down, drop)
+
+    def _around(self, down: Array, drop: float, free: Free) -> Iterator[Trajectory]:
+        """Yield the motions to ``down`` as in ``_direct``, by RRT-Connect."""
+        facts = self.kin.facts
+        for rise in self._rises:
+            corners = connect(rise[-1], down[0], free, facts.lower, facts.upper)
+            if corners is not None:
+                yield self._timed(rise, list(corners), down, drop)
 
     def _tip(self, q: Array) -> Array:
         """Return where the tip (..., 3) [m] is in postures (..., n)."""
@@ -252,14 +296,13 @@ class Approach:
         yield from drawn[self._tip(drawn) @ self._up > self._level + self.hover]
 
     def _timed(
-        self, rise: Array, corners: list[Array], descent: Descent, count: int
+        self, rise: Array, corners: list[Array], down: Array, drop: float
     ) -> Trajectory:
-        """Return the trajectory up, from corner to corner, and down; it rests at each
-        corner.
+        """Return the trajectory up, from corner to corner, and down by ``drop`` [m]; it
+        rests at each corner.
         """
         bottom = self._height(self._tip(rise[0]))
         top = self._height(self._tip(rise[-1]))
-        down, drop = descent.down(count)
         legs = [(rise, (top - bottom) / self._rise_speed)]
         legs += [(np.stack(pair), 0.0) for pair in pairwise(corners)]
         legs.append((down, drop / DESCENT_SPEED))

@@ -15,6 +15,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Robot
+from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
@@ -89,7 +90,7 @@ class ArmProblem:
 
     @cached_property
     def along(self) -> ContactPath | None:
-        """The arm's contact along the object's path; None for an arm without one."""
+        """The arm's contact along the object's path; None for an arm that waits."""
         contact = next((c for c in self.plan.contacts if c.arm == self.arm), None)
         if contact is None:
             return None
@@ -114,6 +115,7 @@ class ArmProblem:
             self.plan.task,
             self.kin,
             lambda q: self.free(self.clearance, q),
+            before_contacts(self.plan.task, self.plan.contacts),
             self.start,
         )
 
@@ -150,6 +152,29 @@ class ArmProblem:
         poses = self.object_path.shapes[:1] * len(postures)
         return self.clearance.least(postures, poses, touching=True)
 
+    def waiting_clearance(self, q: Array) -> tuple[float, str]:
+        """Return the least distance [m] of an arm that waits in a posture (n,) while the
+        object, and what it pushes as a tool, are moved; and of which pair.
+        """
+        shapes = self.object_path.shapes
+        postures = np.repeat(q[None], len(shapes), axis=0)
+        return self.clearance.least(
+            postures, shapes, touching=False, bodies=self._pushed
+        )
+
+    @cached_property
+    def _pushed(self) -> dict[str, list[Pose2]]:
+        """The way of the body that the object pushes as a tool, as many poses as the
+        object has, by its name.
+        """
+        task = self.plan.task
+        if task.tool is None:
+            return {}
+        body = next(o for o in task.obstacles if o.name == task.tool.body)
+        ends = (body.pose, task.tool.goal)
+        shares = np.linspace(0.0, 1.0, len(self.object_path.shapes))
+        return {body.name: [_between(ends, float(share)) for share in shares]}
+
     def approach_clearance(
         self, model: ClearanceModel, postures: Array
     ) -> tuple[float, str]:
@@ -162,6 +187,18 @@ class ArmProblem:
     def free(self, model: ClearanceModel, q: Array) -> bool:
         """Return whether a posture (n,) before the contact keeps its clearance."""
         return self.approach_clearance(model, q[None])[0] >= CLEARANCE
+
+
+def _between(ends: tuple[Pose2, Pose2], share: float) -> Pose2:
+    begin, end = ends
+    turn = math.remainder(
+        end.yaw - begin.yaw, 0.5 * math.pi
+    )  # whichever side is pushed
+    return Pose2(
+        begin.x + share * (end.x - begin.x),
+        begin.y + share * (end.y - begin.y),
+        begin.yaw + share * turn,
+    )
 
 
 def object_path(plan: Plan) -> ObjectPath:

@@ -1,4 +1,7 @@
-"""Joint paths of all arms of a plan; two arms keep clear of each other."""
+"""Joint paths of all arms of a plan; two arms keep clear of each other.
+
+Where only one of them has a contact, the other waits out of its way.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
+from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints.arm_problem import ArmProblem
@@ -92,7 +96,9 @@ def drawn_back(
         if arm in contacts:
             kin = arm_kinematics(plan.task.robots[arm])
             R, p = kin.tip_pose(q)
-            away = p - margins.ARM.retreat * np.array(contacts[arm].direction(X_WB))
+            contact = contacts[arm]
+            room = room_before(plan.task, contact, margins.ARM.retreat)
+            away = p - room * np.array(contact.direction(X_WB))
             back = np.linspace(p, away, RETREAT_SAMPLES)
             yaws = np.full(len(back), attitude.yaw(R))
             q = continuation(kin, back, yaws, q, attitude).q[-1]
@@ -139,6 +145,15 @@ class _TwoArms:
         along = self._along(best)
         if along >= APART or self.force:
             yield from self._waiting(best, along)
+        for arm, problem in enumerate(self.problems):
+            if problem.along is None:
+                # whatever the other arm does, this one may get out of its way
+                for result in searches[arm]:
+                    results[arm] = result
+                    best[arm] = result.solutions[-1]
+                    along = self._along(best)
+                    if along >= APART:
+                        yield from self._waiting(best, along)
         options = []
         for result, stream in zip(results, searches, strict=True):
             *_, complete = [result, *stream]
@@ -171,11 +186,20 @@ class _TwoArms:
         """Return the arms' least distance [m] as both go from beside the object to
         their contacts.
         """
-        left, right = (solution.path.touch for solution in pair)
-        if left is None or right is None:
-            return LOOK
-        count = min(len(left), len(right))
-        return self._least(left[-count:], right[-count:])
+        ways = []
+        for problem, solution in zip(self.problems, pair, strict=True):
+            way = solution.path.touch
+            if problem.along is None:
+                way = solution.path.move[:1]
+            if way is None:
+                return LOOK
+            ways.append(way)
+        left, right = ways
+        if len(left) > 1 and len(right) > 1:
+            count = min(len(left), len(right))
+            left = left[-count:]
+            right = right[-count:]
+        return self._least(left, right)
 
     def _least(self, left: Array, right: Array) -> float:
         """Return the arms' least distance [m], at most LOOK, over postures (k, n) of

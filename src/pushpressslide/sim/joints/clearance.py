@@ -36,7 +36,7 @@ from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.joints.outline import Outline, least_distance
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.slabs import slabs
-from pushpressslide.sim.surfaces import object_shape
+from pushpressslide.sim.surfaces import convex_shapes
 
 LOOK = 0.08  # [m] larger distances are not computed
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
@@ -72,6 +72,7 @@ class ClearanceModel:
         self._frame = task.support.frame
         _add_surroundings(plant, task)
         self._bodies = _add_movable(plant, task)
+        self._heights = {o.name: 0.5 * o.size[2] for o in task.obstacles}  # [m]
         plant.Finalize()
         joints = self._robot.joints(plant)
         # of q in a Jacobian
@@ -99,13 +100,16 @@ class ClearanceModel:
         inertia = SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1)
         self._object = plant.AddRigidBody("object", default_model_instance(), inertia)
         self._height = 0.5 * shape.height
-        self._object_shape = plant.RegisterCollisionGeometry(
-            self._object,
-            RigidTransform(),
-            object_shape(shape),
-            "object",
-            ProximityProperties(),
-        )
+        self._object_shapes = [
+            plant.RegisterCollisionGeometry(
+                self._object,
+                RigidTransform(),
+                piece,
+                f"object_{i}",
+                ProximityProperties(),
+            )
+            for i, piece in enumerate(convex_shapes(shape))
+        ]
 
     def _filter(self, graph: SceneGraph, base: Sequence[RigidBody]) -> None:
         """Leave out pairs that may touch: the base and the table, the object and the
@@ -119,25 +123,35 @@ class ClearanceModel:
         graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration()
             .ExcludeBetween(GeometrySet(_shapes(plant, base)), world)
-            .ExcludeBetween(GeometrySet([self._object_shape, *movable]), world)
-            .ExcludeWithin(GeometrySet([self._object_shape, *movable]))
+            .ExcludeBetween(GeometrySet([*self._object_shapes, *movable]), world)
+            .ExcludeWithin(GeometrySet([*self._object_shapes, *movable]))
             .ExcludeWithin(arm)
         )
 
     def least(
-        self, postures: Array, object_poses: Sequence[Pose2], *, touching: bool
+        self,
+        postures: Array,
+        object_poses: Sequence[Pose2],
+        *,
+        touching: bool,
+        bodies: Mapping[str, Sequence[Pose2]] | None = None,
     ) -> tuple[float, str]:
         """Return the least distance [m], at most 0.08, over postures (k, n) and object
         poses X_WG (k), and the names of its pair.
 
         ``touching``: the tip's sphere touches the object on purpose; this pair is left
-        out.
+        out. ``bodies``: poses (k each) of movable obstacles by name, by default where
+        the task has them.
         """
         transforms = [
             rigid_transform(pose, self._height, self._frame) for pose in object_poses
         ]
         shapes = self.sphere if touching else set()
-        least, pair = self.least_in_space(postures, transforms, shapes)
+        moved = {
+            name: [rigid_transform(X, self._heights[name], self._frame) for X in poses]
+            for name, poses in (bodies or {}).items()
+        }
+        least, pair = self.least_in_space(postures, transforms, shapes, moved)
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
             if apart < least:
@@ -160,19 +174,32 @@ class ClearanceModel:
         """
         least = LOOK
         pair = "nothing within reach"
+        bodies = bodies or {}
+        before = {name: self._pose(name) for name in bodies}
         for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
-            for name, poses in (bodies or {}).items():
-                self._plant.SetFreeBodyPose(
-                    self._plant_context, self._bodies[name], poses[i]
-                )
+            for name, poses in bodies.items():
+                self._put(name, poses[i])
             for near in self._pairs(q, X, touching):
                 if near.distance < least:
                     least = near.distance
-                    pair = " and ".join(
-                        self._inspector.GetName(g).split("::")[-1]
-                        for g in (near.id_A, near.id_B)
-                    )
+                    pair = " and ".join(map(self._name, (near.id_A, near.id_B)))
+        for name, pose in before.items():
+            self._put(name, pose)
         return float(least), pair
+
+    def _name(self, shape: GeometryId) -> str:
+        """Return the name of what a shape is a part of."""
+        if shape in self._object_shapes:
+            return "object"
+        return str(self._inspector.GetName(shape)).split("::")[-1]
+
+    def _pose(self, name: str) -> RigidTransform:
+        """Return where a movable obstacle is."""
+        return self._plant.GetFreeBodyPose(self._plant_context, self._bodies[name])
+
+    def _put(self, name: str, pose: RigidTransform) -> None:
+        """Put a movable obstacle somewhere else."""
+        self._plant.SetFreeBodyPose(self._plant_context, self._bodies[name], pose)
 
     def smooth_least(
         self, q: Array, object_pose: Pose2, *, touching: bool
@@ -231,7 +258,8 @@ class ClearanceModel:
         query = self._query.Eval(self._plant_context)
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(LOOK):
             between = {pair.id_A, pair.id_B}
-            if self._object_shape in between and not between.isdisjoint(touching):
+            of_object = not between.isdisjoint(self._object_shapes)
+            if of_object and not between.isdisjoint(touching):
                 continue
             yield pair
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Plan
@@ -16,13 +18,15 @@ from pushpressslide.sim.joints.outline import Outline, least_distance
 PERIOD = 0.02  # [s] at most, between two postures that are looked at
 
 
-def clearance_driven(plan: Plan, record: Record) -> tuple[float, str]:
+def clearance_driven(record: Record) -> tuple[float, str]:
     """Return the least distance [m], at most 0.08, of any arm to object, obstacles,
     support, table and other arms in a run, and the names of the pair; negative where
     they intersect.
 
-    The sphere of a tip is left out against the object, which it touches on purpose.
+    The sphere of a tip with a contact is left out against the object, which it touches
+    on purpose.
     """
+    plan = record.plan
     times = record.arrays["time"]
     if not len(times):
         return LOOK, "nothing was recorded"
@@ -38,14 +42,21 @@ def clearance_driven(plan: Plan, record: Record) -> tuple[float, str]:
     body_poses = {
         name.removeprefix("body_"): poses[name] for name in poses if "body_" in name
     }
+    placement = record.arrays["placement"][::stride]
+    touching = _touching(plan)
     for arm, q in enumerate(postures):
         model = ClearanceModel(plan, arm)
-        near, between = model.least_in_space(
-            q, poses["object_pose_3d"], model.sphere, body_poses
-        )
-        if near < least:
-            least = near
-            pair = f"arm {arm}: {between}"
+        touches = np.array([arm in touching[int(number)] for number in placement])
+        for ticks, shapes in ((touches, model.sphere), (~touches, set())):
+            near, between = model.least_in_space(
+                q[ticks],
+                _at(poses["object_pose_3d"], ticks),
+                shapes,
+                {name: _at(way, ticks) for name, way in body_poses.items()},
+            )
+            if near < least:
+                least = near
+                pair = f"arm {arm}: {between}"
     outlines = [Outline(robot, i) for i, robot in enumerate(plan.task.robots)]
     for i, one in enumerate(outlines):
         for j in range(i):
@@ -54,6 +65,18 @@ def clearance_driven(plan: Plan, record: Record) -> tuple[float, str]:
                 least = near
                 pair = f"arms {j} and {i}"
     return least, pair
+
+
+def _touching(plan: Plan) -> list[frozenset[int]]:
+    """Return the arms that touch the object in each placement."""
+    return [
+        frozenset(contact.arm for contact in placement.contacts)
+        for placement in plan.by_placement
+    ]
+
+
+def _at(poses: list[RigidTransform], ticks: NDArray[np.bool_]) -> list[RigidTransform]:
+    return [pose for pose, taken in zip(poses, ticks, strict=True) if taken]
 
 
 def _sampled(plan: Plan, record: Record) -> list[Array]:

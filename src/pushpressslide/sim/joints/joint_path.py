@@ -6,7 +6,7 @@ relative to the object, its tilt, and the elbow. All combinations of a grid are 
 by continuation (postures.py), which keeps the elbow away from the joint limits; the
 best one that keeps clear of table, object and obstacles is taken. If there is none, the
 nearest misses are refined by trajectory optimisation (refine.py) and judged again. An
-arm without a contact stands still.
+arm without a contact waits (waiting.py).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
+from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.approach import LEAST_GAP, Descent, Trajectory
 from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem, ContactPath
 from pushpressslide.sim.joints.clearance import ClearanceModel
@@ -41,6 +41,7 @@ from pushpressslide.sim.joints.postures import (
     shortfall,
 )
 from pushpressslide.sim.joints.refine import refined_move
+from pushpressslide.sim.joints.waiting import too_near, waiting_moves
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
 REFINED = 4  # most misses that are refined
@@ -80,12 +81,16 @@ class SearchResult:
         if self.solutions:
             return self.solutions[0]
         task = problem.plan.task
+        lacks = "joint path along the contact"
         why = "no attitude of the tool can be followed"
+        if problem.along is None:
+            lacks = "place to wait"
+            why = "no motion leads there"
         if self.misses:
             why = self.misses[0].why
         raise InfeasibleTaskError(
             f"{task.source or task.name}: robots: the {problem.kin.facts.name} has no "
-            f"joint path along the contact: {why}"
+            f"{lacks}: {why}"
         )
 
 
@@ -124,8 +129,10 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
         return
     blocked.sort(key=SHORTFALL)
     unreached.sort(key=SHORTFALL)
-    # even the nearest blocked move is far from allowed: refining would not help
+    # even the nearest blocked move is far from allowed: refining would not help; an arm
+    # that waits may be led around what is in its way
     too_hard = bool(blocked) and blocked[0].shortfall > NEAR + MOST_EFFORT
+    too_hard = too_hard and problem.along is not None
     misses = (*blocked, *unreached)
     if not too_hard:
         for better in _refined(problem, misses):
@@ -149,23 +156,22 @@ def path_of_move(
     ``thorough`` also searches for approaches around what is in the way.
     """
     posture = move.posture
+    along = problem.along
+    if along is None:
+        return _waiting_path(problem, move, others or {}, force, thorough)
     clear, pair = problem.contact_clearance(posture.q)
     miss = None if force else _contact_miss(problem, posture, clear, pair)
     if miss is not None:
         return miss
-    along = problem.along
-    if along is None or problem.holds:
-        still = np.repeat(problem.posture[None], 2, axis=0)
-        return _joint_path(problem, move, Trajectory(STANDING, still), clear, math.inf)
+    if problem.holds:
+        return _joint_path(problem, move, _standing(problem.posture), clear, math.inf)
     least_gap = 0.0 if force else LEAST_GAP
     descent = problem.approach.descent(along.tip, along.normal, posture, least_gap)
     touching = problem.touch_clearance(descent.touch)
     if touching[0] < CLEARANCE and not force:
         return _approach_miss(posture, descent, *touching)
     clear = min(clear, touching[0])
-    model = problem.clearance
-    if others is not None:
-        model = ClearanceModel(problem.plan, problem.arm, {**problem.others, **others})
+    model = _model(problem, others or {})
     trajectories = problem.approach.direct(descent)
     if thorough:
         around = problem.approach.around(descent, lambda q: problem.free(model, q))
@@ -180,6 +186,47 @@ def path_of_move(
         if gap[0] > nearest[0]:
             nearest = gap
     return _approach_miss(posture, descent, *nearest)
+
+
+def _waiting_path(
+    problem: ArmProblem,
+    move: Move,
+    others: Mapping[int, Array],
+    force: bool,
+    thorough: bool,
+) -> JointPath | Miss:
+    """Return the path of an arm to where it waits; the rest as in ``path_of_move``."""
+    posture = move.posture.q[0]
+    clear, _ = problem.waiting_clearance(posture)
+    begin = problem.approach.begin
+    if np.array_equal(posture, begin):
+        return _joint_path(problem, move, _standing(begin), clear, math.inf)
+    model = _model(problem, others)
+    trajectories = problem.approach.to(posture)
+    if thorough:
+        around = problem.approach.to(posture, lambda q: problem.free(model, q))
+        trajectories = chain(trajectories, around)
+    nearest = (-math.inf, "")
+    for trajectory in trajectories:
+        gap = _approach_clearance(problem, model, trajectory.postures)
+        if gap[0] >= CLEARANCE or force:
+            return _joint_path(problem, move, trajectory, min(clear, gap[0]), math.inf)
+        nearest = max(nearest, gap)
+    clear, pair = nearest
+    why = f"on the way to where it waits, {too_near(pair, clear)}"
+    return Miss(10.0 * (CLEARANCE - clear), why, move.posture, in_approach=True)
+
+
+def _standing(posture: Array) -> Trajectory:
+    """Return the approach of an arm that stays in a posture (n,)."""
+    return Trajectory(STANDING, np.repeat(posture[None], 2, axis=0))
+
+
+def _model(problem: ArmProblem, others: Mapping[int, Array]) -> ClearanceModel:
+    """Return the arm's clearance model, of further arms that stand still too."""
+    if not others:
+        return problem.clearance
+    return ClearanceModel(problem.plan, problem.arm, {**problem.others, **others})
 
 
 def _joint_path(
@@ -220,7 +267,7 @@ def _approach_miss(posture: Posture, descent: Descent, clear: float, pair: str) 
         return Miss(lack, f"before the contact, {why}", posture)
     return Miss(
         10.0 * (CLEARANCE - clear),
-        f"on the way to the object {_too_near(pair, clear)}",
+        f"on the way to the object {too_near(pair, clear)}",
         posture,
         in_approach=True,
     )
@@ -231,10 +278,9 @@ def _contact_miss(
 ) -> Miss | None:
     """Return what a posture lacks along the contact, or None."""
     if clear < CLEARANCE:
-        return Miss(10.0 * (CLEARANCE - clear), _too_near(pair, clear), posture)
+        return Miss(10.0 * (CLEARANCE - clear), too_near(pair, clear), posture)
     along = problem.along
-    if along is None:
-        return None
+    assert along is not None
     bodies = problem.object_path.bodies
     share = largest_share(
         problem.plan, along.contact, problem.dynamics, posture.q, bodies
@@ -267,8 +313,7 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
     """
     along = problem.along
     if along is None:
-        still = np.repeat(problem.posture[None], len(problem.object_path.shapes), 0)
-        yield Move.of(problem.kin, Posture(UPRIGHT, 0.0, still))
+        yield from waiting_moves(problem, force=force)
         return
     if problem.holds:
         axes = problem.plan.task.support.frame.axes
@@ -289,7 +334,10 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
 def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
     """Yield the joint paths of the nearest misses, made good."""
     along = problem.along
-    if along is None or problem.holds or problem.kin.facts.size < POSE:
+    if along is None:
+        yield from _parked_around(problem, misses)
+        return
+    if problem.holds or problem.kin.facts.size < POSE:
         return
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)
@@ -299,6 +347,16 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
             move = _refined_move(problem, along, miss.posture)
         if move is None:
             continue
+        path = path_of_move(problem, move, thorough=True)
+        if isinstance(path, JointPath):
+            yield Solution(move, path)
+
+
+def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
+    """Yield paths to where an arm may wait, around what is in the direct way there."""
+    blocked = [miss for miss in misses if miss.in_approach]
+    for miss in blocked[:REFINED]:
+        move = Move.of(problem.kin, miss.posture)
         path = path_of_move(problem, move, thorough=True)
         if isinstance(path, JointPath):
             yield Solution(move, path)
@@ -329,7 +387,7 @@ def _refined_move(
     """
     tip = along.tip
     first = tip.positions[0]
-    gap = min(LEAST_GAP, problem.plan.task.motion.approach_distance)
+    gap = min(LEAST_GAP, problem.approach.before)
     back = np.linspace(first - gap * np.array(along.normal), first, BACK + 1)[:-1]
     extended = TipPath(
         np.concatenate([back, tip.positions]),
@@ -351,7 +409,3 @@ def _refined_move(
     if not move.allowed:
         return None
     return move
-
-
-def _too_near(pair: str, clear: float) -> str:
-    return f"{pair} come as near as {clear * 1e3:.1f} mm, allowed from {CLEARANCE * 1e3:.0f} mm"

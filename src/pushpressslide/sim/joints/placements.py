@@ -59,6 +59,11 @@ class PlacementPaths:
         self.plans = [*plans, placement]
         self.paths = [*paths, added]
 
+    def keep(self, count: int) -> None:
+        """Forget all placements but the first ``count``."""
+        self.plans = self.plans[:count]
+        self.paths = self.paths[:count]
+
 
 def _check_bounds(placement: Plan, within: Bounds) -> None:
     """Raise InfeasibleTaskError where a plan leads the object beyond ``within``."""

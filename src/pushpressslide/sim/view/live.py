@@ -21,7 +21,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.scenes import DrakeScene
-from pushpressslide.sim.surfaces import object_shape
+from pushpressslide.sim.surfaces import drawn_shape
 from pushpressslide.sim.view.playback import (
     GOAL_COLOR,
     GOAL_SINK,
@@ -58,7 +58,7 @@ class LiveView:
         shape = task.object.shape
         frame = task.support.frame
         X_WG = rigid_transform(task.goal, 0.5 * shape.height - GOAL_SINK, frame)
-        self._draw("plan/goal", object_shape(shape), X_WG, GOAL_COLOR)
+        self._draw("plan/goal", drawn_shape(shape), X_WG, GOAL_COLOR)
         X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         for i, line in enumerate(lines):
             if leads_somewhere(line):

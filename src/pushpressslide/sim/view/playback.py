@@ -33,7 +33,7 @@ from pushpressslide.sim.convert import (
     transform_from_positions,
 )
 from pushpressslide.sim.scenes import build_scene, rest_height
-from pushpressslide.sim.surfaces import object_shape
+from pushpressslide.sim.surfaces import drawn_shape
 
 RIBBON_WIDTH = 0.006  # [m] of lines on the support
 PATH_HEIGHT = 0.0010  # [m] above the support
@@ -87,7 +87,7 @@ class Playback:
         if opening is not None and task.enters:
             depth = opening.depth
         X_WG = rigid_transform(task.goal, 0.5 * task.object.shape.height - depth, frame)
-        goal = GeometryInstance(X_WG, object_shape(task.object.shape), "goal")
+        goal = GeometryInstance(X_WG, drawn_shape(task.object.shape), "goal")
         _anchor(graph, source, goal, GOAL_COLOR)
         X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         path = self.record.arrays["plan_path"][:, :2]

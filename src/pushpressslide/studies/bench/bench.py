@@ -150,8 +150,8 @@ def track_and_allocate(name: str) -> Callable[[], object]:
     """
     from pushpressslide.core.pose import Pose2
     from pushpressslide.modes import MODES
-    from pushpressslide.selection.planner import plan as make_plan
     from pushpressslide.selection.select import select as choices_for
+    from pushpressslide.selection.solve import plan as make_plan
     from pushpressslide.taskfile.load import load_task
 
     task = load_task(name)

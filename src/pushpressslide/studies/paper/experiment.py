@@ -39,7 +39,7 @@ class Variant:
     @property
     def settings(self) -> tuple[str, ...]:
         """All fields that are set otherwise: what is measured is one attempt."""
-        return (*self.overrides, "motion.recoveries=0")
+        return (*self.overrides, "motion.recoveries=0", "limits.legs=1")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,123 @@
+"""The sides of a footprint as contacts see them: flat, or round.
+
+All in B, the frame at the projected centre of mass.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Point
+
+if TYPE_CHECKING:
+    from pushpressslide.core.arrays import Array
+
+ROUND_SIDES = 24  # a whole round side is offered as this many directions
+ON_FACE = 1e-6  # [m] from a face's line at which a corner belongs to it
+
+
+@dataclass(frozen=True, slots=True)
+class SidePlace:
+    """A place on a side where a tip may touch."""
+
+    # of the footprint's edge, counter-clockwise; on a cylinder, of the direction
+    index: int
+    point: Point  # [m]
+    normal: Point  # unit, inward
+    # [m] along a flat side, to the left of the normal from B's origin: what of the side
+    # a tip can touch, right end and left end; None on a round side
+    ends: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class FlatSide:
+    """A face of a shape with corners."""
+
+    point: Point  # [m] in B, of the contact
+    normal: Point  # unit, inward
+    depth: float  # [m] of the face along the normal
+    ends: tuple[float, float]  # [m] along the face, to the left of the normal
+
+    def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
+        """Return gap [m] and normal; beside the face the gap is infinite."""
+        nx, ny = self.normal
+        if not self.ends[0] <= nx * tip[1] - ny * tip[0] <= self.ends[1]:
+            return math.inf, self.normal
+        return self.depth - tip_radius - (nx * tip[0] + ny * tip[1]), self.normal
+
+    def foot(self, point: Point) -> Point:
+        """Return the nearest point of the line through the contact along the face."""
+        x, y = self.point
+        nx, ny = self.normal
+        across = (point[1] - y) * nx - (point[0] - x) * ny
+        return (x - across * ny, y + across * nx)
+
+    def normal_at(self, point: Point) -> Point:
+        """Return the face's normal, which is the same everywhere."""
+        return self.normal
+
+    def coordinates(self, x: Array, y: Array) -> Array:
+        """Return the places (N,) along the face [m] of points in B."""
+        nx, ny = self.normal
+        return -ny * x + nx * y
+
+
+@dataclass(frozen=True, slots=True)
+class RoundSide:
+    """A side that is an arc: its normal follows the point that is asked about."""
+
+    center: Point  # [m] in B
+    radius: float  # [m]
+    normal: Point  # unit, inward, at the contact
+    # [rad] direction of its first point from the centre, and how far it goes on from
+    # there, counter-clockwise; None: a whole circle
+    arc: tuple[float, float] | None = None
+
+    def gap(self, tip: Point, tip_radius: float) -> tuple[float, Point]:
+        """Return gap [m] and normal; beside the arc the gap is infinite."""
+        x = self.center[0] - tip[0]
+        y = self.center[1] - tip[1]
+        distance = math.hypot(x, y)
+        gap = distance - self.radius - tip_radius
+        if self.arc is not None and not on_arc(self.arc, (-x, -y)):
+            gap = math.inf
+        return gap, (x / distance, y / distance) if distance > 0.0 else self.normal
+
+    def foot(self, point: Point) -> Point:
+        """Return the point of the circle in the same direction from its centre."""
+        x = point[0] - self.center[0]
+        y = point[1] - self.center[1]
+        k = self.radius / math.hypot(x, y)
+        return (k * x + self.center[0], k * y + self.center[1])
+
+    def normal_at(self, point: Point) -> Point:
+        """Return the unit vector from ``point`` to the centre."""
+        x = self.center[0] - point[0]
+        y = self.center[1] - point[1]
+        return (x / math.hypot(x, y), y / math.hypot(x, y))
+
+    def coordinates(self, x: Array, y: Array) -> Array:
+        """Return the arcs (N,) from the contact [m] to points in B."""
+        import numpy as np
+
+        x = x - self.center[0]
+        y = y - self.center[1]
+        nx, ny = self.normal
+        arcs: Array = self.radius * np.arctan2(-ny * x + nx * y, -(nx * x + ny * y))
+        return arcs
+
+
+Side = FlatSide | RoundSide
+"""A side as a contact sees it."""
+
+
+def on_arc(arc: tuple[float, float], direction: Point) -> bool:
+    """Return whether a direction from the centre of an arc is one of its own.
+
+    ``arc`` is the angle [rad] of its first point, and how far it goes on from there.
+    """
+    start, sweep = arc
+    after = math.atan2(direction[1], direction[0]) - start
+    return after % (2.0 * math.pi) <= sweep

@@ -1,0 +1,279 @@
+"""The shortest free way of a footprint among polygons, turned as it needs to be: on a
+grid over its place and yaw.
+
+A footprint at one yaw touches a polygon where its frame's origin lies in the polygon's
+Minkowski sum with the mirrored footprint. The way is no path of a reduced model: it
+says where such paths may lead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.footprint import gaps
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.shapes import Shape
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+    from shapely.geometry.base import BaseGeometry
+
+YAWS = 24
+CELLS = 60  # along the longer side of the bounds, at most
+FINEST = 0.01  # [m]
+NEAR = 3.0  # clearances, within which a way costs more
+NEAR_COST = 2.0  # times as much
+REACH = 4.0  # cells from an end, within which its way meets the grid
+STEP = 0.5  # clearances between the places of a straight way that are looked at
+# to the neighbours of a cell: along x, y and yaw
+MOVES = ((1, 0, 0), (0, 1, 0), (1, 1, 0), (1, -1, 0), (0, 0, 1))
+
+Bounds = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class FreeSpace:
+    """Where a footprint may be: ``clearance`` [m] off all polygons, and with its frame
+    within ``bounds`` [m]: x_min, x_max, y_min, y_max.
+    """
+
+    shape: Shape
+    others: tuple[Polygon, ...]
+    clearance: float
+    bounds: Bounds
+
+    def straight(self, start: Pose2, goal: Pose2) -> bool:
+        """Return whether the way that moves and turns evenly between two poses is free;
+        the poses themselves are not asked.
+        """
+        turn = math.remainder(goal.yaw - start.yaw, 2.0 * math.pi)
+        far = math.dist(start.position, goal.position)
+        far += abs(turn) * self.shape.circumradius
+        steps = max(2, math.ceil(far / (STEP * self.clearance)))
+        poses = [between(start, goal, i / steps) for i in range(1, steps)]
+        return bool(self.free(poses).all())
+
+    def free(self, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
+        """Return whether each of n poses X_WG is free, (n,)."""
+        if not self.others:
+            return np.full(len(poses), True)
+        apart = gaps(self.shape, poses, self.others).min(1)
+        return np.asarray(apart >= self.clearance)
+
+    def ways(self, goal: Pose2) -> WaysTo:
+        """Return the ways to a pose X_WG, which may be nearer to a polygon than the
+        clearance.
+        """
+        return WaysTo(self, goal)
+
+
+class WaysTo:
+    """The shortest free ways from anywhere to one pose of a footprint."""
+
+    def __init__(self, space: FreeSpace, goal: Pose2) -> None:
+        """Search a grid from ``goal``, X_WG, where there is something to go round."""
+        self.space = space
+        self.goal = goal
+        self._grid = _Grid(space, goal) if space.others else None
+
+    def lengths(self, poses: Sequence[Pose2]) -> Array:
+        """Return how long (n,) [m] the ways from poses X_WG are, turns included, and
+        more where they are narrow; infinite where there is none.
+        """
+        if self._grid is None:
+            return np.array([moved(self.space.shape, X, self.goal) for X in poses])
+        return np.array([self._grid.length(X) for X in poses])
+
+    def way(self, start: Pose2) -> list[Pose2] | None:
+        """Return poses X_WG from ``start`` to the goal between which straight ways are
+        free, as few as a look ahead finds; None where the grid has none.
+        """
+        if self._grid is None or self.space.straight(start, self.goal):
+            return [start, self.goal]
+        cells = self._grid.way(start)
+        if cells is None:
+            return None
+        return _shortened(self.space, [start, *cells, self.goal])
+
+
+def moved(shape: Shape, X: Pose2, Y: Pose2) -> float:
+    """Return how far [m] a footprint is moved from one pose to another, turns included."""
+    turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
+    return math.dist(X.position, Y.position) + shape.circumradius * turn
+
+
+def between(a: Pose2, b: Pose2, share: float) -> Pose2:
+    """Return the pose at a share of the even way from ``a`` to ``b``, the short way
+    round.
+    """
+    turn = math.remainder(b.yaw - a.yaw, 2.0 * math.pi)
+    x = a.x + share * (b.x - a.x)
+    y = a.y + share * (b.y - a.y)
+    return Pose2(x, y, a.yaw + share * turn)
+
+
+def _shortened(space: FreeSpace, poses: Sequence[Pose2]) -> list[Pose2]:
+    """Return the poses without those that a straight way passes by."""
+    out = [poses[0]]
+    i = 0
+    while i < len(poses) - 1:
+        j = len(poses) - 1
+        while j > i + 1 and not space.straight(poses[i], poses[j]):
+            j -= max(1, (j - i) // 4)
+        i = max(j, i + 1)
+        out.append(poses[i])
+    return out
+
+
+class _Grid:
+    """Cells (yaw, x, y) of a free space."""
+
+    def __init__(self, space: FreeSpace, goal: Pose2) -> None:
+        """Look at every cell, and find the ways of all to ``goal``."""
+        from scipy.sparse.csgraph import dijkstra
+
+        x_min, x_max, y_min, y_max = space.bounds
+        self.size = max(FINEST, max(x_max - x_min, y_max - y_min) / CELLS)
+        self.xs = np.arange(x_min, x_max + 0.5 * self.size, self.size)
+        self.ys = np.arange(y_min, y_max + 0.5 * self.size, self.size)
+        self.radius = space.shape.circumradius
+        self.free = _clear(space, self.xs, self.ys, space.clearance)
+        self.ample = _clear(space, self.xs, self.ys, NEAR * space.clearance)
+        near, far = self._near(goal)
+        self._costs = np.full(self.free.size, math.inf)
+        self._next = np.full(self.free.size, -1)
+        if len(near) == 0:
+            return
+        self._last = int(near[np.argmin(far)])
+        self._costs, self._next = dijkstra(
+            self._graph(), directed=False, indices=self._last, return_predecessors=True
+        )
+
+    def length(self, start: Pose2) -> float:
+        """Return how long [m] the way from a pose is; infinite where there is none."""
+        return self._first(start)[1]
+
+    def way(self, start: Pose2) -> list[Pose2] | None:
+        """Return the poses of the free cells that lead from next to ``start`` to next
+        to the goal.
+        """
+        cell, length = self._first(start)
+        if not math.isfinite(length):
+            return None
+        cells = [cell]
+        while cells[-1] != self._last:
+            cells.append(int(self._next[cells[-1]]))
+        return [self._pose(cell) for cell in cells]
+
+    def _first(self, start: Pose2) -> tuple[int, float]:
+        """Return the cell at which the way from a pose begins, and its length [m]."""
+        near, far = self._near(start)
+        if len(near) == 0:
+            return -1, math.inf
+        whole = self._costs[near] + NEAR_COST * far
+        best = int(np.argmin(whole))
+        return int(near[best]), float(whole[best])
+
+    def _graph(self) -> object:
+        """Return the costs [m] between neighbouring free cells, as a sparse matrix."""
+        from scipy.sparse import coo_array
+
+        count = self.free.size
+        numbers = np.arange(count).reshape(self.free.shape)
+        rows: list[NDArray[np.intp]] = []
+        columns: list[NDArray[np.intp]] = []
+        costs: list[Array] = []
+        for dx, dy, turn in MOVES:
+            here, there = _pair(self.free.shape, dx, dy)
+            after = np.roll(numbers, -turn, axis=0)[there]
+            both = self.free[here] & np.roll(self.free, -turn, axis=0)[there]
+            ample = self.ample[here] & np.roll(self.ample, -turn, axis=0)[there]
+            length = math.hypot(dx, dy) * self.size
+            length += turn * 2.0 * math.pi / YAWS * self.radius
+            rows.append(numbers[here][both])
+            columns.append(after[both])
+            costs.append(np.where(ample, length, NEAR_COST * length)[both])
+        where = (np.concatenate(rows), np.concatenate(columns))
+        return coo_array((np.concatenate(costs), where), shape=(count, count)).tocsr()
+
+    def _near(self, pose: Pose2) -> tuple[NDArray[np.intp], Array]:
+        """Return the free cells near a pose, and how far [m] from it they are."""
+        reach = REACH * self.size
+        i = np.flatnonzero(np.abs(self.xs - pose.x) <= reach)
+        j = np.flatnonzero(np.abs(self.ys - pose.y) <= reach)
+        middle = round(pose.yaw * YAWS / (2.0 * math.pi))
+        k = np.arange(middle - 1, middle + 2) % YAWS
+        yaw, x, y = (v.ravel() for v in np.meshgrid(k, i, j, indexing="ij"))
+        free = self.free[yaw, x, y]
+        yaw, x, y = yaw[free], x[free], y[free]
+        turn = yaw * (2.0 * math.pi / YAWS) - pose.yaw
+        turn = np.remainder(turn + math.pi, 2.0 * math.pi) - math.pi
+        far = np.hypot(self.xs[x] - pose.x, self.ys[y] - pose.y)
+        far += self.radius * np.abs(turn)
+        return np.ravel_multi_index((yaw, x, y), self.free.shape), far
+
+    def _pose(self, cell: int) -> Pose2:
+        yaw, x, y = np.unravel_index(cell, self.free.shape)
+        turn = float(yaw) * 2.0 * math.pi / YAWS
+        return Pose2(float(self.xs[x]), float(self.ys[y]), turn)
+
+
+def _pair(
+    shape: tuple[int, ...], dx: int, dy: int
+) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
+    """Return the cells that have a neighbour (dx, dy) further on, and the neighbours."""
+    _, nx, ny = shape
+    low = max(-dy, 0)
+    high = ny - max(dy, 0)
+    here = (slice(None), slice(0, nx - dx), slice(low, high))
+    there = (slice(None), slice(dx, nx), slice(low + dy, high + dy))
+    return here, there
+
+
+def _clear(
+    space: FreeSpace, xs: Array, ys: Array, clearance: float
+) -> NDArray[np.bool_]:
+    """Return which places are ``clearance`` [m] off all polygons at each yaw, (YAWS,
+    len(xs), len(ys)).
+    """
+    import shapely
+
+    grid_x, grid_y = np.meshgrid(xs, ys, indexing="ij")
+    out = np.full((YAWS, len(xs), len(ys)), True)
+    parts = convex_parts(space.shape.placed(Pose2()))
+    for k in range(YAWS):
+        turn = np.exp(2j * math.pi * k / YAWS)
+        for part, other in product(parts, space.others):
+            grown = _sum(other, -turn * part).buffer(clearance)
+            shapely.prepare(grown)
+            out[k] &= ~shapely.contains_xy(grown, grid_x, grid_y)
+    return out
+
+
+def _sum(other: Polygon, corners: NDArray[np.complex128]) -> BaseGeometry:
+    """Return the Minkowski sum of a convex polygon with convex ``corners`` x + iy [m]."""
+    import shapely
+
+    outline = shapely.get_coordinates(other).view(np.complex128)[:, 0]
+    sums = (outline[:, None] + corners[None]).ravel()
+    points = np.stack([sums.real, sums.imag], axis=-1)
+    out: BaseGeometry = shapely.MultiPoint(points).convex_hull
+    return out
+
+
+def convex_parts(polygon: Polygon) -> list[NDArray[np.complex128]]:
+    """Return the corners x + iy [m] of convex polygons that make up a simple one."""
+    import shapely
+
+    parts: list[BaseGeometry] = [polygon]
+    if not math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
+        parts = list(shapely.constrained_delaunay_triangles(polygon).geoms)
+    return [shapely.get_coordinates(part).view(np.complex128)[:-1, 0] for part in parts]

@@ -1,0 +1,133 @@
+"""Where an arm reaches with its tool held some way, from tables that are made once.
+
+An arm that stands upright and turns about its own vertical axis reaches the same
+distances all round, if the tool leans the same way seen from the base. A search along
+one line says what it reaches of the whole table.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.task import Robot
+from pushpressslide.robots.inverse import STRUCTURED_SEEDS, default_seeds, solve_ik
+from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
+from pushpressslide.robots.reach import QUICK, QUICK_SEEDS, REACH_MARGIN
+from pushpressslide.robots.tool import ToolAttitude
+
+STEP = 0.02  # [m] between the distances that are searched
+FARTHEST = 1.1  # [m]
+LEANS = 16  # directions of a tool's lean, seen from the base, that are searched
+TRIAL = 0.5  # [rad] by which the first joint is turned to see whether it turns the arm
+DISTANCES = np.arange(STEP, FARTHEST, STEP)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """What is reached straight ahead of the base, at DISTANCES."""
+
+    ok: NDArray[np.bool_]
+    turned: Array  # [rad] of the first joint there
+
+
+def surely_reached(
+    robot: Robot,
+    points: Sequence[tuple[float, float, float]],
+    holds: Sequence[ToolAttitude],
+) -> bool:
+    """Return whether one of ``holds`` brings a robot's tip to all ``points`` [m] in the
+    world, of one height, as the tables know it; False where they do not know.
+
+    The holds are about the world's axes, and do not turn with the object.
+    """
+    if robot.model == "hand" or not _turns_upright(robot):
+        return False
+    p = np.array(points, dtype=np.float64)
+    x, y, z = robot.base
+    out = p[:, :2] - (x, y)
+    distance = np.hypot(out[:, 0], out[:, 1])
+    bearing = np.arctan2(out[:, 1], out[:, 0]) - robot.base_yaw
+    bearing = np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi
+    height = float(p[0, 2]) - z
+    standing = Robot(
+        robot.model,
+        (0.0, 0.0, 0.0),
+        tip_frame=robot.tip_frame,
+        tip_radius=robot.tip_radius,
+        tip_length=robot.tip_length,
+    )
+    for hold in holds:
+        lean = hold.azimuth - robot.base_yaw - bearing
+        if _held(standing, height, hold.tilt, distance, bearing, lean):
+            return True
+    return False
+
+
+def _held(
+    robot: Robot,
+    height: float,
+    tilt: float,
+    distance: Array,
+    bearing: Array,
+    lean: Array,
+) -> bool:
+    """Return whether places (m,) are reached, at neighbouring cells of the tables."""
+    row = distance / STEP - 1.0
+    low = np.floor(row).astype(int)
+    if low.min() < 0 or low.max() + 1 >= len(DISTANCES):
+        return False
+    leans = [np.zeros(len(row), dtype=int)]
+    if tilt > 0.0:
+        around = lean * (LEANS / (2.0 * math.pi))
+        leans = [
+            np.floor(around).astype(int) % LEANS,
+            np.ceil(around).astype(int) % LEANS,
+        ]
+    facts = arm_kinematics(robot).facts
+    right = facts.lower[0] + REACH_MARGIN
+    left = facts.upper[0] - REACH_MARGIN
+    for column in leans:
+        for k in np.unique(column):
+            line = _line(robot, height, tilt, int(k))
+            mine = column == k
+            for near in (low[mine], low[mine] + 1):
+                turned = line.turned[near] + bearing[mine]
+                if not (line.ok[near] & (turned >= right) & (turned <= left)).all():
+                    return False
+    return True
+
+
+@lru_cache(maxsize=4096)
+def _line(robot: Robot, height: float, tilt: float, lean: int) -> _Line:
+    """Return what a robot at the origin reaches straight ahead at a ``height`` [m]."""
+    kin = arm_kinematics(robot)
+    points = np.zeros((len(DISTANCES), 3))
+    points[:, 0] = DISTANCES
+    points[:, 2] = height
+    hold = ToolAttitude(tilt, 2.0 * math.pi * lean / LEANS)
+    seeds = default_seeds(kin, points)[:, :STRUCTURED_SEEDS][:, QUICK_SEEDS]
+    found = solve_ik(kin, points, hold, None, seeds, REACH_MARGIN, QUICK)
+    return _Line(found.converged, found.q[:, 0])
+
+
+@lru_cache(maxsize=64)
+def _turns_upright(robot: Robot) -> bool:
+    """Return whether the first joint turns the whole arm about the base's vertical."""
+    kin: ArmKinematics = arm_kinematics(robot)
+    q = np.array(kin.facts.home, dtype=np.float64)
+    turned = q.copy()
+    turned[0] += TRIAL
+    _, before = kin.tip_pose(q)
+    _, after = kin.tip_pose(turned)
+    base = np.array(kin.base)
+    c = math.cos(TRIAL)
+    s = math.sin(TRIAL)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return bool(np.allclose(rotation @ (before - base), after - base, atol=1e-9))

@@ -1,0 +1,287 @@
+"""The search over sequences of motions: which mode, with which contacts, to which pose
+on the way, so that the last one ends at the goal soonest.
+
+A* over poses of the object and the contacts that are held there. A motion between two
+poses is judged only once nothing else can be quicker, and never twice. A sequence that
+has no joint path is banned by its placement, and the search goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
+from itertools import count
+
+from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.modes import MODES
+from pushpressslide.planning.free_way import WaysTo, moved
+from pushpressslide.planning.overhead import overhead
+
+START = 0
+GOAL = 1
+KEPT = 3  # choices of one motion that are followed, each with other contacts
+EAGER = 2.0  # weight of the way that is left
+SHORTEST = 0.05  # [m] that a motion leads the object, turns included
+BLOCKED = (
+    1.5  # times its least time, that a motion may take whose straight way is not free
+)
+# of refusals that stand against a mode wherever the object is to go
+ALWAYS = frozenset(
+    {
+        "arms",
+        "light",
+        "lever",
+        "no_faces",
+        "normal_force",
+        "off_top",
+        "support",
+        "tipping",
+        "too_close",
+    }
+)
+
+Judge = Callable[[Task], list[Choice]]
+Placement = tuple[str, tuple[Contact, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where the object is, and with which contacts it is held there."""
+
+    pose: int  # index of the pose X_WG
+    placement: Placement | None  # None: none, at the start
+    since: int  # index of the pose at which it was taken
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One motion of a sequence."""
+
+    begin: State
+    end: State
+    task: Task
+    choice: Choice
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """A state on the way, how it was come to, and when [s]."""
+
+    state: State
+    steps: tuple[Step, ...]
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A motion that is not judged yet."""
+
+    before: Reached
+    to: int  # index of a pose
+    mode: str
+    held: bool  # with the contacts that it has
+
+
+@dataclass
+class LegSearch:
+    """The search for one task; it keeps what it has judged."""
+
+    task: Task
+    ways: WaysTo  # to the goal
+    poses: Sequence[Pose2]  # X_WG: start, goal, and those on the way
+    judge: Judge
+    most: int  # motions that may be judged in all
+    judged: int = 0
+    banned: set[tuple[int, int, Placement]] = field(default_factory=set)
+    modes: list[str] = field(default_factory=list)
+    _found: dict[tuple[int, int, str, Placement | None], list[Choice]] = field(
+        default_factory=dict
+    )
+    _lengths: list[float] = field(default_factory=list)
+    _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
+
+    def know(self, choices: Sequence[Choice]) -> None:
+        """Take over what was judged of the motion from start to goal; modes that cannot
+        move the object at all are left out.
+        """
+        by_mode: dict[str, list[Choice]] = {}
+        for choice in choices:
+            by_mode.setdefault(choice.mode, []).append(choice)
+        for mode, judged in by_mode.items():
+            refusals = [choice.refusal for choice in judged]
+            if all(r is not None and r.code in ALWAYS for r in refusals):
+                continue
+            self.modes.append(mode)
+            self._found[START, GOAL, mode, None] = _best(judged)
+
+    def ban(self, steps: Sequence[Step]) -> None:
+        """Never again do ``steps``, of one placement, with its contacts."""
+        placement = steps[-1].end.placement
+        assert placement is not None
+        self.banned.add((steps[0].begin.pose, steps[-1].end.pose, placement))
+
+    def soonest(self) -> tuple[Step, ...]:
+        """Return the quickest sequence that is not banned; none where there is none, or
+        too much would have to be judged.
+        """
+        order = count()
+        heap: list[tuple[float, int, Reached | Motion]] = []
+        done: set[State] = set()
+        start = Reached(State(START, None, START), (), 0.0)
+        heappush(heap, (0.0, next(order), start))
+        while heap:
+            _, _, item = heappop(heap)
+            if isinstance(item, Reached):
+                if item.state in done:
+                    continue
+                if item.state.pose == GOAL:
+                    return item.steps
+                done.add(item.state)
+                for due, motion in self._motions(item):
+                    heappush(heap, (due, next(order), motion))
+                continue
+            for after in self._after(item):
+                due = after.time + self._ahead(after.state.pose)
+                if after.state not in done and due <= self.task.limits.time:
+                    heappush(heap, (due, next(order), after))
+        return ()
+
+    def _motions(self, here: Reached) -> list[tuple[float, Motion]]:
+        """Return the motions from a state, with the least time [s] of their sequences."""
+        legs = self.task.limits.legs
+        if len(here.steps) >= legs:
+            return []
+        last = len(here.steps) == legs - 1
+        targets = (GOAL,) if last else range(1, len(self.poses))
+        behind = {step.begin.pose for step in here.steps} | {here.state.pose}
+        held = here.state.placement
+        out = []
+        for to in targets:
+            if to in behind or self._short(here.state.pose, to):
+                continue
+            rest = here.time + self._ahead(to)
+            for mode in self.modes:
+                due = rest + self._least(here.state.pose, to, mode)
+                if held is not None and held[0] == mode:
+                    out.append((due, Motion(here, to, mode, held=True)))
+                out.append((due + self._regrasp, Motion(here, to, mode, held=False)))
+        return out
+
+    def _after(self, motion: Motion) -> list[Reached]:
+        """Return the states that a motion leads to."""
+        here = motion.before
+        out = []
+        task = self._part(here.state.pose, motion.to, motion.mode)
+        for choice in self._choices(motion):
+            placement = _placement(choice)
+            held = placement == here.state.placement
+            since = here.state.pose
+            time = choice.time or 0.0
+            if held:
+                since = here.state.since
+                time = max(time - self._regrasp, 0.0)
+            elif motion.held:
+                continue
+            if (since, motion.to, placement) in self.banned:
+                continue
+            end = State(motion.to, placement, since)
+            step = Step(here.state, end, task, choice)
+            out.append(Reached(end, (*here.steps, step), here.time + time))
+        return out
+
+    def _choices(self, motion: Motion) -> list[Choice]:
+        """Return the feasible choices of a motion, judged the first time."""
+        begin = motion.before.state
+        placement = begin.placement if motion.held else None
+        key = (begin.pose, motion.to, motion.mode, placement)
+        if key not in self._found:
+            if self.judged >= self.most:
+                return []
+            self.judged += 1
+            part = self._part(begin.pose, motion.to, motion.mode)
+            if placement is not None:
+                part = _holding(part, placement)
+            self._found[key] = _best(self.judge(part), placement)
+        return self._found[key]
+
+    def _part(self, begin: int, end: int, mode: str) -> Task:
+        """Return the task of one motion."""
+        start = self.poses[begin]
+        goal = self.poses[end]
+        return replace(self.task, start=start, goal=goal, modes=(mode,), searched=True)
+
+    def _short(self, begin: int, end: int) -> bool:
+        """Return whether a motion is not worth its price: one on the way that leads
+        nowhere.
+        """
+        if end == GOAL:
+            return False
+        shape = self.task.object.shape
+        return moved(shape, self.poses[begin], self.poses[end]) < SHORTEST
+
+    def _least(self, begin: int, end: int, mode: str) -> float:
+        """Return about the least time [s] of a motion between two poses, contacts held;
+        more where the straight way is not free.
+        """
+        key = (begin, end, mode)
+        if key not in self._least_times:
+            part = self._part(begin, end, mode)
+            least = MODES[mode].least_time(part)
+            if not self.ways.space.straight(part.start, part.goal):
+                least = BLOCKED * least + self._regrasp
+            self._least_times[key] = least
+        return self._least_times[key]
+
+    def _ahead(self, pose: int) -> float:
+        """Return about the time [s] from a pose to the goal, weighed so that what leads
+        on is looked at before all that is near.
+        """
+        while len(self._lengths) < len(self.poses):
+            some = self.poses[len(self._lengths) :]
+            self._lengths += self.ways.lengths(some).tolist()
+        return EAGER * self._lengths[pose] / self.task.motion.speed
+
+    @property
+    def _regrasp(self) -> float:
+        """The price [s] of other contacts: the release, the way there, the touch."""
+        return overhead(self.task.motion)
+
+
+def _placement(choice: Choice) -> Placement:
+    """Return the mode and its contacts, however hard they press."""
+    contacts = tuple(replace(contact, load=0.0) for contact in choice.contacts)
+    return (choice.mode, contacts)
+
+
+def _best(
+    choices: Sequence[Choice], placement: Placement | None = None
+) -> list[Choice]:
+    """Return the feasible choices of some placements, or of one, the quickest one of
+    each.
+    """
+    out: dict[Placement, Choice] = {}
+    for choice in choices:
+        if not choice.feasible or len(out) == KEPT:
+            continue
+        made = _placement(choice)
+        if placement is None or made == placement:
+            out.setdefault(made, choice)
+    return list(out.values())
+
+
+def _holding(part: Task, placement: Placement) -> Task:
+    """Return a task that is to be done with a placement."""
+    mode, contacts = placement
+    x, y = part.told.object.center_of_mass
+    points = tuple(
+        (contact.point[0] + x, contact.point[1] + y)
+        for contact in contacts
+        if contact.kind == "top"
+    )
+    motion = part.motion
+    if len(points) == len(contacts):
+        motion = replace(motion, contacts=points)
+    return replace(part, modes=(mode,), motion=motion)

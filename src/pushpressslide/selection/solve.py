@@ -1,0 +1,207 @@
+"""A task to a plan: one motion if one leads to the goal, else several that are searched
+for, each placement with what its arms need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+from time import perf_counter
+
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Choice, Plan, Segment
+from pushpressslide.core.task import Leg, Restart, Task
+from pushpressslide.selection.leg_search import LegSearch, Step
+from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.preparation import (
+    PlansAlone,
+    Preparation,
+    Problems,
+    add_first,
+    prepared,
+)
+from pushpressslide.selection.select import (
+    judged_motion,
+    of_leg,
+    placements,
+    select,
+)
+from pushpressslide.selection.waypoints import free_space, waypoints
+
+TRIES = 4  # single motions whose joint paths are looked for, before sequences are
+SEQUENCES = 16  # whose joint paths are looked for
+JUDGED = 160  # motions between two poses that are judged in a search
+LIKELY = 40  # poses on the way that are tried first
+
+
+@dataclass
+class Solution:
+    """How a task is done."""
+
+    plan: Plan
+    choices: list[Choice]  # what was judged; those passed over say why
+    planning_time: dict[str, float] = field(default_factory=dict)  # [s] by stage
+
+
+def solve(
+    preparation: Preparation,
+    task: Task,
+    enough: int,
+    *,
+    force: bool = False,
+    begin: Restart | None = None,
+) -> Solution:
+    """Return how ``task`` is done, and leave the plans of its placements, with what
+    their arms need, in ``preparation``.
+
+    ``enough`` choices of each mode are judged at first. ``force`` takes infeasible ones
+    too. ``begin`` says from where a task goes on that was begun before. Raises
+    InfeasibleTaskError where nothing leads to the goal.
+    """
+    clock = _Clock()
+    first = 0 if begin is None else begin.leg
+    choices = select(task, enough, first)
+    clock.lap("selection")
+    if force or not searchable(task):
+        choices = prepared(preparation, task, choices, force, first)
+        clock.lap("joint_paths")
+        return Solution(_joined(preparation, task, begin), choices, clock.laps)
+    problems: Problems = {}
+    added = add_first(preparation, task, choices, False, problems, TRIES)
+    clock.lap("joint_paths")
+    if added:
+        return Solution(_joined(preparation, task, begin), choices, clock.laps)
+    plan = _searched(preparation, task, choices, begin)
+    clock.lap("search")
+    return Solution(plan, choices, clock.laps)
+
+
+def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
+    """Return the plan for ``choice``, by default the best one, or the best sequence of
+    motions where none does it alone.
+
+    Joint paths are not looked at: ``jobs.run.run`` looks for them. Of a task with
+    legs, the best choice does every placement but that one.
+    ``force`` plans an infeasible choice all the same, as far as it has a path. Raises
+    InfeasibleTaskError with the reasons, one per choice, where nothing can do the task.
+    """
+    if choice is None:
+        return solve(PlansAlone(), task, 1, force=force).plan
+    if not task.legs:
+        return plan_of(task, usable(task, [choice], force=force))
+    chosen = []
+    for candidates in placements(task):
+        if choice.leg == candidates[0].leg:
+            candidates = [choice]
+        chosen.append(usable(task, candidates, force=force)[0])
+    return plan_of(task, chosen)
+
+
+def searchable(task: Task) -> bool:
+    """Return whether several motions are searched for where no single one is found."""
+    free = not task.legs and task.tool is None
+    return free and task.limits.legs > 1 and task.scene.rests
+
+
+def _searched(
+    preparation: Preparation,
+    task: Task,
+    choices: Sequence[Choice],
+    begin: Restart | None,
+) -> Plan:
+    """Return the plan of the quickest sequence of motions that has joint paths.
+
+    Raises InfeasibleTaskError where none was found.
+    """
+    told = task.told
+    ways = free_space(told).ways(told.goal)
+    poses = [told.start, told.goal, *waypoints(told, ways)]
+    search = LegSearch(told, ways, poses[: 2 + LIKELY], judged_motion, JUDGED)
+    search.know(choices)
+    lacking = ""
+    for _ in range(SEQUENCES):
+        steps = search.soonest()
+        if not steps and len(search.poses) < len(poses):
+            search.poses = poses
+            steps = search.soonest()
+        if not steps:
+            break
+        plan = _plan(task, steps, begin)
+        failed, lacking = _prepare(preparation, plan)
+        if failed is None:
+            return plan
+        search.ban([steps[i] for i in failed])
+    raise InfeasibleTaskError(_refusal(task, choices, search, lacking))
+
+
+def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
+    """Return the plan of a sequence; its legs are those of the plan's task."""
+    segments: list[Segment] = []
+    legs = []
+    for i, step in enumerate(steps):
+        led = of_leg(step.choice, i).segments
+        segments += led
+        legs.append(Leg(step.choice.mode, led[-1].goal, step.task.motion))
+    found = tuple(legs) if len(legs) > 1 else ()
+    if begin is not None:
+        begin = replace(begin, leg=0, legs=found)
+    return Plan(replace(task, legs=found, searched=True), tuple(segments), begin)
+
+
+def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, str]:
+    """Prepare the placements of a plan, those in common with the one before as they are.
+
+    Returns the legs of the first placement that has no joint path, and what it lacks;
+    None where all have one.
+    """
+    placements = plan.by_placement
+    same = 0
+    for before, after in zip(preparation.plans, placements, strict=False):
+        if before.segments != after.segments:
+            break
+        same += 1
+    preparation.keep(same)
+    for placement in placements[same:]:
+        try:
+            preparation.add(placement)
+        except InfeasibleTaskError as error:
+            lacking = str(error).split(": ", 1)[-1]
+            return sorted({piece.leg for piece in placement.segments}), lacking
+    return None, ""
+
+
+def _joined(preparation: Preparation, task: Task, begin: Restart | None) -> Plan:
+    """Return one plan of all that was prepared."""
+    segments = chain.from_iterable(part.segments for part in preparation.plans)
+    return Plan(task, tuple(segments), begin)
+
+
+def _refusal(
+    task: Task, choices: Sequence[Choice], search: LegSearch, lacking: str
+) -> str:
+    """Return one line that says why neither one motion nor several do the task."""
+    refused = [choice for choice in choices if not choice.feasible]
+    text = refusal(task, refused or choices)
+    text += (
+        f"; nor do several motions by way of {len(search.poses) - 2} poses "
+        f"({search.judged} judged)"
+    )
+    if lacking:
+        text += f", the last of {len(search.banned)} that might: {lacking}"
+    return text
+
+
+class _Clock:
+    """The time [s] that each stage took."""
+
+    def __init__(self) -> None:
+        """Begin now."""
+        self.laps: dict[str, float] = {}
+        self._since = perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """End a stage, and begin the next."""
+        now = perf_counter()
+        self.laps[stage] = now - self._since
+        self._since = now

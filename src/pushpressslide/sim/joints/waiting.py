@@ -1,0 +1,62 @@
+"""Where an arm without a contact waits while another moves the object: where it is, if
+that is out of the way; else it is parked at its home posture, or elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array
+from pushpressslide.robots.tool import UPRIGHT
+from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
+from pushpressslide.sim.joints.postures import Miss, Move, Posture
+
+PARKED = 8  # most postures to be parked in that are offered
+
+
+def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move | Miss]:
+    """Yield the postures in which an arm may wait, the preferred first, and the misses
+    between.
+
+    Those with room about them come before those that are merely clear; with ``force``
+    the last is where the arm is, however bad.
+    """
+    begin = problem.approach.begin
+    home = problem.kin.facts.home
+    offered = 0
+    tight: list[Move] = []
+    near = (begin,) if np.array_equal(begin, home) else (begin, home)
+    for q in chain(near, problem.approach.high_postures()):
+        clear, pair = problem.waiting_clearance(q)
+        move = _still(problem, q)
+        if clear < CLEARANCE:
+            why = f"waiting, {too_near(pair, clear)}"
+            yield Miss(10.0 * (CLEARANCE - clear), why, move.posture)
+        elif clear < margins.ARM.waiting:
+            tight.append(move)
+        else:
+            yield move
+            offered += 1
+        if offered == PARKED:
+            break
+    yield from tight
+    if force:
+        yield _still(problem, begin)
+
+
+def _still(problem: ArmProblem, q: Array) -> Move:
+    """Return a posture (n,) that is kept while the object is moved."""
+    still = np.repeat(q[None], len(problem.object_path.shapes), axis=0)
+    return Move.of(problem.kin, Posture(UPRIGHT, 0.0, still))
+
+
+def too_near(pair: str, clear: float) -> str:
+    """Return by how much a ``pair`` that is ``clear`` [m] apart is too near, in words."""
+    return (
+        f"{pair} come as near as {clear * 1e3:.1f} mm, allowed from "
+        f"{CLEARANCE * 1e3:.0f} mm"
+    )

@@ -1,0 +1,177 @@
+"""The volume mesh of an upright body on a concave footprint, for hydroelastic contact.
+
+Drake gives each vertex of a volume mesh a pressure in proportion to its distance from
+the surface, and interpolates. The mesh has a second, inner surface at one depth under
+the outer one, so that the pressure grows linearly from the surface inwards at every
+place of base, top and sides, right up to edges and corners.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.pieces import triangles
+from pushpressslide.core.pose import Point, cross
+
+Tetrahedron = tuple[int, int, int, int]
+Prism = tuple[int, int, int, int, int, int]  # a triangle, and the one above it
+
+DEEPEST = 0.45  # of the height: the inner surface has room between base and top
+SHALLOWER = 0.8  # times the depth that is tried next
+TRIES = 60
+# of the depth at which the inner outline still is sound, that is used: its edges have a
+# length there
+SOUND = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class LayeredMesh:
+    """Vertices [m] and tetrahedra; z is zero at half height."""
+
+    vertices: tuple[Vector3, ...]
+    tetrahedra: tuple[Tetrahedron, ...]
+    depth: float  # [m] of the inner surface under the outer one
+
+    def vtk(self) -> str:
+        """Return the text of a VTK file."""
+        points = [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in self.vertices]
+        cells = ["4 " + " ".join(map(str, cell)) for cell in self.tetrahedra]
+        lines = [
+            "# vtk DataFile Version 3.0",
+            "object",
+            "ASCII",
+            "DATASET UNSTRUCTURED_GRID",
+            f"POINTS {len(points)} double",
+            *points,
+            f"CELLS {len(cells)} {5 * len(cells)}",
+            *cells,
+            f"CELL_TYPES {len(cells)}",
+            *["10"] * len(cells),
+        ]
+        return "\n".join(lines) + "\n"
+
+
+def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
+    """Return the mesh of a prism on a simple polygon, counter-clockwise [m].
+
+    Raises ValueError for an outline that is too thin to have an inner one.
+    """
+    n = len(corners)
+    depth, inner = _inner(corners, DEEPEST * height)
+    half = 0.5 * height
+    rings = (
+        (corners, -half),
+        (corners, half),
+        (inner, -half),
+        (inner, depth - half),
+        (inner, half - depth),
+        (inner, half),
+    )
+    vertices = tuple((x, y, z) for ring, z in rings for x, y in ring)
+    foot, head, below, low, high, above = (range(i * n, (i + 1) * n) for i in range(6))
+    prisms: list[Prism] = []
+    for i in range(n):
+        j = (i + 1) % n
+        for a, b, c in ((foot, below, low), (foot, low, high), (foot, high, head)):
+            prisms.append((a[i], b[i], c[i], a[j], b[j], c[j]))
+        prisms.append((head[i], high[i], above[i], head[j], high[j], above[j]))
+    for i, j, k in triangles(inner):
+        for lower, upper in ((below, low), (low, high), (high, above)):
+            prisms.append((lower[i], lower[j], lower[k], upper[i], upper[j], upper[k]))
+    cells = tuple(cell for prism in prisms for cell in _cut(prism))
+    return LayeredMesh(vertices, tuple(_turned(vertices, c) for c in cells), depth)
+
+
+def _inner(
+    corners: tuple[Point, ...], deepest: float
+) -> tuple[float, tuple[Point, ...]]:
+    """Return a depth [m] and the outline at that distance inside, corner by corner."""
+    depth = deepest
+    for _ in range(TRIES):
+        if _is_sound(corners, depth):
+            break
+        depth *= SHALLOWER
+    else:
+        raise ValueError("the outline is too thin to have an inner one")
+    depth *= SOUND
+    return depth, _inset(corners, depth)
+
+
+def _inset(corners: tuple[Point, ...], depth: float) -> tuple[Point, ...]:
+    """Return the corners moved so that each edge is ``depth`` [m] further inside."""
+    out = []
+    for before, at, after in zip(
+        corners[-1:] + corners[:-1], corners, corners[1:] + corners[:1], strict=True
+    ):
+        ax, ay = _normal(before, at)
+        bx, by = _normal(at, after)
+        share = depth / (1.0 + ax * bx + ay * by)
+        out.append((at[0] + share * (ax + bx), at[1] + share * (ay + by)))
+    return tuple(out)
+
+
+def _normal(a: Point, b: Point) -> Point:
+    """Return the unit normal to the left of the way from a to b."""
+    length = math.dist(a, b)
+    return (-(b[1] - a[1]) / length, (b[0] - a[0]) / length)
+
+
+def _is_sound(corners: tuple[Point, ...], depth: float) -> bool:
+    """Return whether the outline at a depth has all its edges and does not come nearer
+    to the outer one elsewhere.
+    """
+    from shapely import Polygon
+
+    inner = _inset(corners, depth)
+    n = len(corners)
+    for i in range(n):
+        j = (i + 1) % n
+        edge = (corners[j][0] - corners[i][0], corners[j][1] - corners[i][1])
+        moved = (inner[j][0] - inner[i][0], inner[j][1] - inner[i][1])
+        if edge[0] * moved[0] + edge[1] * moved[1] <= 0.0:
+            return False
+    area = Polygon(inner)
+    outer = Polygon(corners)
+    if not (area.is_valid and outer.contains(area)):
+        return False
+    return bool(area.exterior.distance(outer.exterior) > (1.0 - 1e-6) * depth)
+
+
+def _cut(prism: Prism) -> list[Tetrahedron]:
+    """Return three tetrahedra of a triangular prism (Dompierre and others, 1999).
+
+    Each rectangle is cut at its vertex of the lowest number, so that neighbours agree.
+    """
+    lowest = prism.index(min(prism))
+    a, b, c, d, e, f = (prism[k] for k in _ORDERS[lowest])
+    if min(b, f) < min(c, e):
+        return [(a, b, c, f), (a, b, f, e), (a, e, f, d)]
+    return [(a, b, c, e), (a, e, c, f), (a, e, f, d)]
+
+
+_ORDERS = (
+    (0, 1, 2, 3, 4, 5),
+    (1, 2, 0, 4, 5, 3),
+    (2, 0, 1, 5, 3, 4),
+    (3, 5, 4, 0, 2, 1),
+    (4, 3, 5, 1, 0, 2),
+    (5, 4, 3, 2, 1, 0),
+)
+"""By the place of its lowest vertex: how a prism is turned so that it comes first."""
+
+
+def _turned(vertices: tuple[Vector3, ...], cell: Tetrahedron) -> Tetrahedron:
+    """Return a tetrahedron whose fourth vertex is on the side to which the first three
+    turn left.
+    """
+    a, b, c, d = (vertices[i] for i in cell)
+    u, v, w = ((p[0] - a[0], p[1] - a[1], p[2] - a[2]) for p in (b, c, d))
+    across = (
+        cross((u[1], u[2]), (v[1], v[2])),
+        cross((u[2], u[0]), (v[2], v[0])),
+        cross((u[0], u[1]), (v[0], v[1])),
+    )
+    volume = across[0] * w[0] + across[1] * w[1] + across[2] * w[2]
+    return cell if volume > 0.0 else (cell[1], cell[0], cell[2], cell[3])
