@@ -138,9 +138,6 @@ object.
 
 # --- ways
 
-VIA_RUN_IN = 0.25
-"""Of motion.run_in: the straight end of a push to a pose on the way."""
-
 LOOP_RATIO = 1.6
 """Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
 LOOP_SLACK = 0.25

@@ -9,7 +9,6 @@ import platform
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from pushpressslide.jobs.interrupt import Interrupt, Interrupted
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
-from pushpressslide.selection.solve import solve
+from pushpressslide.selection.solve import joined, solve
 
 
 def versions() -> dict[str, str]:
@@ -109,8 +108,7 @@ def run_choice(
     preparation = chosen.preparation(True)
     for placement in plan_of(task, [choice]).by_placement:
         preparation.add(placement)
-    segments = chain.from_iterable(part.segments for part in preparation.plans)
-    plan = Plan(task, tuple(segments))
+    plan = joined(preparation, task)
     options = ArmOptions(paths=preparation.paths)
     record = chosen.run(plan, RunOptions(seed), options)
     return record.plan, record

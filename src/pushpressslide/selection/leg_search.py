@@ -62,7 +62,6 @@ class Step:
 
     begin: State
     end: State
-    task: Task
     choice: Choice
 
 
@@ -174,7 +173,6 @@ class LegSearch:
         """Return the states that a motion leads to."""
         here = motion.before
         out = []
-        task = self._part(here.state.pose, motion.to, motion.mode)
         for choice in self._choices(motion):
             placement = _placement(choice)
             held = placement == here.state.placement
@@ -188,7 +186,7 @@ class LegSearch:
             if (since, motion.to, placement) in self.banned:
                 continue
             end = State(motion.to, placement, since)
-            step = Step(here.state, end, task, choice)
+            step = Step(here.state, end, choice)
             out.append(Reached(end, (*here.steps, step), here.time + time))
         return out
 

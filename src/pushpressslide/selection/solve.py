@@ -66,12 +66,12 @@ def solve(
     if force or not searchable(task):
         choices = prepared(preparation, task, choices, force, first)
         clock.lap("joint_paths")
-        return Solution(_joined(preparation, task, begin), choices, clock.laps)
+        return Solution(joined(preparation, task, begin), choices, clock.laps)
     problems: Problems = {}
     added = add_first(preparation, task, choices, False, problems, TRIES)
     clock.lap("joint_paths")
     if added:
-        return Solution(_joined(preparation, task, begin), choices, clock.laps)
+        return Solution(joined(preparation, task, begin), choices, clock.laps)
     plan = _searched(preparation, task, choices, begin)
     clock.lap("search")
     return Solution(plan, choices, clock.laps)
@@ -142,7 +142,7 @@ def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
     for i, step in enumerate(steps):
         led = of_leg(step.choice, i).segments
         segments += led
-        legs.append(Leg(step.choice.mode, led[-1].goal, step.task.motion))
+        legs.append(Leg(step.choice.mode, led[-1].goal, task.motion))
     found = tuple(legs) if len(legs) > 1 else ()
     if begin is not None:
         begin = replace(begin, leg=0, legs=found)
@@ -171,7 +171,7 @@ def _prepare(preparation: Preparation, plan: Plan) -> tuple[list[int] | None, st
     return None, ""
 
 
-def _joined(preparation: Preparation, task: Task, begin: Restart | None) -> Plan:
+def joined(preparation: Preparation, task: Task, begin: Restart | None = None) -> Plan:
     """Return one plan of all that was prepared."""
     segments = chain.from_iterable(part.segments for part in preparation.plans)
     return Plan(task, tuple(segments), begin)
