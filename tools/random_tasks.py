@@ -28,6 +28,7 @@ WORK = Path("runs/random-tasks")
 SAMPLE_TIME = 600.0  # [s] that one sample may take
 TOLERANCE = ("tolerance.position=0.01", "tolerance.yaw_deg=2")
 OPEN = ("modes=null",)
+ALONE = ("limits.legs=1",)  # a mode is measured by what one motion of it does
 REFUSALS = 5  # refused samples of each table whose best choices are run all the same
 
 
@@ -77,14 +78,14 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1000 + i, attempts)
+        Table(mode, f"`{mode}`", task, 1200 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1005, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1006, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1205, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1206, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1010 + i, 20, world="uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1210 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 TABLES = KNOWN + UNCERTAIN

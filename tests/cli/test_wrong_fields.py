@@ -59,11 +59,34 @@ def prism(polygon: list[Any]) -> Callable[[dict[str, Any]], None]:
     return put("object.shape", {"prism": {"polygon": polygon, "height": 0.1}})
 
 
+def notched(path: str, value: object) -> Callable[[dict[str, Any]], None]:
+    """Put a value, and an object with a notch narrower than the tip."""
+
+    def change(data: dict[str, Any]) -> None:
+        put("object.shape", {"prism": {"polygon": NOTCHED, "height": 0.06}})(data)
+        put(path, value)(data)
+
+    return change
+
+
 def post(x: float, y: float, name: str = "post") -> dict[str, Any]:
     return {"name": name, "box": [0.1, 0.1, 0.2], "pose": {"x": x, "y": y}}
 
 
 PANDA = {"model": "panda"}
+PLACE = {"name": "can", "pose": {"x": 0.66, "y": -0.2}}
+ROD = {"cylinder": {"radius": 0.03, "height": 0.1}}
+BOW = [[0.0, 0.0], [0.1, 0.1], [0.1, 0.0], [0.0, 0.1]]
+NOTCHED = [
+    [-0.08, -0.06],
+    [0.08, -0.06],
+    [0.08, 0.06],
+    [0.01, 0.06],
+    [0.01, -0.01],
+    [-0.01, -0.01],
+    [-0.01, 0.06],
+    [-0.08, 0.06],
+]
 HALF = {"mode": "press_slide", "pose": {"x": 0.5, "y": 0.1}}
 
 # What is wrong: the change, the field that the message names, and a part of what it
@@ -237,6 +260,71 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
         put("goal.body", "post"),
         "goal.body:",
         "allowed: a movable body",
+    ),
+    "goal on a cylinder": (
+        put("obstacles", [{**PLACE, **ROD}]),
+        "goal:",
+        "no overlap with obstacle 'can'",
+    ),
+    "obstacle without a shape": (
+        put("obstacles", [PLACE]),
+        "obstacles[0]:",
+        "exactly one of box, prism, cylinder",
+    ),
+    "obstacle of two shapes": (
+        put("obstacles", [{**post(0.5, 0.5), **ROD}]),
+        "obstacles[0]:",
+        "exactly one of box, prism, cylinder",
+    ),
+    "obstacle on a polygon that crosses itself": (
+        put("obstacles", [{**PLACE, "prism": {"polygon": BOW, "height": 0.1}}]),
+        "obstacles[0].prism.polygon:",
+        "crosses itself",
+    ),
+    "obstacle of a mesh that is not there": (
+        put("obstacles", [{**PLACE, "mesh": "none.obj"}]),
+        "obstacles[0].mesh.path:",
+        "no such file",
+    ),
+    "fixed obstacle that may move": (
+        put("obstacles", [{**post(0.5, 0.5), "may_move": True}]),
+        "obstacles[0].may_move:",
+        "movable: true",
+    ),
+    "region that crosses itself": (
+        put("support.region", BOW),
+        "support.region:",
+        "crosses itself",
+    ),
+    "region of two corners": (
+        put("support.region", [[0, 0], [1, 0]]),
+        "support.region:",
+        "3 to 64 points",
+    ),
+    "region that excludes the start": (
+        put("support.region", [[0.5, -1], [1, -1], [1, 1], [0.5, 1]]),
+        "start:",
+        "over what support.region carries of the base",
+    ),
+    "region that excludes the goal": (
+        put("support.region", [[0, -0.1], [1, -0.1], [1, 1], [0, 1]]),
+        "goal:",
+        "inside the edge of support.region",
+    ),
+    "face in a notch narrower than the tip": (
+        notched("motion.face", 4),
+        "motion.face:",
+        "does not get to it; allowed: null, 0, 1, 2, 6, 7",
+    ),
+    "contact in a notch": (
+        notched("motion.contacts", [[0.0, 0.03]]),
+        "motion.contacts[0]:",
+        "on the object's top, 12 mm or more inside its edge",
+    ),
+    "contact beside the object": (
+        put("motion.contacts", [[0.0, 0.0], [0.1, 0.0]]),
+        "motion.contacts[1]:",
+        "on the object's top",
     ),
     "polygon that crosses itself": (
         prism([[0, 1], [0.59, -0.81], [-0.95, 0.31], [0.95, 0.31], [-0.59, -0.81]]),

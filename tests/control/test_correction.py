@@ -10,7 +10,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Belief, Obstacle, Robot, Task
+from pushpressslide.core.task import Belief, Box, Obstacle, Robot, Task
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.modes import MODES
 
@@ -40,7 +40,7 @@ def test_a_replan_through_an_obstacle_is_refused() -> None:
     middle = PLAN.object_pose(SEGMENT, 0.5 * LENGTH)
     beside = PLAN.object_pose(SEGMENT, 0.5 * LENGTH).compose(Pose2(0.0, 1.0, 0.0))
     for pose, free in ((middle, False), (beside, True)):
-        post = Obstacle("post", (0.03, 0.03, 0.1), pose)
+        post = Obstacle("post", Box((0.03, 0.03, 0.1)), pose)
         assert bool(replanned(replace(TASK, obstacles=(post,)))) == free
 
 
@@ -70,7 +70,9 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
     assert made.object_pose(retried, length).position == pytest.approx(
         task.goal.position
     )
-    post = Obstacle("post", (0.03, 0.03, 0.1), made.object_pose(retried, 0.5 * length))
+    post = Obstacle(
+        "post", Box((0.03, 0.03, 0.1)), made.object_pose(retried, 0.5 * length)
+    )
     blocked = replace(task, obstacles=(post,))
     assert Replanner(blocked).again(segment, X_WB, touched) == ()
 

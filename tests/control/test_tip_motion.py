@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from pushpressslide.control.tip_motion import Felt, missing
+from pushpressslide.control.tip_motion import (
+    HEIGHT_EASING,
+    HEIGHT_SLACK,
+    Felt,
+    eased_height,
+    missing,
+)
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 
@@ -35,6 +41,24 @@ def test_a_push_is_missed_by_its_share(share: float, lost: bool) -> None:
 def test_a_push_alone_and_any_press_are_missed() -> None:
     assert missing((GONE,), SIDES[:1], (0.2,))
     assert missing((THERE, GONE), TOPS, (20.0, 2.0))
+
+
+def test_a_tip_that_sticks_off_its_height_is_left_there() -> None:
+    """It is held where it is at first, and again after it has stuck elsewhere."""
+    wanted, dt = 0.04, 0.004
+    height = eased_height(None, 0.0401, wanted, dt)
+    assert height == pytest.approx(0.0401)
+    for _ in range(round(5.0 * HEIGHT_EASING / dt)):
+        height = eased_height(height, 0.0395, wanted, dt)
+    assert height == pytest.approx(0.0395, abs=1e-5)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_tip_is_not_led_far_from_its_height(side: float) -> None:
+    height = None
+    for i in range(1000):
+        height = eased_height(height, 0.04 + side * 1e-5 * i, 0.04, 0.004)
+    assert height == pytest.approx(0.04 + side * HEIGHT_SLACK)
 
 
 @pytest.mark.long

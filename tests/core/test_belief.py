@@ -22,7 +22,9 @@ TASK = Task(
     Pose2(0.6, 0.0, 0.0),
     (),
     support=Support(friction=0.3),
-    obstacles=(Obstacle("post", (0.1, 0.1, 0.1), Pose2(1.0, 0.0), True, 0.5, 0.4),),
+    obstacles=(
+        Obstacle("post", Box((0.1, 0.1, 0.1)), Pose2(1.0, 0.0), True, 0.5, 0.4),
+    ),
     start_error=Pose2(0.01, 0.0, 0.1),
 )
 WRONG = Belief(0.5, 0.7, 3.0, (0.0, 0.02), 0.11)

@@ -138,7 +138,7 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(
     size = (0.6, 0.8, 0.7)
     monkeypatch.setattr(levers, "PLACES", [0.5 - 0.2 / 0.76])
     slot = tuple(
-        Obstacle(f"slot_{i}", size, Pose2(1.385, goal.y + i * 0.62, 0.5 * math.pi))
+        Obstacle(f"slot_{i}", Box(size), Pose2(1.385, goal.y + i * 0.62, 0.5 * math.pi))
         for i in (1, -1)
     )
     stands = ((0.75, -0.30), (-0.75, -0.35))

@@ -2,11 +2,14 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import EventStatus
 from pydrake.systems.primitives import ConstantVectorSource, Integrator
 
+from pushpressslide.core.control import Measurement
+from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.plant import DrakePlant
 
 
@@ -16,7 +19,9 @@ def plant_of(simulator: Simulator) -> DrakePlant:
     plant._ticks = 0
     plant._period = 0.01
     plant._failure = None
-    plant._station = SimpleNamespace(simulator=simulator)
+    plant._station = SimpleNamespace(simulator=simulator, disturb=lambda *_: None)
+    plant._x = np.zeros(0)
+    plant._truth = Measurement(0.0, Pose2(), ())
     return plant
 
 

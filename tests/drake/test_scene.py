@@ -198,9 +198,23 @@ def test_the_drag_of_every_shape_is_the_integral_of_its_pressure(
 def test_what_stands_in_a_notch_is_not_touched(movable: bool) -> None:
     """A post inside the hull of an L, 5 mm off both inner sides."""
     pose = START.compose(Pose2(0.085, 0.085))
-    post = Obstacle("post", (0.04, 0.04, 0.1), pose, movable=movable)
+    post = Obstacle("post", Box((0.04, 0.04, 0.1)), pose, movable=movable)
     plan = still_plan(SHAPES["L"], (post,))
     dragged = Dragged(plan)
+    dragged.simulator.AdvanceTo(0.4)
+    X = dragged.plant.EvalBodyPoseInWorld(dragged.context, dragged.body)
+    assert X.translation()[:2] == pytest.approx(START.position, abs=1e-5)
+    assert dragged.yaw() == pytest.approx(START.yaw, abs=1e-4)
+
+
+@pytest.mark.parametrize("movable", [False, True])
+def test_an_obstacle_is_as_concave_in_the_simulation_as_in_the_task(
+    movable: bool,
+) -> None:
+    """A post in the notch of an obstacle, 5 mm off both inner sides, is not touched."""
+    pose = START.compose(Pose2(-0.085, -0.085))
+    corner = Obstacle("corner", SHAPES["L"], pose, movable=movable)
+    dragged = Dragged(still_plan(Box((0.04, 0.04, 0.1)), (corner,)))
     dragged.simulator.AdvanceTo(0.4)
     X = dragged.plant.EvalBodyPoseInWorld(dragged.context, dragged.body)
     assert X.translation()[:2] == pytest.approx(START.position, abs=1e-5)
@@ -243,6 +257,25 @@ def sliding_acceleration(scene, simulator, context, body) -> float:
     return float(speeds[1] - speeds[0]) / 0.2
 
 
+@pytest.mark.parametrize("name", ["cube", "cylinder", "L"])
+@pytest.mark.parametrize(("inside", "stays"), [(0.012, True), (-0.004, False)])
+def test_an_object_falls_off_a_table_that_ends_under_its_centre_of_mass(
+    name: str, inside: float, stays: bool
+) -> None:
+    plan = still_plan(SHAPES[name])
+    task = plan.task
+    x, y = task.object.center_of_mass
+    corners = ((x - 1.0, y - 1.0), (x + inside, y - 1.0))
+    corners = (*corners, (x + inside, y + 1.0), (x - 1.0, y + 1.0))
+    region = tuple(START.apply(corner) for corner in corners)
+    task = replace(task, support=replace(task.support, region=region))
+    scene, simulator, context = tilted_scene(replace(plan, task=task), 0.0)
+    simulator.AdvanceTo(1.0)
+    X = scene.plant.EvalBodyPoseInWorld(context, scene.object)
+    lowered = rest_height(task.object) - X.translation()[2]
+    assert (lowered < 1e-3) == stays
+
+
 @pytest.mark.parametrize("slope", [0.28, 0.4])
 def test_object_and_support_have_the_friction_of_their_pair(slope: float) -> None:
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"]), slope)
@@ -257,7 +290,7 @@ def test_movable_obstacle_and_support_have_the_friction_of_their_pair(
     friction: float, slope: float
 ) -> None:
     post = Obstacle(
-        "post", (0.1, 0.1, 0.06), Pose2(0.52, 0.4, 0.0), True, 0.8, friction
+        "post", Box((0.1, 0.1, 0.06)), Pose2(0.52, 0.4, 0.0), True, 0.8, friction
     )
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"], (post,)), slope)
     expected = max(0.0, GRAVITY * (slope - friction) * math.cos(math.atan(slope)))
@@ -265,10 +298,23 @@ def test_movable_obstacle_and_support_have_the_friction_of_their_pair(
     assert measured == pytest.approx(expected, abs=0.05)
 
 
+@pytest.mark.parametrize("name", ["triangle", "cylinder", "L"])
+def test_a_movable_obstacle_of_any_shape_has_the_friction_of_its_pair(
+    name: str,
+) -> None:
+    post = Obstacle("post", SHAPES[name], Pose2(0.52, 0.5, 0.0), True, 0.8, 0.2)
+    scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"], (post,)), 0.3)
+    expected = GRAVITY * 0.1 * math.cos(math.atan(0.3))
+    measured = sliding_acceleration(scene, simulator, context, scene.bodies["post"])
+    assert measured == pytest.approx(expected, abs=0.05)
+
+
 def test_with_a_rough_obstacle_object_and_support_keep_the_friction_of_their_pair() -> (
     None
 ):
-    post = Obstacle("post", (0.1, 0.1, 0.06), Pose2(0.52, 0.4, 0.0), True, 0.8, 0.45)
+    post = Obstacle(
+        "post", Box((0.1, 0.1, 0.06)), Pose2(0.52, 0.4, 0.0), True, 0.8, 0.45
+    )
     scene, simulator, context = tilted_scene(still_plan(SHAPES["cube"], (post,)), 0.4)
     expected = GRAVITY * (0.4 - FRICTION) * math.cos(math.atan(0.4))
     assert sliding_acceleration(

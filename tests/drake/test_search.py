@@ -72,10 +72,10 @@ def test_the_first_result_costs_only_the_first_solution(
     postures = 0
     least = ClearanceModel.least
 
-    def counted(model, q, poses, *, touching):
+    def counted(model, q, poses, **options):
         nonlocal postures
         postures += len(q)
-        return least(model, q, poses, touching=touching)
+        return least(model, q, poses, **options)
 
     monkeypatch.setattr(ClearanceModel, "least", counted)
     stream = search(ArmProblem(push, 0))

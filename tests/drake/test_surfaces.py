@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import TABLE, SupportFrame
-from pushpressslide.core.task import Obstacle, Opening, Support
+from pushpressslide.core.task import Box, Obstacle, Opening, Support
 from pushpressslide.sim.surfaces import (
     OBJECT_FRICTION,
     SurfaceFrictions,
@@ -45,6 +46,18 @@ def triangles(mesh):
 def areas(corners):
     """Area vectors (m, 3) [m^2] of triangles, along their outer normals."""
     return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def test_the_support_s_surface_ends_at_the_edge_of_its_region() -> None:
+    region = ((-0.1, -0.08), (0.25, -0.11), (0.2, 0.12), (0.05, 0.03))
+    grid = support_grid(BOUNDS, 0.05, Support(region=region))
+    corners = triangles(grid)
+    top = shapely.Polygon(region)
+    faces = shapely.polygons(corners[:, :, :2])
+    assert shapely.union_all(faces).symmetric_difference(top).area < 1e-6
+    upwards = areas(corners)[:, 2]
+    assert (upwards > 0.0).all()
+    assert upwards.sum() == pytest.approx(top.area, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +110,7 @@ def test_every_pair_of_a_task_comes_out_as_asked(support, contact, post) -> None
     obstacles = ()
     if post is not None:
         box = (0.1, 0.1, 0.1)
-        obstacles = (Obstacle("post", box, Pose2(), movable=True, friction=post),)
+        obstacles = (Obstacle("post", Box(box), Pose2(), movable=True, friction=post),)
     task = replace(
         task,
         support=replace(task.support, friction=support),

@@ -9,7 +9,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, Task
+from pushpressslide.core.task import Task
 from pushpressslide.jobs.cluttered import (
     APART,
     BASE_ROOM,
@@ -30,7 +30,7 @@ def tasks(request: pytest.FixtureRequest) -> list[Task]:
 
 def test_nothing_overlaps(tasks: list[Task]) -> None:
     for task in tasks:
-        others = [Box(o.size).placed(o.pose) for o in task.obstacles]
+        others = [o.footprint for o in task.obstacles]
         if others:
             assert (
                 gaps(task.object.shape, [task.start, task.goal], others).min() >= APART
@@ -43,7 +43,7 @@ def test_nothing_overlaps(tasks: list[Task]) -> None:
 
 def test_a_footprint_has_a_free_way(tasks: list[Task]) -> None:
     for task in tasks:
-        others = tuple(Box(o.size).placed(o.pose) for o in task.obstacles)
+        others = tuple(o.footprint for o in task.obstacles)
         room = 0.3 + task.object.shape.circumradius
         xs = sorted((task.start.x, task.goal.x))
         ys = sorted((task.start.y, task.goal.y))
@@ -57,7 +57,7 @@ def test_some_tasks_have_an_obstacle_on_the_straight_way_and_some_have_none(
 ) -> None:
     blocked = 0
     for task in tasks:
-        others = [Box(o.size).placed(o.pose) for o in task.obstacles]
+        others = [o.footprint for o in task.obstacles]
         if not others:
             continue
         poses = [between(task.start, task.goal, i / 40) for i in range(41)]

@@ -10,10 +10,11 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.modes import base
-from pushpressslide.modes.base import Draft, search
+from pushpressslide.modes.base import PATIENCE, Draft, search
 
 TASK = load_task("rear-push-rear")
 OUT_OF_REACH = Refusal("reach", "out of reach")
+LAST = f"{PATIENCE + 5:g}/0"
 
 
 class Bench:
@@ -38,7 +39,7 @@ class Bench:
 
         return Draft(least, make, ordered)
 
-    def arms(self, task: Task, choice: Choice) -> Refusal | None:
+    def arms(self, task: Task, choice: Choice, quick: bool) -> Refusal | None:
         """Stand in for ``arms_refusal``."""
         self.asked.append(choice.label)
         return OUT_OF_REACH if choice.label in self.refused else None
@@ -117,3 +118,20 @@ def test_of_equally_quick_choices_the_first_draft_is_first() -> None:
 
 def test_without_drafts_there_is_nothing() -> None:
     assert Bench().search() == []
+
+
+def test_patience_with_arms_that_do_not_reach_ends() -> None:
+    """After so many the tables alone are asked; what they know is still found."""
+    asked: list[bool] = []
+
+    def far(task: Task, choice: Choice, quick: bool) -> Refusal | None:
+        asked.append(quick)
+        return None if choice.label == LAST else OUT_OF_REACH
+
+    bench = Bench()
+    drafts = [bench.draft(float(i), float(i)) for i in range(PATIENCE + 6)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(base, "arms_refusal", far)
+        found = search(TASK, drafts, 1)
+    assert asked == [False] * PATIENCE + [True] * 6
+    assert [choice.label for choice in found if choice.feasible] == [LAST]

@@ -12,7 +12,7 @@ import pushpressslide as pps
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Obstacle, Task
+from pushpressslide.core.task import Box, Obstacle, Task
 from pushpressslide.mechanics.pressure import center_of_pressure
 from pushpressslide.modes import MODES
 from pushpressslide.modes.bimanual_press_slide import MODE
@@ -130,7 +130,7 @@ def test_an_object_that_nothing_presses_or_carries_falls() -> None:
 
 def test_where_nothing_else_carries_it_the_arms_hold_it_to_the_end() -> None:
     task = turn()
-    ledge = Obstacle("ledge", (0.2, 0.04, 0.2), Pose2(0.0, -0.417))
+    ledge = Obstacle("ledge", Box((0.2, 0.04, 0.2)), Pose2(0.0, -0.417))
     task = replace(
         task,
         support=replace(task.support, opening=None),

@@ -1,9 +1,12 @@
 """The planar plant keeps what the run loop relies on."""
 
+from dataclasses import replace
+
 import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.plan import Plan
+from pushpressslide.planar.engine import run
 from pushpressslide.planar.plant import PlanarPlant
 
 
@@ -49,3 +52,14 @@ def test_a_hand_over_leaves_the_tips_where_they_are(plan: Plan) -> None:
     before = plant.measure().tips
     plant.hand_over(plan.by_placement[1], frozenset({0}))
     assert plant.measure().tips == before
+
+
+def test_an_object_that_is_led_over_the_edge_of_its_table_tips() -> None:
+    """The table is cut off after the plan is made."""
+    made = pps.plan(pps.load_task("rear-push-rear"))
+    end = made.task.goal.y + 0.05
+    region = ((0.0, end), (1.0, end), (1.0, 1.0), (0.0, 1.0))
+    task = replace(made.task, support=replace(made.task.support, region=region))
+    record = run(replace(made, task=task))
+    assert record.reason == "diverged"
+    assert "tips over" in record.reason_text

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import shapely
 
 from pushpressslide.core.footprint import gaps
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.shapes import Box, Cylinder
+from pushpressslide.core.shapes import Box, Cylinder, Prism
 from pushpressslide.planning.free_way import FreeSpace, between, convex_parts, moved
 
 BAR = Box((0.2, 0.1, 0.05))
@@ -41,6 +42,39 @@ def test_every_pose_of_a_way_round_a_post_keeps_its_clearance(shape: object) -> 
     ]
     least = gaps(shape, poses, [POST]).min()  # type: ignore[arg-type]
     assert least >= CLEARANCE - 1e-3  # half a step between the places that were asked
+
+
+def test_a_way_leads_into_the_notch_of_a_concave_polygon() -> None:
+    """The goal is inside the hull of a U that opens to the left."""
+    walls = ((0.7, -0.2), (0.9, -0.2), (0.9, 0.2), (0.5, 0.2), (0.5, 0.15))
+    walls = (*walls, (0.85, 0.15), (0.85, -0.15), (0.5, -0.15), (0.5, -0.2))
+    fork = Prism(walls, 0.1).placed(Pose2())
+    way = space(fork).ways(Pose2(0.72, 0.0, 0.0)).way(Pose2(0.3, 0.1, 0.4))
+    assert way is not None
+    assert gaps(BAR, way, [fork]).min() >= CLEARANCE
+
+
+def test_the_centre_of_a_footprint_stays_in_its_region_all_the_way() -> None:
+    """The region is an L; the centre is off the frame's origin."""
+    low = shapely.box(0.2, -0.4, 0.9, -0.2)
+    region = low.union(shapely.box(0.2, -0.4, 0.4, 0.4))
+    off = (0.03, 0.02)
+    free = FreeSpace(BAR, (), CLEARANCE, REGION, region, off)
+    way = free.ways(Pose2(0.8, -0.3, 1.0)).way(Pose2(0.3, 0.3, 0.0))
+    assert way is not None
+    assert len(way) > 2
+    for a, b in pairwise(way):
+        steps = [between(a, b, share) for share in np.linspace(0, 1, 20)]
+        centers = shapely.points([X.apply(off) for X in steps])
+        # half a step between the places that were asked, at a corner
+        assert shapely.distance(region, centers).max() < 0.5 * CLEARANCE
+
+
+def test_in_a_convex_region_the_straight_way_is_taken() -> None:
+    region = shapely.box(0.2, -0.4, 0.9, 0.4)
+    free = FreeSpace(BAR, (), CLEARANCE, REGION, region)
+    assert free.ways(GOAL).way(START) == [START, GOAL]
+    assert free.free([START, Pose2(0.91, 0.0)]).tolist() == [True, False]
 
 
 def test_there_is_no_way_through_a_wall_that_reaches_from_edge_to_edge() -> None:

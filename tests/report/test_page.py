@@ -16,7 +16,7 @@ from pushpressslide.planar.replay import write_replay
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
-from pushpressslide.report.page import write_report
+from pushpressslide.report.page import search_part, write_report
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
 
@@ -243,3 +243,31 @@ def test_what_went_wrong_on_the_way_is_told(run, tmp_path):
     assert "3.2 s: <code>contact_lost</code> tip 0 felt nothing" in text
     assert "planned anew" in text
     assert "No other attempt: no way &lt;on&gt;." in text
+
+
+def test_what_a_search_dropped_is_told():
+    search = {
+        "poses": 30,
+        "judged": 12,
+        "refused": [
+            {"mode": "rear_push", "code": "reach", "count": 4, "text": "too far <away>"}
+        ],
+        "dropped": [
+            {
+                "modes": ["rear_push", "press_slide"],
+                "time": 31.2,
+                "why": "no joint path",
+            }
+        ],
+    }
+    text = search_part(search)
+    assert "12 motions" in text
+    assert "30 poses" in text
+    for cell in (
+        "rear_push, press_slide",
+        "31.2 s",
+        "4 motions",
+        "too far &lt;away&gt;",
+    ):
+        assert cell in text
+    assert search_part(None) == ""

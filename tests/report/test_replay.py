@@ -41,7 +41,7 @@ def two_arms(made, arm_run):
 
 
 def with_shape(run, shape):
-    post = Obstacle("post", (0.1, 0.1, 0.2), Pose2(0.3, 0.3, 0.3), movable=True)
+    post = Obstacle("post", Box((0.1, 0.1, 0.2)), Pose2(0.3, 0.3, 0.3), movable=True)
     task = replace(
         run.task, object=ObjectModel(shape, 1.0, (0.0, 0.0)), obstacles=(post,)
     )

@@ -13,8 +13,9 @@ from pushpressslide.core.footprint import gaps
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, Restart, Task
+from pushpressslide.planning.swept import swept
 from pushpressslide.report.plan_files import plan_from_dict, plan_to_dict
-from pushpressslide.selection.clearance import obstacle_refusal, swept
+from pushpressslide.selection.clearance import obstacle_refusal
 from pushpressslide.selection.preparation import PlansAlone
 from pushpressslide.selection.solve import plan, searchable, solve
 from pushpressslide.taskfile.load import task_from_data
@@ -56,6 +57,19 @@ def test_a_push_round_a_post_is_found_as_several_motions(found: Plan) -> None:
     )
 
 
+def test_what_the_search_dropped_is_told(task: Task) -> None:
+    """A cylinder too heavy for a press: its motions are refused by their reasons."""
+    searched = solve(PlansAlone(), task, 1).searched
+    assert searched is not None
+    assert searched.judged >= sum(motions.count for motions in searched.refused) > 0
+    assert searched.poses > 0
+    for motions in searched.refused:
+        assert motions.mode in ("rear_push", "press_slide")
+        assert motions.text
+    counts = [motions.count for motions in searched.refused]
+    assert counts == sorted(counts, reverse=True)
+
+
 def test_each_motion_begins_where_the_one_before_ends(task: Task, found: Plan) -> None:
     X_GB = task.X_GB
     first = found.segments[0].body_pose(0.0)
@@ -71,7 +85,7 @@ def test_each_motion_begins_where_the_one_before_ends(task: Task, found: Plan) -
 
 def test_the_whole_way_keeps_its_clearance(task: Task, found: Plan) -> None:
     poses = swept(task.object, found.segments, task.motion.clearance)
-    others = [Box(o.size).placed(o.pose) for o in task.obstacles]
+    others = [o.footprint for o in task.obstacles]
     least = gaps(task.object.shape, poses, others).min()
     assert least >= task.motion.clearance - 1e-6
 
@@ -95,7 +109,7 @@ def test_a_refusal_says_how_many_motions_were_looked_at(task: Task) -> None:
 
 def _wall(task: Task) -> Any:
     return replace(
-        task.obstacles[0], size=(0.05, 3.0, 0.2), pose=Pose2(0.39, 0.28, 0.9)
+        task.obstacles[0], shape=Box((0.05, 3.0, 0.2)), pose=Pose2(0.39, 0.28, 0.9)
     )
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Obstacle
+from pushpressslide.core.task import Box, Obstacle
 from pushpressslide.planar.engine import run
 from pushpressslide.report.metrics import result
 from pushpressslide.selection.select import select
@@ -37,6 +37,11 @@ def test_a_sidewards_start_is_shared_between_place_and_yaw() -> None:
     [
         ("goal.body=nothing", "goal.body"),
         ("obstacles.0.movable=false", "goal.body"),
+        (
+            "obstacles.0={name: cube, cylinder: {radius: 0.04, height: 0.08}, movable: true, "
+            "pose: {x: 0.45, y: 0.38}}",
+            "80 mm; allowed: a box",
+        ),
         ("tool.face=4", "tool.face"),
         ("goal.yaw_deg=30", "goal.yaw_deg"),
         ("obstacles.0.pose.yaw_deg=40", "obstacles"),
@@ -76,7 +81,7 @@ def test_a_mode_that_would_not_push_straight_with_the_tools_face_is_refused() ->
 
 
 TRIANGLE = ((0.1, -0.05), (0.1, 0.05), (-0.1, 0.0))
-BODY = Obstacle("block", (0.08, 0.04, 0.05), Pose2(0.3, -0.2, 0.1), movable=True)
+BODY = Obstacle("block", Box((0.08, 0.04, 0.05)), Pose2(0.3, -0.2, 0.1), movable=True)
 
 
 @pytest.mark.parametrize("face", range(3))
@@ -92,7 +97,7 @@ def test_every_face_ends_square_to_the_push_and_against_the_body(
     ahead = (math.cos(direction), math.sin(direction))
     assert along[0] * ahead[0] + along[1] * ahead[1] == pytest.approx(0.0, abs=1e-12)
     lengthwise = abs(math.sin(direction - BODY.pose.yaw)) < 0.7
-    half = 0.5 * BODY.size[0 if lengthwise else 1]
+    half = 0.5 * BODY.shape.size[0 if lengthwise else 1]
     middle = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]))
     assert middle == pytest.approx(
         (

@@ -126,7 +126,9 @@ def test_schema_and_reader_refuse_the_same_values(name: str) -> None:
     values: list[object] = [None, True, "x", "../x", -1, 0, 0.3, 1e9, [], [1, 2], {}]
     refused = 0
     for path in places(data):
-        if "shape" in path:  # exactly one of them is given: a later check of the reader
+        if (
+            "shape" in path or "box" in path
+        ):  # exactly one of them is given: a later check of the reader
             continue
         for value in values:
             wrong = changed(data, path, value)

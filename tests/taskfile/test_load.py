@@ -198,9 +198,8 @@ def test_belief_follows_a_changed_truth_unless_it_was_given(tmp_path: Path) -> N
 
 def test_touching_bodies_are_allowed() -> None:
     fence = {"name": "fence", "box": [0.1, 0.15, 0.1], "pose": {"x": 0.725, "y": 0}}
-    assert task_from_data({**MINIMAL, "obstacles": [fence]}, "test").obstacles[
-        0
-    ].size == (0.1, 0.15, 0.1)
+    (obstacle,) = task_from_data({**MINIMAL, "obstacles": [fence]}, "test").obstacles
+    assert obstacle.shape == Box((0.1, 0.15, 0.1))
 
 
 def test_a_free_hand_reaches_everywhere() -> None:

@@ -15,6 +15,7 @@ from pushpressslide.taskfile.place import Place
 
 DERIVED = {
     "Robot.base_yaw",  # within base
+    "Task.pushes",
     "Task.searched",
     "Task.source",
     "ToolUse.body",  # within goal

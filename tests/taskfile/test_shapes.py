@@ -198,6 +198,48 @@ def test_a_face_that_is_not_there_is_refused() -> None:
     assert "motion.face: 6 is not allowed; allowed: null or 0 to 5" in line
 
 
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"prism": {"polygon": [[0, 0], [0.1, 0], [0.05, 0.1]], "height": 0.1}},
+        {"cylinder": {"radius": 0.03, "height": 0.2}},
+        {"compound": T_PARTS},
+    ],
+)
+def test_an_obstacle_of_any_shape_comes_back_from_its_file(
+    shape: dict,
+) -> None:
+    stand = {"name": "post", "pose": {"x": 0.5, "y": 0.5, "yaw_deg": 20}}
+    loaded = task(BOX, obstacles=[{**stand, **shape}])
+    written = yaml.safe_load(dump_task(loaded))
+    assert task_from_data(written, "shaped.yaml") == loaded
+    assert set(written["obstacles"][0]) & {"box", *shape} == set(shape)
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ({}, ("obstacles[0]", "exactly one of box, prism")),
+        ({**BOX, "compound": T_PARTS}, ("obstacles[0]", "exactly one of box, prism")),
+        (
+            {
+                "prism": {
+                    "polygon": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]],
+                    "height": 0.1,
+                }
+            },
+            ("obstacles[0].prism.polygon", "does not cross itself"),
+        ),
+    ],
+)
+def test_what_is_no_shape_of_an_obstacle_is_refused(
+    shape: dict, words: tuple[str, ...]
+) -> None:
+    stand = {"name": "post", "pose": {"x": 0.5, "y": 0.5}}
+    line = refusal(BOX, obstacles=[{**stand, **shape}])
+    assert all(word in line for word in words)
+
+
 APART = [{"box": [0.1, 0.03, 0.04]}, {"box": [0.1, 0.03, 0.04], "pose": {"x": 0.2}}]
 RING = [
     {"box": [0.14, 0.02, 0.04], "pose": {"y": 0.06}},

@@ -23,7 +23,7 @@ from pushpressslide.core.task import FORCE_ALLOWED, Cop, Motion
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.osculating import pressures, touching_ellipsoid
-from pushpressslide.mechanics.pressing import resting_cop
+from pushpressslide.mechanics.pressing import no_drag, resting_cop
 from pushpressslide.mechanics.wall import lean_press, weights
 
 COP: Cop = "balanced"
@@ -80,11 +80,7 @@ def _loads_at_limit(
     mu_a = pair.contact_friction
     mu_s = pair.support_friction
     if mu_a <= mu_s:
-        text = (
-            "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
-            "press drags"
-        )
-        raise RefusedError(Refusal("friction", text, mu_a, mu_s))
+        raise RefusedError(no_drag(mu_a, mu_s))
     if not isinstance(cop, str):
         raise RefusedError(_cop_refusal(presses, cop, twist, allowed))
     normals = loads_with(pair, cop, pair.cap)

@@ -75,6 +75,7 @@ def select(
     Joint paths are not looked at.
     """
     from pushpressslide.cli import tables
+    from pushpressslide.cli.goals import select_stages
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.select import select as rank
@@ -84,6 +85,9 @@ def select(
     folder = results_folder(
         out, f"select-{loaded.name}", force, ("select.json", "result.json")
     )
+    if loaded.goals:
+        select_stages(loaded, folder, as_json)
+        return REACHED
     choices = rank(loaded)
     rows = tables.choice_rows(choices)
     write_whole(
@@ -122,6 +126,7 @@ def plan(
 
     Joint paths are not looked at.
     """
+    from pushpressslide.cli.goals import plan_stages_into
     from pushpressslide.cli.tables import JOINT_PATHS, print_legs
     from pushpressslide.report.plan_files import plan_to_dict, write_plan
     from pushpressslide.selection.select import select as rank
@@ -131,6 +136,9 @@ def plan(
     folder = results_folder(
         out, f"plan-{loaded.name}", force, ("plan.json", "result.json")
     )
+    if loaded.goals:
+        plan_stages_into(loaded, folder, as_json)
+        return
     choices = rank(loaded)
     made = make_plan(loaded)
     write_plan(made, folder, choices)
@@ -139,7 +147,7 @@ def plan(
         return
     for choice in made.chosen(choices):
         typer.echo(f"{choice.mode}: {choice.reason}")
-    if made.task.searched:
+    if made.task.searched or made.task.pushes:
         print_legs(made)
     length = sum(segment.path.length for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
@@ -240,5 +248,11 @@ def report(
 ) -> None:
     """Write the page of finished runs again, from their records."""
     from pushpressslide.report.page import write_report
+    from pushpressslide.report.stage_files import is_staged
+    from pushpressslide.report.stage_page import write_stages_report
 
-    typer.echo(write_report(folders, None if out is None else out / "report.html"))
+    page = None if out is None else out / "report.html"
+    if len(folders) == 1 and is_staged(folders[0]):
+        typer.echo(write_stages_report(folders[0], page))
+        return
+    typer.echo(write_report(folders, page))

@@ -17,6 +17,7 @@ class Variation(StrEnum):
     truth = "truth"
     tasks = "tasks"
     start = "start"
+    knocks = "knocks"
 
 
 class Drawing(StrEnum):

@@ -108,10 +108,16 @@ def print_choices(choices: Sequence[Choice]) -> None:
 
 
 def print_legs(plan: Plan) -> None:
-    """Print the motions of a plan that were found one after the other."""
+    """Print the motions of a plan that were found one after the other, and what it may
+    push.
+    """
+    console = Console(markup=False, highlight=False, soft_wrap=True)
+    if plan.task.yielding:
+        names = ", ".join(obstacle.name for obstacle in plan.task.yielding)
+        modes = ", ".join(dict.fromkeys(piece.mode for piece in plan.segments))
+        console.print(f"{modes}, with leave to push what may move: {names}")
     if not plan.task.legs:
         return
-    console = Console(markup=False, highlight=False, soft_wrap=True)
     count = len(plan.task.legs)
     console.print(f"{count} motions, one after the other:")
     for number, placement in enumerate(plan.placements, start=1):
@@ -150,6 +156,14 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         table.add_row(name, shown, unit)
     _print(table)
     console = Console(markup=False, highlight=False, soft_wrap=True)
+    for number, stage in enumerate(result.get("stages", ()), start=1):
+        reached = "reached" if stage["reached"] else "not reached"
+        purpose = "aside" if stage["aside"] else "to its goal"
+        modes = ", ".join(stage["modes"]) or "not begun"
+        text = f"stage {number}: {stage['body']} {purpose}, {modes}, {reached}"
+        if stage["time"] is not None:
+            text += f" at {stage['time'][1]:.1f} s"
+        console.print(text)
     for event in result["events"]:
         goes_on = (
             "planned anew" if event["recovered"] else f"no way on: {event['lacking']}"

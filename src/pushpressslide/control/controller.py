@@ -52,6 +52,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
 from pushpressslide.core.guidance import Guidance
+from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Contact, Plan, Segment, lasting_arms
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import Ending, ReasonCode
@@ -96,6 +97,7 @@ class Controller:
         placements = plan.placements
         self.segments = placements[number]
         self.planned = Timeline(self.segments)
+        self.planned_poses = [X for piece in self.segments for X in poses_along(piece)]
         first = self.segments[0]
         told = plan.task.told
         self.parts = told.parts
@@ -115,6 +117,7 @@ class Controller:
                 motion.approach_distance if gap is None else gap,
                 force,
                 threshold,
+                task.sensing.seen_motion,
                 regulator,
             )
             for contact, force in zip(first.contacts, _touch_forces(first), strict=True)
@@ -597,6 +600,10 @@ class Controller:
         )
         if better is None:
             return state
+        # a turn on the spot that goes on as arcs leads away from its spot
+        led = isinstance(state.segment.path, ArcPath)
+        if led and not (self.reaches_far or self._beside(better.segments)):
+            return replace(state, replanned=time)  # asked again after a pause
         first = better.segments[0]
         if found.center != state.followed_center:
             # the virtual axle is looked for about the centre that was found
@@ -660,12 +667,11 @@ class Controller:
         """Whether each pose of ``segments`` is near a planned one."""
         near = margins.ARM.beside
         turn = margins.ARM.turned_beside
-        planned = [pose for piece in self.segments for pose in poses_along(piece)]
         return all(
             any(
                 math.dist(pose.position, other.position) < near
                 and abs(wrap_angle(pose.yaw - other.yaw)) < turn
-                for other in planned
+                for other in self.planned_poses
             )
             for segment in segments
             for pose in poses_along(segment)

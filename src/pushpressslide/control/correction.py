@@ -18,8 +18,10 @@ from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
 from pushpressslide.modes import MODES
+from pushpressslide.planning.swept import swept
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
-from pushpressslide.selection.clearance import obstacle_refusal, swept
+from pushpressslide.selection.clearance import obstacle_refusal
+from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
 
@@ -127,7 +129,8 @@ class Replanner:
 
 def _free(part: Task, segments: Sequence[Segment]) -> bool:
     """Whether segments, the first of the leg ``part``, stay in the workspace, keep
-    clear of obstacles, do not tip into an opening, and push straight with a tool.
+    clear of obstacles, do not tip into an opening or over an edge, and push straight
+    with a tool.
     """
     if not segments:
         return True
@@ -138,6 +141,8 @@ def _free(part: Task, segments: Sequence[Segment]) -> bool:
     clearance = part.motion.clearance
     path = swept(part.object, segments, clearance)
     if part.obstacles and obstacle_refusal(part, path) is not None:
+        return False
+    if edge_refusal(part, segments) is not None:
         return False
     if part.support.opening is None and part.tool is None:
         return True

@@ -23,7 +23,7 @@ from pushpressslide.control.approach import (
 )
 from pushpressslide.control.controller import Controller
 from pushpressslide.control.limits import Guard
-from pushpressslide.control.plant import Plant
+from pushpressslide.control.plant import Plant, Situation
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import Sensor
@@ -60,6 +60,8 @@ class RunOptions:
     # changes the controller's commands at a time [s] on their way to the guard and the
     # arms, until a limit is broken; the record keeps the commands as given
     disturb: Callable[[float, Commands], Commands] | None = None
+    # that the run goes on from; None: the task's start, with the arms before the object
+    begin: Situation | None = None
 
 
 def run_loop(
@@ -93,7 +95,10 @@ class _RunLoop:
         # plans that others took the place of, and how many placements were begun of each
         self.earlier: list[tuple[Plan, int]] = []
         self.sensor = Sensor(task.sensing, options.seed, period)
-        self.guard = Guard(task.limits.normal_force, period, plant.arm_limits)
+        goes_on = options.begin is not None
+        self.guard = Guard(
+            task.limits.normal_force, period, plant.arm_limits, anew=goes_on
+        )
         self.breach: Ending | None = None  # the limit that was broken
         self.recorder = Recorder(plan)
         self.watches = (self._finished, *watches, self._diverged, self._stopped)
@@ -102,7 +107,8 @@ class _RunLoop:
         self.placements = plan.by_placement
         self.number = 0  # of the present placement
         self.state: ControllerState | None = None  # None before the touch
-        self._begin((None,) * len(task.robots), plant.time, None)
+        before = plant.measure() if goes_on else None
+        self._begin((None,) * len(task.robots), plant.time, before)
 
     def run(self) -> Record:
         """Go through all ticks and return the record."""

@@ -85,11 +85,13 @@ class TipMemory:
     """What is remembered of one tip."""
 
     start: Vector3  # [m] where it was when the phase began
+    found: Pose2 | None = None  # X_WB when the tip began to advance in this touch
     felt: float | None = None  # [s] since when contact is felt in this touch
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
     mean_force: float | None = None  # [N] of the last measurements, in this phase
+    height: float | None = None  # [m] at which a pushing tip is held, in this phase
     # of a tip that comes into this placement with the contact it has
     held: TipCommand | None = None
 

@@ -26,9 +26,11 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator
 
-# [N/m], [N s/m] of a pushing tip: soft, so that it does not lean on the face
+# [N/m], [N s/m] of a pushing tip along its height
 HEIGHT_STIFFNESS = 2000.0
 HEIGHT_DAMPING = 300.0
+HEIGHT_EASING = 0.5  # [s] in which the spring along the height relaxes
+HEIGHT_SLACK = 0.002  # [m] from the contact's height, within which it does
 # [N s/m] of a pressing tip along its normal, which is force controlled
 PRESS_DAMPING = 150.0
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
@@ -100,20 +102,10 @@ class TipMover:
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
-        regulator = memory.regulator
+        normal, memory = self._along_height(memory, context, task, normal_force)
         if task.entry_speed is not None:  # nothing but the damper holds it back
-            speed = task.entry_speed
-            down = braking(-tip.velocity[2], speed)
-            normal = _Normal(tip.position[2], 0.0, task.load / speed, task.load, down)
             felt = Felt(False, 0.0)
             force = _within(force, self.friction * max(normal_force, 0.0))
-        elif contact.kind == "top":
-            push, regulator = self.regulator.step(
-                regulator, task.load, normal_force, context.dt
-            )
-            normal = _Normal(tip.position[2], 0.0, PRESS_DAMPING, push)
-        else:
-            normal = _Normal(contact.height, HEIGHT_STIFFNESS, HEIGHT_DAMPING)
         command = TipCommand(
             force=(force[0], force[1], -normal.push),
             position=(tip.position[0], tip.position[1], normal.height),
@@ -127,10 +119,36 @@ class TipMover:
             progress=context.joint_progress,
             acceleration=(ax, ay, normal.acceleration),
         )
-        memory = replace(
-            memory, velocity=velocity, regulator=regulator, mean_force=mean
+        return command, replace(memory, velocity=velocity, mean_force=mean), felt
+
+    def _along_height(
+        self,
+        memory: TipMemory,
+        context: TipContext,
+        task: TipTask,
+        normal_force: float,
+    ) -> tuple[_Normal, TipMemory]:
+        """Return how the tip behaves along its height, and what to remember of it;
+        ``normal_force`` [N] is measured.
+        """
+        contact = context.contact
+        tip = context.tip
+        if task.entry_speed is not None:
+            speed = task.entry_speed
+            down = braking(-tip.velocity[2], speed)
+            damping = task.load / speed
+            return _Normal(tip.position[2], 0.0, damping, task.load, down), memory
+        if contact.kind == "top":
+            push, regulator = self.regulator.step(
+                memory.regulator, task.load, normal_force, context.dt
+            )
+            memory = replace(memory, regulator=regulator)
+            return _Normal(tip.position[2], 0.0, PRESS_DAMPING, push), memory
+        height = eased_height(
+            memory.height, tip.position[2], contact.height, context.dt
         )
-        return command, memory, felt
+        memory = replace(memory, height=height)
+        return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), memory
 
     def _least(self, contact: Contact) -> float:
         """Return the normal force [N] below which a contact counts as lost."""
@@ -165,6 +183,20 @@ class TipMover:
         ax = (velocity[0] - before[0]) / dt
         ay = (velocity[1] - before[1]) / dt
         return velocity, (ax, ay)
+
+
+def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> float:
+    """Return the height [m] at which a pushing tip is held after a tick of ``dt`` [s]:
+    the ``tip``'s own, which the friction at the face keeps, near the ``wanted`` one;
+    ``height`` is that of the tick before.
+
+    A spring to a fixed height leans on the face with a tenth of a newton for each 0.05
+    mm, all the friction there is where a light object is pushed.
+    """
+    if height is None:
+        height = tip
+    height += (tip - height) * min(1.0, dt / HEIGHT_EASING)
+    return min(max(height, wanted - HEIGHT_SLACK), wanted + HEIGHT_SLACK)
 
 
 def _within(force: Point, most: float) -> Point:

@@ -1,5 +1,5 @@
 """Phase touch: the tips line up with their contacts and advance until they feel the
-object.
+object, or see that they push it: a light one slides before its force is felt.
 
 Then the normal forces settle. Contacts from the side and from above do the same.
 """
@@ -47,11 +47,12 @@ class TipTouch:
     gap: float  # [m] free path before the object
     force: float  # [N] that it presses with in the end
     threshold: float  # [N] that counts as contact
+    seen: float  # [m] that an object has moved by if it is seen to
     regulator: NormalForceRegulator
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
         """Return how long the tip takes to line up before its contact [s]."""
-        before = tip_position(contact, X_WB, self.radius, self.gap)
+        before = tip_position(contact, memory.found or X_WB, self.radius, self.gap)
         return ramp_time(math.dist(before, memory.start)) + 0.1
 
     def step(
@@ -65,14 +66,18 @@ class TipTouch:
         if memory.held is not None:
             return TouchStep(memory.held, memory, True)
         contact = context.contact
-        n = contact.direction(context.X_WB)
-        before = tip_position(contact, context.X_WB, self.radius, self.gap)
         begins = context.joint_progress <= 0.0
         if begins:
             context = replace(context, joint_progress=-self.gap)
         if elapsed < aligned:
+            before = tip_position(contact, context.X_WB, self.radius, self.gap)
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
+        # from here on what the tip does to the object does not lead the tip
+        found = memory.found or context.X_WB
+        memory = replace(memory, found=found)
+        n = contact.direction(found)
+        before = tip_position(contact, found, self.radius, self.gap)
         depth = margins.ARM.touch_speed * (elapsed - aligned)
         origin = before
         if aligned == 0.0:  # go on from where the tip was when contact was lost
@@ -80,7 +85,9 @@ class TipTouch:
             ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
             origin = _ahead(start, n, -ahead)
             depth += min(max(ahead, 0.0), self.gap)
-        memory = self._felt(memory, pressed(context.tip.force, n), context.time, depth)
+        here = pressed(context.tip.force, n) > self.threshold
+        here = here or self._pushes(context, found)
+        memory = _felt(memory, here, context.time, depth)
         if begins:
             left = self.gap - (depth if memory.felt is None else memory.touch_depth)
             context = replace(context, joint_progress=-max(left, 0.0))
@@ -118,17 +125,32 @@ class TipTouch:
         command = held_at(context, place, push=push)
         return TouchStep(command, replace(memory, regulator=state), duration > settled)
 
-    def _felt(
-        self, memory: TipMemory, normal_force: float, time: float, depth: float
-    ) -> TipMemory:
-        """Return since when, and at which depth [m], contact has been felt."""
-        felt = memory.felt
-        if normal_force > self.threshold:
-            if felt is None:
-                return replace(memory, felt=time, touch_depth=depth)
-        elif felt is not None and time - felt < margins.ARM.felt_time:
-            return replace(memory, felt=None)  # a knock, not the object
-        return memory
+    def _pushes(self, context: TipContext, found: Pose2) -> bool:
+        """Whether the tip is seen to push the object from the side: it has moved on from
+        where it was ``found``, X_WB, with the tip at its contact.
+        """
+        contact = context.contact
+        if contact.kind == "top":
+            return False
+        x, y, _ = contact.direction(found)
+        there = found.apply(contact.point)
+        now = context.X_WB.apply(contact.point)
+        moved = (now[0] - there[0]) * x + (now[1] - there[1]) * y
+        touching = tip_position(contact, context.X_WB, self.radius, 0.0)
+        px, py, _ = context.tip.position
+        apart = (touching[0] - px) * x + (touching[1] - py) * y
+        return moved > self.seen and apart < self.seen
+
+
+def _felt(memory: TipMemory, here: bool, time: float, depth: float) -> TipMemory:
+    """Return since when, and at which depth [m], the object is felt to be ``here``."""
+    felt = memory.felt
+    if here:
+        if felt is None:
+            return replace(memory, felt=time, touch_depth=depth)
+    elif felt is not None and time - felt < margins.ARM.felt_time:
+        return replace(memory, felt=None)  # a knock, not the object
+    return memory
 
 
 def held_at(

@@ -6,15 +6,20 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.task import Opening, Shape
+from pushpressslide.core.task import Opening, Shape, Support
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
     from shapely import Polygon
+    from shapely.geometry.base import BaseGeometry
 
     from pushpressslide.core.arrays import Array
+
+SAME_EDGE = 1e-6
+"""[m] within which two edges are the same: rounding."""
 
 
 def overlap_area(shape_1: Shape, X_W1: Pose2, shape_2: Shape, X_W2: Pose2) -> float:
@@ -86,6 +91,54 @@ def depth_beside(shape: Shape, X_WG: Pose2, opening: Opening, point: Point) -> f
     if hull.covers(place):
         return float(hull.boundary.distance(place))
     return -float(hull.distance(place))
+
+
+def edge_depths(
+    shape: Shape, poses: Sequence[Pose2], points: Array, region: Polygon
+) -> Array:
+    """Return how far (n,) [m] points (n, 2) in W are inside the edge over which a
+    footprint at n ``poses`` X_WG would tip from a region of W.
+
+    What the region carries of the footprint counts with its convex hull. Depths are
+    negative beyond it, and infinite where nothing of the hull's edge is the region's.
+    """
+    import numpy as np
+    import shapely
+
+    placed = all_placed(shape, poses)
+    places = np.asarray(shapely.points(points))
+    out = np.full(len(poses), np.inf)
+    over = ~shapely.contains(region, placed)
+    if not over.any():
+        return out
+    placed = placed[over]
+    places = places[over]
+    carried = shapely.convex_hull(shapely.intersection(placed, region))
+    own = shapely.buffer(shapely.boundary(shapely.convex_hull(placed)), SAME_EDGE)
+    edges = shapely.difference(shapely.boundary(carried), own)
+    depths = np.where(shapely.is_empty(edges), np.inf, shapely.distance(edges, places))
+    flat = shapely.area(carried) == 0.0
+    beyond = np.where(
+        flat, shapely.distance(region, places), shapely.distance(carried, places)
+    )
+    out[over] = np.where(flat | ~shapely.covers(carried, places), -beyond, depths)
+    return out
+
+
+def middle_room(support: Support, shape: Shape) -> BaseGeometry | None:
+    """Return where in W an object's centre of mass may be on a table with an edge, with
+    its margin; None where there is no edge.
+
+    Where base and table are convex it is where ``edge_depths`` of a resting object
+    allows it, else less.
+    """
+    from shapely import Polygon
+
+    if support.region is None:
+        return None
+    margin = margins.EDGE_MARGIN * shape.half_width
+    room: BaseGeometry = Polygon(support.region).buffer(-margin, join_style="mitre")
+    return room
 
 
 def around(

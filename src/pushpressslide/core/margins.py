@@ -46,6 +46,10 @@ SAFE_MARGIN = 0.5
 """Inside the base's edge from which on an object is driven at full speed: nearer to it
 the pressure, and with it the virtual axle, changes quickly.
 """
+EDGE_MARGIN = 0.3
+"""That the centre of pressure stays inside the edge of a table: as at the base's own edge,
+and as much again for an object that is off its path.
+"""
 LEAN = 0.15
 """By which a weight in the plane may move the centre of pressure."""
 
@@ -246,6 +250,10 @@ class ArmMargins:
     """Of a contact, that a sensor without noise is sure of."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Below it a contact is not felt for sure, and bounces."""
+    firm_lever: float = field(default=0.004, metadata={"unit": "m"})
+    """From the centre of pressure to a press that steers: its heading turns by a quarter
+    of a radian for each millimetre that the tip creeps.
+    """
     table_gap: float = field(default=0.006, metadata={"unit": "m"})
     """Of a pushing tip above the support."""
     tool_gap: float = field(default=0.01, metadata={"unit": "m"})

@@ -20,6 +20,11 @@ def signed_area(polygon: tuple[Point, ...]) -> float:
     )
 
 
+def counter_clockwise(polygon: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return the corners in counter-clockwise order, the first one staying so."""
+    return polygon if signed_area(polygon) > 0.0 else polygon[:1] + polygon[:0:-1]
+
+
 def centroid(polygon: tuple[Point, ...]) -> Point:
     """Return the area centroid [m] of a polygon of non-zero area."""
     x = y = 0.0

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from pushpressslide.core import margins
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Box, Shape
+from pushpressslide.core.shapes import Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
+
+if TYPE_CHECKING:
+    from shapely import Polygon
 
 FIT = 1e-6  # [m] by which what just fits an opening may be larger
 LEDGE_GAP = 2e-3  # [m] to a ledge below it at which an object counts as lying on it
@@ -88,6 +91,14 @@ class Support:
         "deg",
         "(0, 45]",
     )
+    region: tuple[Point, ...] | None = setting(
+        None,
+        "corners of a table's top in the world: in order, either sense, concave too; "
+        "null: it has no edge",
+        "m",
+        "[-10, 10]",
+        count=(3, 64),
+    )
 
     @property
     def name(self) -> str:
@@ -153,19 +164,12 @@ class Robot:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """A box in the scene, fixed or free to move."""
+    """An upright body in the scene, fixed or free to move."""
 
     name: str = field(metadata=entry("unique; not 'object'", is_name=True))
-    size: tuple[float, float, float] = field(
-        metadata=entry(
-            "full lengths along x, y and z; it stands on the support",
-            "m",
-            "(0, 10]",
-            key="box",
-        )
-    )
+    shape: Shape = field(metadata=entry("exactly one shape; it stands on the support"))
     # in the world (on a wall: in the wall's plane)
-    pose: Pose2 = field(metadata=entry("pose of its centre"))
+    pose: Pose2 = field(metadata=entry("pose of the shape's frame G"))
     movable: bool = setting(False, "whether it can be pushed away; else it is fixed")
     mass: float = setting(1.0, "mass, if movable", "kg", "(0, 1000]")
     friction: float = setting(
@@ -179,6 +183,16 @@ class Obstacle:
     believed_friction: float | None = setting(
         None, "friction that the planner assumes; null: the true one", within=FRICTIONS
     )
+    may_move: bool = setting(
+        False,
+        "whether the object may push it on its way, where no way leads past it; only if "
+        "movable",
+    )
+
+    @property
+    def footprint(self) -> Polygon:
+        """Its footprint in W for Shapely."""
+        return self.shape.placed(self.pose)
 
     @property
     def told(self) -> Obstacle:
@@ -341,8 +355,7 @@ class Scene:
         below = self.body.shape.placed(self.lowered(X_WG, within))
         fixed = (obstacle for obstacle in self.obstacles if not obstacle.movable)
         return any(
-            below.intersection(Box(obstacle.size).placed(obstacle.pose)).area > 0.0
-            for obstacle in fixed
+            below.intersection(obstacle.footprint).area > 0.0 for obstacle in fixed
         )
 
     def carried(self, X_WG: Pose2) -> bool:

@@ -59,7 +59,7 @@ class Tolerance:
     yaw: float = setting(math.radians(2.0), "largest yaw error", "deg", "(0, 180]")
     bodies: float = setting(
         0.005,
-        "that movable obstacles may be displaced, but for a tool's",
+        "that movable obstacles may be displaced, but for a tool's and those that may move",
         "m",
         "(0, 1]",
     )
@@ -162,6 +162,11 @@ class Sensing:
     def felt_force(self) -> float:
         """Normal force [N] from which on a contact is felt."""
         return max(margins.ARM.felt_force, margins.FELT_SIGMAS * self.force_noise)
+
+    @property
+    def seen_motion(self) -> float:
+        """Way [m] from which on an object is seen to have moved."""
+        return max(margins.ARM.slid, margins.FELT_SIGMAS * self.position_noise)
 
     @property
     def delay_of_pose(self) -> float:
@@ -327,6 +332,14 @@ class Leg:
 
 
 @dataclass(frozen=True, slots=True)
+class BodyGoal:
+    """Where one of several bodies is to be brought."""
+
+    body: str  # "object", or the name of a movable obstacle
+    pose: Pose2  # X_WG of that body
+
+
+@dataclass(frozen=True, slots=True)
 class Restart:
     """Where a task goes on after a recovery, and what is believed by then."""
 
@@ -353,8 +366,14 @@ class Task:
     start: Pose2 = field(
         metadata=entry("pose of the shape's frame G at which the plan begins")
     )
-    # X_WG; of a tool, where it has the other body at that body's goal
-    goal: Pose2 = field(metadata=entry("wanted pose of the shape's frame G"))
+    # X_WG; of a tool, where it has the other body at that body's goal; with ``goals``
+    # the start
+    goal: Pose2 = field(
+        metadata=entry(
+            "wanted pose of the shape's frame G; a task has this or `goals`",
+            default_in_file=None,
+        )
+    )
     robots: tuple[Robot, ...] = field(
         metadata=entry("the arms; of two, the first is the left one", count=(1, 2))
     )
@@ -369,7 +388,7 @@ class Task:
     tolerance: Tolerance = setting(
         Tolerance(), "largest errors with which the goal counts as reached"
     )
-    obstacles: tuple[Obstacle, ...] = setting((), "boxes in the scene", count=(0, 32))
+    obstacles: tuple[Obstacle, ...] = setting((), "bodies in the scene", count=(0, 32))
     tool: ToolUse | None = setting(
         None,
         "how the object pushes `goal.body`, where that is another body",
@@ -379,6 +398,13 @@ class Task:
         None,
         "contact modes to choose from; null: all that need no more arms than there are",
         count=(1, math.inf),
+    )
+    goals: tuple[BodyGoal, ...] = setting(
+        (),
+        "in place of `goal`, where each of several bodies is to be brought, or one body "
+        "to several poses, one after the other; null: `goal` is the only one",
+        count=(1, 64),
+        default_in_file=None,
     )
     # the last one to ``goal``
     legs: tuple[Leg, ...] = setting(
@@ -409,6 +435,15 @@ class Task:
     # whether its legs were found, not prescribed, or it is one of many motions that are
     # looked at to find them
     searched: bool = field(default=False, compare=False)
+    # whether it is planned to push what may move
+    pushes: bool = field(default=False, compare=False)
+
+    @property
+    def yielding(self) -> tuple[Obstacle, ...]:
+        """The obstacles that the object may push on the way that is planned."""
+        if not self.pushes:
+            return ()
+        return tuple(obstacle for obstacle in self.obstacles if obstacle.may_move)
 
     @property
     def believed(self) -> Belief:

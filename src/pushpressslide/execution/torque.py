@@ -17,6 +17,7 @@ LIMIT_DAMPING = 10.0
 # squares of the singular values below which the tool's rotation, and the tip's motion,
 # are left to the posture
 SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
+FULL_RANK = 1e-6  # added to those squares, so that a singular posture has an inverse
 
 
 class LimitedTorque(NamedTuple):
@@ -33,15 +34,15 @@ def task_torque(
     """Return tau (n,) = J^T [moment; force] + null-space ``posture`` torque + ``bias``.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m]
-    of a joint-space spring and damper, projected so that it makes no force at the tip,
-    and next to no moment but where the arm can hardly turn the tool: there the posture
-    says how it is held, since nothing else damps those joints. ``bias`` (n,) [N m]
-    gravity and Coriolis compensation.
+    of a joint-space spring and damper, projected so that no force at the tip is needed
+    to hold it, and next to no moment but where the arm can hardly turn the tool: there
+    the posture says how it is held, since nothing else damps those joints. ``bias``
+    (n,) [N m] gravity and Coriolis compensation.
     """
     n = J.shape[1]
     tau: Array = J.T @ np.concatenate([moment, force]) + bias
     if n > 6:
-        tau += _unfelt(J, posture, SOFTENING)
+        tau += _forceless(J, _unfelt(J, posture, SOFTENING))
     return tau
 
 
@@ -67,9 +68,27 @@ def _unfelt(J: Array, torque: Array, softening: Array) -> Array:
     """Return what of a ``torque`` (n,) is not felt along the rows of ``J`` (k, n): I -
     J^T (J J^T + ``softening``)^-1 J, applied to it.
     """
-    JJt = J @ J.T
+    out: Array = torque - J.T @ np.linalg.solve(_softened(J, softening), J @ torque)
+    return out
+
+
+def _softened(J: Array, softening: Array | float) -> Array:
+    """Return J J^T (k, k) with ``softening`` added along its diagonal."""
+    JJt: Array = J @ J.T
     JJt.flat[:: len(J) + 1] += softening
-    out: Array = torque - J.T @ np.linalg.solve(JJt, J @ torque)
+    return JJt
+
+
+def _forceless(J: Array, torque: Array) -> Array:
+    """Return what of a ``torque`` (n,) a moment on the tool holds alone, without a force
+    at the tip; ``J`` (6, n).
+
+    The wrench that holds the torque is (J J^T)^-1 J torque. That J_v torque = 0 is not
+    enough: a tip that is held where it is while a moment keeps the tool's attitude
+    feels the force of this wrench.
+    """
+    held = np.linalg.solve(_softened(J, FULL_RANK), J)[3:]
+    out: Array = torque - held.T @ np.linalg.solve(held @ held.T, held @ torque)
     return out
 
 

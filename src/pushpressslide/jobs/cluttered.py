@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from pushpressslide.core.errors import PushPressSlideError
-from pushpressslide.core.footprint import gaps
+from pushpressslide.core.footprint import gaps, middle_room
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -70,7 +70,7 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
         goal = _pose(rng, base.robots, arms)
         obstacles = _obstacles(rng, base.robots, (start, goal), count, blocked)
         apart = _apart(obstacles)
-        if apart and _fits(base.robots, body, (start, goal), obstacles):
+        if apart and _fits(base, body, (start, goal), obstacles):
             break
     else:
         raise PushPressSlideError(
@@ -104,7 +104,7 @@ def started_task(base: Task, index: int, seed: int) -> Task:
     arms = len(base.robots)
     for _ in range(TRIES):
         start = _pose(rng, base.robots, arms)
-        if _fits(base.robots, base.object, (start, base.goal), base.obstacles):
+        if _fits(base, base.object, (start, base.goal), base.obstacles):
             name = f"{base.name}-from-{seed}-{index:03d}"
             return replace(base, name=name, source="", start=start)
     raise PushPressSlideError(f"no start with a free way to the goal in {TRIES} draws")
@@ -192,44 +192,48 @@ def _obstacles(
             midst = between(*ends, float(rng.uniform(*MIDST)))
             pose = Pose2(midst.x, midst.y, pose.yaw)
         size = (sizes[0], sizes[1], sizes[2])
-        out.append(Obstacle(f"obstacle-{i}", size, pose))
+        out.append(Obstacle(f"obstacle-{i}", Box(size), pose))
     return tuple(out)
 
 
 def _apart(obstacles: Sequence[Obstacle]) -> bool:
     """Return whether obstacles stand apart from each other."""
-    others = [Box(obstacle.size).placed(obstacle.pose) for obstacle in obstacles]
+    others = [obstacle.footprint for obstacle in obstacles]
     for i, obstacle in enumerate(obstacles[1:], start=1):
-        if gaps(Box(obstacle.size), [obstacle.pose], others[:i]).min() < APART:
+        if gaps(obstacle.shape, [obstacle.pose], others[:i]).min() < APART:
             return False
     return True
 
 
 def _fits(
-    robots: Sequence[Robot],
+    base: Task,
     body: ObjectModel,
     ends: tuple[Pose2, Pose2],
     obstacles: Sequence[Obstacle],
 ) -> bool:
-    """Return whether nothing overlaps, and a way is free for the footprint."""
+    """Return whether nothing overlaps, the table carries the object at both ends, and
+    a way is free for the footprint.
+    """
     start, goal = ends
     far = math.dist(start.position, goal.position)
     turn = abs(math.remainder(goal.yaw - start.yaw, 2.0 * math.pi))
     if far < LEAST_WAY and turn < LEAST_TURN:
         return False
-    boxes = [Box(obstacle.size) for obstacle in obstacles]
     bodies = [(body.shape, start), (body.shape, goal)]
-    placed = list(zip(boxes, (o.pose for o in obstacles), strict=True))
+    placed = [(obstacle.shape, obstacle.pose) for obstacle in obstacles]
     for shape, X in (*bodies, *placed):
-        for robot in robots:
+        for robot in base.robots:
             if shape.distance(X.unapply(robot.base[:2])) < BASE_ROOM:
                 return False
-    others = tuple(box.placed(pose) for box, pose in placed)
+    others = tuple(obstacle.footprint for obstacle in obstacles)
     if others and gaps(body.shape, ends, others).min() < APART:
         return False
     room = 0.3 + body.shape.circumradius
     xs = [X.x for X in ends]
     ys = [X.y for X in ends]
     region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
-    space = FreeSpace(body.shape, others, FREE, region)
-    return not others or space.ways(goal).way(start) is not None
+    on = middle_room(base.support, body.shape)
+    space = FreeSpace(body.shape, others, FREE, region, on, body.center_of_mass)
+    if on is not None and not space.free(ends).all():
+        return False
+    return space.ways(goal).way(start) is not None

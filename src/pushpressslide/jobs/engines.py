@@ -15,8 +15,12 @@ from pushpressslide.core.errors import PushPressSlideError
 
 if TYPE_CHECKING:
     from pushpressslide.control.run_loop import RunOptions
+    from pushpressslide.core.arrays import Array
+    from pushpressslide.core.knock import Knock
     from pushpressslide.core.plan import Plan
+    from pushpressslide.core.pose import Pose2
     from pushpressslide.core.record import Record
+    from pushpressslide.core.task import Shape
     from pushpressslide.selection.preparation import Preparation
     from pushpressslide.sim.joints.joint_path import ArmPath
 
@@ -42,6 +46,9 @@ class ArmOptions:
     # called with the address of a page that shows the run
     live: Callable[[str], None] | None = None
     video: bool = False  # also write an animation
+    knock: Knock | None = None  # another body that pushes the object aside
+    # drawn in a replay in place of the object's goal: shapes at poses X_WG
+    goals: Sequence[tuple[Shape, Pose2]] = ()
 
 
 class Engine(Protocol):
@@ -50,8 +57,13 @@ class Engine(Protocol):
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
 
-    def preparation(self, force: bool) -> Preparation:
-        """Return an empty preparation; with ``force`` it takes the best there is."""
+    def preparation(
+        self, force: bool, postures: tuple[Array, ...] | None = None
+    ) -> Preparation:
+        """Return an empty preparation; with ``force`` it takes the best there is.
+
+        ``postures`` (n,) [rad] are where the arms are, None for their ready postures.
+        """
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run ``plan`` and return its record."""
@@ -65,17 +77,26 @@ class Engine(Protocol):
 class _Drake:
     has_arms = True
 
-    def preparation(self, force: bool) -> Preparation:
+    def preparation(
+        self, force: bool, postures: tuple[Array, ...] | None = None
+    ) -> Preparation:
         """Return the search for joint paths."""
         from pushpressslide.sim.joints.placements import PlacementPaths
 
-        return PlacementPaths(force)
+        return PlacementPaths(force, postures)
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""
         from pushpressslide.sim.engine import run
 
-        return run(plan, options, paths=arms.paths, models=arms.models, live=arms.live)
+        return run(
+            plan,
+            options,
+            paths=arms.paths,
+            models=arms.models,
+            live=arms.live,
+            knock=arms.knock,
+        )
 
     def write_replay(
         self, plan: Plan, record: Record, out: Path, arms: ArmOptions
@@ -83,17 +104,19 @@ class _Drake:
         """Write the replay page of a run."""
         from pushpressslide.sim.view.replay import write_replay
 
-        write_replay(plan, record, out, models=arms.models)
+        write_replay(plan, record, out, arms.models, arms.goals)
         if arms.video:
             from pushpressslide.sim.view.frames import write_video
 
-            write_video(plan, record, out, models=arms.models)
+            write_video(plan, record, out, models=arms.models, goals=arms.goals)
 
 
 class _Planar:
     has_arms = False
 
-    def preparation(self, force: bool) -> Preparation:
+    def preparation(
+        self, force: bool, postures: tuple[Array, ...] | None = None
+    ) -> Preparation:
         """Return the plans alone."""
         from pushpressslide.selection.preparation import PlansAlone
 

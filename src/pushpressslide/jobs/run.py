@@ -7,17 +7,22 @@ from __future__ import annotations
 import importlib.metadata
 import platform
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
+from pushpressslide.jobs.goals import run_goals
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
+from pushpressslide.jobs.monitor import Monitor as Monitor
+from pushpressslide.jobs.monitor import Output as Output
+from pushpressslide.jobs.monitor import interrupted
+from pushpressslide.jobs.stages import StageOptions
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
@@ -35,30 +40,6 @@ def versions() -> dict[str, str]:
     return out
 
 
-@dataclass(frozen=True, slots=True)
-class Monitor:
-    """How a run is watched and stopped from outside while it goes on."""
-
-    # called with time and expected duration [s]
-    progress: Callable[[float, float], None] | None = None
-    # called with the address of a page that shows the run; engines with arms only
-    live: Callable[[str], None] | None = None
-    # Ctrl-C ends the run at its next tick, with reason "interrupted"; None: it raises
-    interrupt: Interrupt | None = None
-
-    def held(self) -> AbstractContextManager[None]:
-        """Return the block inside of which Ctrl-C waits for the next tick."""
-        return nullcontext() if self.interrupt is None else self.interrupt.held()
-
-
-@dataclass(frozen=True, slots=True)
-class Output:
-    """Where the files of a run go."""
-
-    folder: Path
-    video: bool = False  # also write an animation; engines with arms only
-
-
 def simulate(
     task: Task,
     *,
@@ -67,13 +48,15 @@ def simulate(
     force: bool = False,
     models: str = "generated",
     monitor: Monitor | None = None,
+    knock: Knock | None = None,
 ) -> tuple[Plan, Record, list[Choice]]:
     """Select, plan and run, and return the plan, the record and all choices.
 
     Choices that were passed over say why. Where the engine has arms a choice must also
     have a joint path: the first that has one is run. ``force`` runs the best choice
-    that has a path even where it was judged infeasible. Raises InfeasibleTaskError
-    where nothing can do the task.
+    that has a path even where it was judged infeasible. ``knock``: another body pushes
+    the object aside, on an engine with arms. Raises InfeasibleTaskError where nothing
+    can do the task.
     """
     monitor = monitor or Monitor()
     chosen = engine_named(engine)
@@ -86,9 +69,9 @@ def simulate(
         record = chosen.run(
             plan,
             RunOptions(seed, monitor.progress, monitor.interrupt or bool),
-            ArmOptions(models, preparation.paths, monitor.live),
+            ArmOptions(models, preparation.paths, monitor.live, knock=knock),
         )
-    meta = {**record.meta, "planning_time": solution.planning_time}
+    meta = {**record.meta, **solution.notes}
     return record.plan, replace(record, meta=meta), solution.choices
 
 
@@ -133,6 +116,9 @@ def run(
 
         check_task(what)
         monitor = Monitor(progress)
+        if what.goals:
+            options = StageOptions(engine, seed, False, models, monitor)
+            return run_goals(what, options)[1]
         _, record, _ = simulate(
             what, engine=engine, seed=seed, models=models, monitor=monitor
         )
@@ -160,6 +146,9 @@ def run_task(
     """
     from pushpressslide.report.metrics import result as measure
 
+    if task.goals:
+        options = StageOptions(engine, seed, force, models, monitor or Monitor())
+        return run_goals(task, options, out)[0]
     interrupt = Interrupt()
     plan, record, choices = simulate(
         task,
@@ -174,10 +163,7 @@ def run_task(
         if out is not None:
             write_data(out.folder, plan, record, result, choices)
     if interrupt():
-        message = "interrupted"
-        if out is not None:
-            message += f"; record and result so far are in {out.folder}"
-        raise Interrupted(message)
+        raise interrupted(out)
     if out is not None:
         write_pages(out, plan, record, choices, models=models)
     return result

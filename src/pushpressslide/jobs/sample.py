@@ -10,7 +10,10 @@ from dataclasses import replace
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
@@ -50,6 +53,8 @@ OURS = (
 """Errors of the software that are rows, not the end of a sweep; an engine that gives up
 exits.
 """
+KNOCKED = (0.25, 0.65)
+"""Of the direct way, where the object is knocked."""
 FORCED = 3
 """Choices of a refused task that are run all the same: the best that have a path."""
 
@@ -65,6 +70,8 @@ def sample_task(task: Task, options: SweepOptions, index: int) -> Task:
     """
     if options.vary == "truth":
         return varied_task(task, index, options.seed)
+    if options.vary == "knocks":
+        return replace(task, name=f"{task.name}-knocked-{options.seed}-{index:03d}")
     if options.vary == "start":
         return started_task(task, index, options.seed)
     if options.draw == "cluttered":
@@ -86,7 +93,10 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
         row["task"] = sample.name
         with _at_most(options.sample_time):
             plan, record, choices = simulate(
-                sample, engine=options.engine, seed=options.seed
+                sample,
+                engine=options.engine,
+                seed=options.seed,
+                knock=_knock(options, index),
             )
     except InfeasibleTaskError as error:
         return {**row, "status": "refused", "reason": str(error)}
@@ -96,6 +106,14 @@ def run_sample(task: Task, options: SweepOptions, index: int) -> Row:
     chosen = plan.chosen(choices)
     figures = _figures(sample, plan, record)
     return {**row, **figures, "choice": chosen[0].reason if chosen else ""}
+
+
+def _knock(options: SweepOptions, index: int) -> Knock | None:
+    """Return how the object of a sample is knocked, if it is."""
+    if options.vary != "knocks":
+        return None
+    rng = np.random.default_rng([options.seed, index])
+    return Knock(float(rng.uniform(*KNOCKED)), int(rng.choice([-1, 1])))
 
 
 def run_forced(task: Task, options: SweepOptions, index: int, rank: int) -> Row:
@@ -135,6 +153,7 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "modes": measured["modes"],
         "legs": max(1, len(plan.task.legs)),
         "planning_time": sum((measured["planning_time"] or {}).values()),
+        "knocked": record.meta.get("knocked"),
         "recoveries": sum(event["recovered"] for event in measured["events"]),
         **{name: measured[name] for name in FIGURES},
     }

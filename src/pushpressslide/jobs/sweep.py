@@ -15,10 +15,10 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
-from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.errors import PushPressSlideError, TaskError
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
-from pushpressslide.jobs.engines import DEFAULT
+from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.jobs.interrupt import blocked_for_children, terminated_as_interrupt
 from pushpressslide.jobs.parallel import worker_pool
 from pushpressslide.jobs.rows import Row, Rows, key_of, source_hash
@@ -27,7 +27,7 @@ from pushpressslide.jobs.sample import FORCED, run_forced, run_sample, sample_ta
 from pushpressslide.jobs.sampling import Draw
 from pushpressslide.jobs.summary import ATTEMPTED, summarise, write_table
 
-Vary = Literal["truth", "tasks", "start"]
+Vary = Literal["truth", "tasks", "start", "knocks"]
 World = Literal["known", "uncertain"]
 Progress = Callable[[int, int], None]
 Work = Callable[[], Row]
@@ -40,7 +40,8 @@ class SweepOptions:
 
     samples: int = 0  # that are drawn, where no ``attempts`` are asked for
     attempts: int = 0  # samples that are not refused: drawn until there are so many
-    # what is true of the task, new tasks for its robots, or other starts
+    # what is true of the task, new tasks for its robots, other starts, or when and on
+    # which side another body pushes the object aside
     vary: Vary = "truth"
     draw: Draw = "ahead"  # which new tasks
     world: World = "known"  # whether new tasks are as believed
@@ -78,6 +79,14 @@ def sweep(
     refusal is true if they miss the goal. Raises TaskError where no new tasks can be
     drawn for ``task``.
     """
+    if options.vary == "knocks" and not engine_named(options.engine).has_arms:
+        raise PushPressSlideError(
+            f"engine: {options.engine!s} has no body that knocks; allowed: {DEFAULT!s}"
+        )
+    if task.goals:
+        bodies = [goal.body for goal in task.goals]
+        reason = "allowed: null; a sweep varies tasks of one goal"
+        raise TaskError(task.source or task.name, "goals", bodies, reason)
     sample_task(task, options, 0)
     path = out / "rows.jsonl"
     if options.force:

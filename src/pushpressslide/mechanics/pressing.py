@@ -82,13 +82,20 @@ def press_loads(
     if loads[-1] <= most:
         return sorted({load for load in loads if load <= most}, reverse=True)
     if mu_contact <= mu_support:
-        text = (
-            "contact friction {figure:g} must exceed the support's, {allowed:g}: no "
-            "press drags"
-        )
-        raise RefusedError(Refusal("friction", text, mu_contact, mu_support))
+        raise RefusedError(no_drag(mu_contact, mu_support))
     text = f"needs a press of {{figure:N.1f}}, {FORCE_ALLOWED}"
     raise RefusedError(Refusal("normal_force", text, loads[-1], most, "N"))
+
+
+def no_drag(mu_contact: float, mu_support: float) -> Refusal:
+    """Return that a press drags nothing, however hard it is: the object grips the
+    support more than the tip.
+    """
+    text = (
+        "contact friction {figure:g} must exceed the support's, {allowed:g}: no press "
+        "drags"
+    )
+    return Refusal("smooth_tip", text, mu_contact, mu_support)
 
 
 def _check_press(

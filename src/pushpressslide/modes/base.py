@@ -30,6 +30,7 @@ from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import contact_refusal
 
+PATIENCE = 8  # choices out of reach, before the others are asked by the tables alone
 CROSSING = Refusal("arms_cross", "the arms would cross")
 BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
 
@@ -232,6 +233,7 @@ def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Ch
         else:
             out.append(draft)
     heapify(waiting)
+    arms = Arms(task)
     feasible = 0
     while waiting:
         *_, item = heappop(waiting)
@@ -243,7 +245,7 @@ def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Ch
                 due = item.least_time if item.ordered else choice.time
                 heappush(waiting, (due, False, next(number), choice))
             continue
-        refusal = arms_refusal(task, item) if feasible < enough else NOT_EVALUATED
+        refusal = arms.refusal(item) if feasible < enough else NOT_EVALUATED
         if refusal is None:
             feasible += 1
             out.append(item)
@@ -272,9 +274,26 @@ def promptness(choice: Choice) -> tuple[bool, float]:
     return not choice.feasible, time
 
 
-def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
+@dataclass
+class Arms:
+    """The arms of a task, asked for one choice after another: with patience, until so
+    many are out of reach that a hold known to the tables has to do for the others.
+    """
+
+    task: Task
+    missed: int = 0  # choices out of reach so far
+
+    def refusal(self, choice: Choice) -> Refusal | None:
+        """Return what stands against the path of a choice; None if nothing."""
+        quick = self.task.searched or self.missed >= PATIENCE
+        refusal = arms_refusal(self.task, choice, quick)
+        self.missed += refusal is not None and refusal.code == "reach"
+        return refusal
+
+
+def arms_refusal(task: Task, choice: Choice, quick: bool) -> Refusal | None:
     """Return what stands against the path of a choice: time, workspace, reach of the
-    tips; None if nothing.
+    tips, ``quick`` by the tables alone; None if nothing.
     """
     limit = task.limits.time
     if not choice.segments:
@@ -286,9 +305,7 @@ def arms_refusal(task: Task, choice: Choice) -> Refusal | None:
         poses = poses_along(piece)
         refusal = workspace_refusal(task.object, task.limits, poses)
         for contact in piece.contacts:
-            refusal = refusal or contact_refusal(
-                task.scene, contact, poses, quick=task.searched
-            )
+            refusal = refusal or contact_refusal(task.scene, contact, poses, quick)
         if refusal is not None:
             return refusal
     return None

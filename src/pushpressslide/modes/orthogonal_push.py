@@ -54,6 +54,7 @@ from pushpressslide.rom.drives import ORIGIN, TwistDrive
 
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
 PIECEWISE = 5  # placements on two faces for which paths of several twists are sought
+PIECEWISE_SEARCHED = 2  # the same of the many motions that a sequence may have
 OFFERED = 6  # placements on two faces that are judged further
 
 
@@ -129,7 +130,9 @@ class OrthogonalPush(TwistPushes):
         cones = sorted(cones, key=lambda cone: (-inside[cone], spread(cone.contacts)))
         usable = sum(margin >= margins.CONE_MARGIN for margin in inside.values())
         driven = []
-        for cone in cones[: max(PIECEWISE, usable)]:
+        piecewise = PIECEWISE_SEARCHED if task.searched else PIECEWISE
+        tried = max(piecewise, usable)
+        for cone in cones[:tried]:
             path = cone_goal.path(cone, exact_margin(task, cone.contacts))
             if path is not None:
                 driven.append(self._driven(task, names, path, cone))

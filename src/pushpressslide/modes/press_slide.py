@@ -37,11 +37,11 @@ from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
     Allocator,
+    Arms,
     Course,
     Draft,
     Measured,
     Mode,
-    arms_refusal,
     promptness,
     search,
 )
@@ -127,8 +127,8 @@ class PressSlide(Mode):
 
         def manoeuvres() -> list[Choice]:
             """Return the choices of manoeuvres."""
-            refusal = partial(arms_refusal, task)
-            return manoeuvre_choices(task, self.name, placements, enough, refusal)
+            asked = Arms(task).refusal
+            return manoeuvre_choices(task, self.name, placements, enough, asked)
 
         free = task.motion.vehicle is None and task.tool is None
         given = bool(task.motion.contacts)

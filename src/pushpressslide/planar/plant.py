@@ -7,13 +7,14 @@ robot would see.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from pushpressslide.control.limits import ArmLimits, ArmReading
-from pushpressslide.control.plant import PlantRow
+from pushpressslide.control.plant import PlantRow, Situation
 from pushpressslide.core.control import Commands, Measurement, TipCommand
 from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.planar.world import World
+from pushpressslide.planar.world import World, resting
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.selection.preparation import PlansAlone, Preparation
 
@@ -28,8 +29,10 @@ class PlanarPlant:
     joint_paths: tuple[JointPath, ...] = ()
     arm_limits: tuple[ArmLimits, ...] = ()
 
-    def __init__(self, plan: Plan) -> None:
-        """Put the object at its true start and the tips before their contacts."""
+    def __init__(self, plan: Plan, begin: Situation | None = None) -> None:
+        """Put the object at its true start, and the tips before their contacts or where
+        they are as the run begins.
+        """
         task = plan.part(plan.segments[0])
         self.time = 0.0  # [s]
         self.overhead = TOUCH_AND_RELEASE * len(plan.placements)
@@ -39,6 +42,8 @@ class PlanarPlant:
         self._world = World(task, plan.contacts, self._period)
         gap = before_contacts(task, plan.contacts)
         self._now = self._world.start(task.true_start, task.start, gap)
+        if begin is not None:
+            self._now = replace(self._now, tips=tuple(map(resting, begin.tips)))
         self._before = self._now  # one tick ago
         self._commands: list[TipCommand | None] = []
         self._tipping = 0.0  # [s] since when the load is off the base
@@ -83,7 +88,7 @@ class PlanarPlant:
         pressed = any(-tip.force[2] for tip in self._now.tips)
         if any(self._task.scene.weight_along) and not pressed:
             return "the object falls: nothing presses it on the wall"
-        return "the object tips over: the centre of pressure has left its base"
+        return "the object tips over: the centre of pressure has left what carries it"
 
     def prepare(self) -> Preparation:
         """Return a preparation that takes any plan."""

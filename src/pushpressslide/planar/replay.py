@@ -19,7 +19,6 @@ from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.shapes import Box
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 
@@ -89,7 +88,7 @@ def _scene_data(task: Task) -> dict[str, Any]:
     outline = [[round(x, 5), round(y, 5)] for x, y in task.object.shape.outline()]
     obstacles = []
     for obstacle in task.obstacles:
-        corners = Box(obstacle.size).corners
+        corners = obstacle.shape.outline()
         places = [list(obstacle.pose.apply(corner)) for corner in corners]
         obstacles.append({"name": obstacle.name, "corners": places})
     bases = [robot.base for robot in task.robots if robot.model != "hand"]
@@ -100,6 +99,7 @@ def _scene_data(task: Task) -> dict[str, Any]:
         "goal": [task.goal.x, task.goal.y, math.degrees(task.goal.yaw)],
         "tolerance": task.tolerance.position,
         "obstacles": obstacles,
+        "region": [list(corner) for corner in task.support.region or ()],
         "bases": [] if wall else [[x, y] for x, y, _ in bases],
         "forceScale": FORCE_SCALE,
         "mirror": wall,  # on a wall x points to the left

@@ -8,8 +8,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
+from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Point, Pose2, cross
 from pushpressslide.core.task import Task
@@ -118,6 +121,10 @@ class World:
         # from the believed centre of mass to the true one, the origin of B here
         self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
         self.support = Support(task.object.shape, task.object.center_of_mass)
+        from shapely import Polygon
+
+        region = task.support.region
+        self._region = None if region is None else Polygon(region)
         self.faces = [
             face_of(task.object, c, task.robots[c.arm].tip_radius)
             for c in self.contacts
@@ -137,7 +144,7 @@ class World:
                 self.task.robots[contact.arm].tip_radius, gap
             )
             places[contact.arm] = (*X_WB.apply(point), height)
-        tips = tuple(_resting(place) for place in places)
+        tips = tuple(resting(place) for place in places)
         X_WB = X_WG.compose(self.task.object.X_GB)
         return WorldState(
             X_WB, tips, tuple("free" for _ in tips), Twist(0.0, 0.0, 0.0), False
@@ -158,7 +165,9 @@ class World:
             if (command := commands[contact.arm]) is not None
         ]
         cop, load = self._load(state, reaches)
-        cop, friction, tipping = self.support.under(cop)
+        tipping = self._over_edge(X_WB, cop)
+        cop, friction, off_base = self.support.under(cop)
+        tipping = tipping or off_base
         mu = self.task.contact_friction
         touching = [reach.touching(cop, mu, self.dt) for reach in reaches]
         acting: list[ObjectContact] = [t for t in touching if t is not None]
@@ -179,7 +188,7 @@ class World:
         X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
         tips = [
-            _resting(tip.position) if command is None else _led(command)
+            resting(tip.position) if command is None else _led(command)
             for tip, command in zip(state.tips, commands, strict=True)
         ]
         statuses: list[ContactStatus] = ["free"] * len(tips)
@@ -291,6 +300,15 @@ class World:
         )
         return cop, load
 
+    def _over_edge(self, X_WB: Pose2, cop: Point) -> bool:
+        """Whether a load at ``cop`` [m] in B tips the object over the support's edge."""
+        if self._region is None:
+            return False
+        X_WG = X_WB.compose(self.task.object.X_GB.inverse())
+        place = np.array([X_WB.apply(cop)])
+        shape = self.task.object.shape
+        return bool(edge_depths(shape, [X_WG], place, self._region)[0] < 0.0)
+
     def _carried(self, X_WB: Pose2, twist: Twist, falling: bool) -> tuple[Vector, bool]:
         """What becomes of an object on a wall that would move with ``twist``: it rests
         on a fixed obstacle or in the opening, or goes on; and whether it still falls.
@@ -328,5 +346,6 @@ def _led(command: TipCommand) -> TipState:
     return TipState(command.position, command.velocity, (0.0, 0.0, 0.0))
 
 
-def _resting(position: Vector3) -> TipState:
+def resting(position: Vector3) -> TipState:
+    """Return a tip at rest that touches nothing."""
     return TipState(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

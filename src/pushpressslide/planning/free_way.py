@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.footprint import gaps
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.shapes import Shape
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ CELLS = 60  # along the longer side of the bounds, at most
 FINEST = 0.01  # [m]
 NEAR = 3.0  # clearances, within which a way costs more
 NEAR_COST = 2.0  # times as much
+ALIKE = 0.01  # [m]
+TURNED_ALIKE = 0.05  # [rad]
 REACH = 4.0  # cells from an end, within which its way meets the grid
 STEP = 0.5  # clearances between the places of a straight way that are looked at
 # to the neighbours of a cell: along x, y and yaw
@@ -41,14 +43,25 @@ Bounds = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Where a footprint may be: ``clearance`` [m] off all polygons, and with its frame
-    within ``bounds`` [m]: x_min, x_max, y_min, y_max.
+    """Where a footprint may be: ``clearance`` [m] off all polygons, with its frame
+    within ``bounds`` [m]: x_min, x_max, y_min, y_max, and its ``center`` [m] in G in a
+    region of W.
     """
 
     shape: Shape
     others: tuple[Polygon, ...]
     clearance: float
     bounds: Bounds
+    region: BaseGeometry | None = None  # None: anywhere
+    center: Point = (0.0, 0.0)
+
+    @property
+    def convex(self) -> bool:
+        """Whether every straight way between free poses is free."""
+        region = self.region
+        if self.others or region is None:
+            return not self.others
+        return math.isclose(region.area, region.convex_hull.area, rel_tol=1e-9)
 
     def straight(self, start: Pose2, goal: Pose2) -> bool:
         """Return whether the way that moves and turns evenly between two poses is free;
@@ -63,10 +76,16 @@ class FreeSpace:
 
     def free(self, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
         """Return whether each of n poses X_WG is free, (n,)."""
+        import shapely
+
+        on = np.full(len(poses), True)
+        if self.region is not None:
+            centers = np.array([X.apply(self.center) for X in poses])
+            on = shapely.contains_xy(self.region, centers)
         if not self.others:
-            return np.full(len(poses), True)
+            return on
         apart = gaps(self.shape, poses, self.others).min(1)
-        return np.asarray(apart >= self.clearance)
+        return np.asarray(on & (apart >= self.clearance))
 
     def ways(self, goal: Pose2) -> WaysTo:
         """Return the ways to a pose X_WG, which may be nearer to a polygon than the
@@ -82,7 +101,7 @@ class WaysTo:
         """Search a grid from ``goal``, X_WG, where there is something to go round."""
         self.space = space
         self.goal = goal
-        self._grid = _Grid(space, goal) if space.others else None
+        self._grid = None if space.convex else _Grid(space, goal)
 
     def lengths(self, poses: Sequence[Pose2]) -> Array:
         """Return how long (n,) [m] the ways from poses X_WG are, turns included, and
@@ -108,6 +127,12 @@ def moved(shape: Shape, X: Pose2, Y: Pose2) -> float:
     """Return how far [m] a footprint is moved from one pose to another, turns included."""
     turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
     return math.dist(X.position, Y.position) + shape.circumradius * turn
+
+
+def alike(X: Pose2, Y: Pose2) -> bool:
+    """Return whether two poses are one on the way."""
+    turn = math.remainder(Y.yaw - X.yaw, 2.0 * math.pi)
+    return math.dist(X.position, Y.position) < ALIKE and abs(turn) < TURNED_ALIKE
 
 
 def between(a: Pose2, b: Pose2, share: float) -> Pose2:
@@ -241,29 +266,35 @@ def _pair(
 def _clear(
     space: FreeSpace, xs: Array, ys: Array, clearance: float
 ) -> NDArray[np.bool_]:
-    """Return which places are ``clearance`` [m] off all polygons at each yaw, (YAWS,
-    len(xs), len(ys)).
+    """Return which places are in the region and ``clearance`` [m] off all polygons at
+    each yaw, (YAWS, len(xs), len(ys)).
     """
     import shapely
 
     grid_x, grid_y = np.meshgrid(xs, ys, indexing="ij")
     out = np.full((YAWS, len(xs), len(ys)), True)
+    if space.region is not None:
+        shapely.prepare(space.region)
     parts = convex_parts(space.shape.placed(Pose2()))
+    others = [part for other in space.others for part in convex_parts(other)]
     for k in range(YAWS):
         turn = np.exp(2j * math.pi * k / YAWS)
-        for part, other in product(parts, space.others):
+        if space.region is not None:
+            center = turn * complex(*space.center)
+            x = grid_x + center.real
+            out[k] &= shapely.contains_xy(space.region, x, grid_y + center.imag)
+        for part, other in product(parts, others):
             grown = _sum(other, -turn * part).buffer(clearance)
             shapely.prepare(grown)
             out[k] &= ~shapely.contains_xy(grown, grid_x, grid_y)
     return out
 
 
-def _sum(other: Polygon, corners: NDArray[np.complex128]) -> BaseGeometry:
-    """Return the Minkowski sum of a convex polygon with convex ``corners`` x + iy [m]."""
+def _sum(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> BaseGeometry:
+    """Return the Minkowski sum of two convex polygons, given by corners x + iy [m]."""
     import shapely
 
-    outline = shapely.get_coordinates(other).view(np.complex128)[:, 0]
-    sums = (outline[:, None] + corners[None]).ravel()
+    sums = (one[:, None] + other[None]).ravel()
     points = np.stack([sums.real, sums.imag], axis=-1)
     out: BaseGeometry = shapely.MultiPoint(points).convex_hull
     return out

@@ -1,4 +1,4 @@
-"""What a body that the object pushes as a tool adds to its drag."""
+"""What bodies that the object pushes, as a tool or on its way, add to its drag."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ TURN = 2.0 * math.pi
 
 
 def tool_load(task: Task, heading: float) -> tuple[float, float]:
-    """Return what a body pushed by the object adds to the drag [N], and how far
-    ``heading`` [rad] in B is off the pushing face's normal [rad].
+    """Return what bodies pushed by the object add to the drag [N], and how far
+    ``heading`` [rad] in B is off the normal of a tool's pushing face [rad].
+
+    All that the object may push counts, as if it pushed all at once.
     """
+    drags = [body.friction * body.mass * GRAVITY for body in task.yielding]
     shape = task.object.shape
     tool = task.tool
     edge = None if tool is None else shape.edges[tool.face]
     if tool is None or edge is None:
-        return 0.0, 0.0
+        return sum(drags), 0.0
     (ax, ay), (bx, by) = edge
     body = next(obstacle for obstacle in task.obstacles if obstacle.name == tool.body)
     outward = math.atan2(ax - bx, by - ay)
     skew = abs(math.remainder(heading - outward, TURN))
-    return body.friction * body.mass * GRAVITY, skew
+    drags.append(body.friction * body.mass * GRAVITY)
+    return sum(drags), skew

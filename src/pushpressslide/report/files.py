@@ -94,6 +94,11 @@ def load_run(folder: Path) -> Run:
             )
     result = _read(folder / RESULT, lambda path: json.loads(path.read_text("utf-8")))
     stored = _read(folder / PLAN, lambda path: json.loads(path.read_text("utf-8")))
+    if "stages" in stored:
+        raise PushPressSlideError(
+            f"{folder}: holds a run in stages; give one of {folder / 'stages'}, or load "
+            "it by report.stage_files.load_stages"
+        )
     task = load_task(folder / TASK)
     plan = _read(folder / PLAN, lambda _: plan_from_dict(stored, task))
     choices = _read(folder / PLAN, lambda _: choices_from_dict(stored))

@@ -70,6 +70,7 @@ def result(
         "clearance_pair": record.meta.get("clearance_pair"),
         **_time_figures(record),
         "planning_time": record.meta.get("planning_time"),
+        "search": record.meta.get("search"),
         "events": record.meta.get("events", []),
         "bodies": _bodies(record),
         **support_figures(task, record),

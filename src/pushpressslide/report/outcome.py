@@ -98,6 +98,7 @@ def _moved_fault(task: Task, figures: Mapping[str, Any]) -> Ending | None:
     """Return that a body was moved which the task does not ask to be moved."""
     allowed = task.tolerance.bodies
     aimed = {"object", task.tool.body if task.tool is not None else "object"}
+    aimed |= {obstacle.name for obstacle in task.obstacles if obstacle.may_move}
     for name, body in figures["bodies"].items():
         if name not in aimed and body["displacement"] > allowed:
             text = (

@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
 from pushpressslide.report.files import Run, load_run
+from pushpressslide.report.filmstrip import filmstrip, motions
 from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
@@ -126,15 +128,17 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     plan = style.png(plan_figure(run.plan))
     parts = [
         f"<h2>{escape(name)}</h2>" if name else "",
-        _verdict(run.result),
-        _events(run.result),
+        verdict(run.result),
+        events(run.result),
         _warning(run.record),
         f"<p>{escape(text)}</p>" if text else "",
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
         task_table(run.task, run.result),
         _choice_part(run),
+        search_part(run.result.get("search")),
         image(plan, "plan", "The plan, made before anything moves."),
+        _filmstrip(run.plan),
         segments_table(run.plan),
         "<h3>Figures</h3>",
         figures_table(run.result),
@@ -146,7 +150,17 @@ def _run_section(run: Run, page: Path, name: str) -> str:
     return f"<section>{''.join(parts)}</section>"
 
 
-def _events(result: Mapping[str, Any]) -> str:
+def _filmstrip(plan: Plan) -> str:
+    """Return the motions of a plan of several one by one."""
+    if len(motions(plan)) < 2:
+        return ""
+    caption = (
+        "Its motions one by one: from black to green, with the contacts at the start."
+    )
+    return image(style.png(filmstrip(plan)), "motions", caption)
+
+
+def events(result: Mapping[str, Any]) -> str:
     """Return what went wrong on the way, and how it went on."""
     rows = []
     for event in result["events"]:
@@ -158,7 +172,8 @@ def _events(result: Mapping[str, Any]) -> str:
     return f"<ul>{''.join(rows)}</ul>" if rows else ""
 
 
-def _verdict(result: Mapping[str, Any]) -> str:
+def verdict(result: Mapping[str, Any]) -> str:
+    """Return whether a run reached its goal, and why it ended."""
     css = "bad"
     words = "Goal missed"
     if result["success"]:
@@ -242,6 +257,37 @@ def _choice_part(run: Run) -> str:
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
     return "<h3>Choice of mode</h3>" + table(head, rows, marks)
+
+
+def search_part(search: Mapping[str, Any] | None) -> str:
+    """Return what a search over several motions tried, and why it was dropped; empty
+    where one motion does it.
+    """
+    if search is None:
+        return ""
+    rows = []
+    for refused in search["refused"]:
+        count = f"{refused['count']} motions"
+        rows.append(_dropped(refused["mode"], count, refused["text"]))
+    for sequence in search["dropped"]:
+        modes = ", ".join(sequence["modes"])
+        time = f"one sequence, {sequence['time']:.1f} s"
+        rows.append(_dropped(modes, time, sequence["why"]))
+    text = (
+        f"No single motion was found. {search['judged']} motions between start, goal and "
+        f"{search['poses']} poses on the way were judged."
+    )
+    dropped = table(("Modes", "Dropped", "Why"), rows) if rows else ""
+    return f"<h3>Search for several motions</h3><p>{escape(text)}</p>{dropped}"
+
+
+def _dropped(modes: str, what: str, why: str) -> list[str]:
+    """Return the cells of one thing that a search dropped."""
+    return [
+        f"<td>{escape(modes)}</td>",
+        f"<td>{escape(what)}</td>",
+        f"<td class=why>{escape(why)}</td>",
+    ]
 
 
 def _number_cell(value: float | None, factor: float, unit: str, decimals: int) -> str:

@@ -61,12 +61,17 @@ def drive_to_dict(drive: Drive) -> dict[str, Any]:
 def write_plan(
     plan: Plan, out: Path, choices: Sequence[Choice] = ()
 ) -> tuple[Path, Path]:
-    """Write plan.json and plan.png to folder ``out``; return their paths."""
+    """Write plan.json and plan.png to folder ``out``, of several motions legs.png too;
+    return the paths of the first two.
+    """
     from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.report.filmstrip import filmstrip, motions
     from pushpressslide.report.json_text import to_json
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 
+    if len(motions(plan)) > 1:
+        write_whole(out / "legs.png", png(filmstrip(plan)))
     return (
         write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
         write_whole(out / "plan.png", png(plan_figure(plan))),

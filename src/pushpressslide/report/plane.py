@@ -57,15 +57,15 @@ def plan_figure(plan: Plan) -> Figure:
         for segment in segments
         for u in shares
     ]
-    _surroundings(ax, task.scene)
-    _footprints(ax, shape, poses[1:-1], style.SKY, "planned on the way")
-    _footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
-    _footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
-    _planned_paths(ax, [segment.path for segment in segments])
+    surroundings(ax, task.scene)
+    footprints(ax, shape, poses[1:-1], style.SKY, "planned on the way")
+    footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
+    footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
+    planned_paths(ax, [segment.path for segment in segments])
     center = task.start.apply(task.X_GB.position)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
-    _contacts(
+    contacts(
         ax,
         [
             (placement, placement.task.start.compose(placement.task.X_GB))
@@ -79,11 +79,14 @@ def plan_figure(plan: Plan) -> Figure:
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
     if len(segments) > 1:
         title += f", {len(segments)} segments"
-    _frame(ax, task.scene, corners, title)
+    frame(ax, task.scene, corners)
+    style.title(ax, title)
+    style.legend(ax)
     return made
 
 
-def _planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
+def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
+    """Draw paths of the tracking point, one after the other."""
     for i, path in enumerate(paths):
         poses = [path.pose(s) for s in np.linspace(0.0, path.length, 200)]
         label = None if i else "path of the tracking point"
@@ -106,11 +109,11 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     picks = ticks[stations]
     poses = [_pose_at(record, i) for i in picks]
     last = _pose_at(record, -1)
-    _surroundings(ax, task.scene)
-    _footprint(ax, shape, task.goal, style.GREEN, "goal", fill=True)
-    _footprints(ax, shape, poses[1:-1], style.GREY, "object on the way")
-    _footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
-    _footprint(ax, shape, last, style.ORANGE, "end")
+    surroundings(ax, task.scene)
+    footprint(ax, shape, task.goal, style.GREEN, "goal", fill=True)
+    footprints(ax, shape, poses[1:-1], style.GREY, "object on the way")
+    footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
+    footprint(ax, shape, last, style.ORANGE, "end")
     _other_bodies(ax, record)
     tracked = series.tracked_poses(task.told.object, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
@@ -119,12 +122,14 @@ def path_figure(plan: Plan, record: Record) -> Figure:
         (placement, _first_pose(part).compose(placement.task.X_GB))
         for placement, part in series.by_placement(plan, record)
     ]
-    _contacts(ax, placements)
+    contacts(ax, placements)
     _force_key(ax, plan, largest)
     corners = [c for p in [*poses, last, task.goal] for c in outline(shape, p)]
     corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
     view = "from above" if task.support.frame.faces_up else "from the front"
-    _frame(ax, task.scene, corners, f"The run, seen {view}")
+    frame(ax, task.scene, corners)
+    style.title(ax, f"The run, seen {view}")
+    style.legend(ax)
     return made
 
 
@@ -197,7 +202,7 @@ def _first_pose(record: Record) -> Pose2:
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
-def _contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
+def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
     """Draw where the tips of each placement touch the object at its X_WB.
 
     A press is a dot, a push a short arrow into the side.
@@ -240,7 +245,7 @@ def _polygon(ax: Axes, corners: Sequence[Point], **look: Any) -> None:
     ax.add_patch(Polygon(corners, closed=True, **look))
 
 
-def _footprint(
+def footprint(
     ax: Axes,
     shape: Shape,
     pose: Pose2,
@@ -266,9 +271,10 @@ def _line(ax: Axes, start: Point, end: Point, **look: Any) -> None:
     ax.plot(*zip(start, end, strict=True), **look)
 
 
-def _footprints(
+def footprints(
     ax: Axes, shape: Shape, poses: Sequence[Pose2], color: str, label: str
 ) -> None:
+    """Draw the object at ``poses`` X_WG, thinly; the label is the first one's."""
     look = {"fill": False, "edgecolor": color, "lw": 0.9, "alpha": 0.75}
     for i, pose in enumerate(poses):
         _polygon(ax, outline(shape, pose), label=None if i else label, **look)
@@ -281,8 +287,13 @@ def _rectangle(length: float, width: float) -> list[Point]:
     return [(-a, -b), (a, -b), (a, b), (-a, b)]
 
 
-def _surroundings(ax: Axes, scene: Scene) -> None:
-    """Draw the opening of the support, the obstacles and the robots' bases."""
+def surroundings(ax: Axes, scene: Scene) -> None:
+    """Draw the opening and the edge of the support, the obstacles and the robots' bases."""
+    region = scene.support.region
+    if region is not None:
+        _polygon(
+            ax, region, fill=False, edgecolor=EDGE, lw=1.2, label="edge of the table"
+        )
     opening = scene.support.opening
     if opening is not None:
         x, y = opening.center
@@ -300,11 +311,11 @@ def _surroundings(ax: Axes, scene: Scene) -> None:
 
 
 def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
-    corners = [obstacle.pose.apply(corner) for corner in _rectangle(*obstacle.size[:2])]
+    corners = outline(obstacle.shape, obstacle.pose)
     look = {"facecolor": "#B9BEC6", "edgecolor": EDGE, "hatch": "///"}
     _polygon(ax, corners, label=label, **look)
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
-    place = obstacle.pose.position
+    place = obstacle.pose.apply(obstacle.shape.centroid)
     _name(ax, obstacle.name, place, fontsize=8, bbox=box, annotation_clip=True)
 
 
@@ -325,12 +336,12 @@ def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
     ax.annotate(text, place, ha="center", va="center", color=style.BLACK, **look)
 
 
-def _frame(ax: Axes, scene: Scene, corners: Sequence[Point], title: str) -> None:
+def frame(ax: Axes, scene: Scene, corners: Sequence[Point]) -> None:
     """Set limits around ``corners``, obstacles and bases, and label the axes."""
     table = scene.support.frame.faces_up
-    points = list(corners)
+    points = [*corners, *(scene.support.region or ())]
     for obstacle in scene.obstacles:
-        radius = 0.5 * math.hypot(*obstacle.size[:2])
+        radius = obstacle.shape.farthest((0.0, 0.0))
         points += _square(obstacle.pose.position, radius)
     if table:
         for robot in scene.robots:
@@ -348,8 +359,6 @@ def _frame(ax: Axes, scene: Scene, corners: Sequence[Point], title: str) -> None
         ax.set_xlabel("horizontal, to the left [m]")
         ax.set_ylabel("up [m]")
         ax.invert_xaxis()
-    style.title(ax, title)
-    style.legend(ax)
 
 
 def _square(center: Point, half: float) -> list[Point]:

@@ -57,19 +57,25 @@ SETTINGS = {
 
 
 def figure(
-    rows: int = 1, height: float = 4.0, *, share_x: bool = True
+    rows: int = 1,
+    height: float = 4.0,
+    *,
+    across: int = 1,
+    width: float = WIDTH,
+    share_x: bool = True,
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``rows`` panels and its axes; touches no global state.
+    """Return a figure of ``rows`` by ``across`` panels and its axes, row by row;
+    touches no global state.
 
-    ``height`` [inch] is that of the whole figure.
+    ``height`` and ``width`` [inch] are those of the whole figure.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
     with mpl.rc_context(SETTINGS):
-        made = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
-        axes = made.subplots(rows, 1, sharex=share_x, squeeze=False)[:, 0]
-    return made, list(axes)
+        made = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+        axes = made.subplots(rows, across, sharex=share_x, squeeze=False)
+    return made, list(axes.flat)
 
 
 def png(made: Figure) -> bytes:

@@ -22,7 +22,11 @@ def task_table(task: Task, result: Mapping[str, Any]) -> str:
     ]
     if task.start_error != Pose2(0.0, 0.0, 0.0):
         rows.append(("True start, off by", _pose(task.start_error)))
-    rows.append(("Goal", _pose(task.goal)))
+    if task.goals:
+        wanted = "; ".join(f"{g.body} to {_pose(g.pose)}" for g in task.goals)
+        rows.append(("Goals", wanted))
+    else:
+        rows.append(("Goal", _pose(task.goal)))
     tool = task.tool
     if tool is not None:
         goal = f"{_pose(tool.goal)}, pushed by face {tool.face}"

@@ -1,4 +1,6 @@
-"""Whether a planned path is free: of obstacles, of openings, straight with a tool."""
+"""Whether a planned path is free: of obstacles, of openings, on the table, straight with
+a tool.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,15 @@ import numpy as np
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.footprint import gaps, overlaps
+from pushpressslide.core.footprint import all_placed, edge_depths, gaps, overlaps
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
-from pushpressslide.core.task import Box, ObjectModel, Obstacle, Shape, Task
+from pushpressslide.core.task import Obstacle, Shape, Task
+from pushpressslide.planning.carried import carried_ways
 from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.swept import SWEEP_STEP, swept
+from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.opening_path import opening_refusal
 from pushpressslide.selection.tool_use import tool_refusal
 
@@ -25,20 +30,22 @@ if TYPE_CHECKING:
 # of the square of the clearance, shared with an obstacle: the object is in it from
 # there on, not beside it
 ENTERED = 0.1
-SWEEP_STEP = 0.5  # clearances of path between the places where the gap is looked at
 ROUND_OFF = 1e-6  # [m]
 
 
 def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     """Return where the object's path comes too near to an obstacle, where it tips into
-    an opening, or where as a tool it does not push straight; None if nowhere.
+    an opening or over an edge, or where as a tool it does not push straight; None if
+    nowhere.
     """
-    if not (task.obstacles or task.support.opening or task.tool):
+    support = task.support
+    if not (task.obstacles or support.opening or support.region or task.tool):
         return None
     poses = swept(task.object, segments, task.motion.clearance)
     return (
         obstacle_refusal(task, poses)
         or tips_refusal(task, segments)
+        or edge_refusal(task, segments)
         or opening_refusal(task, segments[0], poses)
         or tool_refusal(task, poses)
     )
@@ -49,7 +56,8 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     X_WG along a path.
 
     A movable one counts where it stands at first, so that it is not pushed along. What
-    the object is to push as a tool may be touched by it, and keeps clear of the others.
+    the object is to push as a tool, and what it may push on its way, may be touched by
+    it, and keep clear of the others.
     """
     tool = task.tool
     pushed = None
@@ -57,20 +65,21 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     for obstacle in task.obstacles:
         if tool is not None and obstacle.name == tool.body:
             pushed = obstacle
-        else:
+        elif obstacle not in task.yielding:
             others.append(obstacle)
     ends = (task.start, task.goal)
     clearance = task.motion.clearance
     shape = task.object.shape
     refusal = _too_near("the object", shape, poses, ends, others, clearance)
+    refusal = refusal or _carried_refusal(task, poses)
     if refusal is not None or pushed is None or tool is None:
         return refusal
     ends = (pushed.pose, tool.goal)
     distance = math.dist(pushed.pose.position, tool.goal.position)
     steps = max(1, math.ceil(distance / (SWEEP_STEP * clearance)))
     poses = [_between(*ends, i / steps) for i in range(steps + 1)]
-    body = Box(pushed.size)
-    return _too_near(f"{pushed.name!r}", body, poses, ends, others, clearance)
+    name = repr(pushed.name)
+    return _too_near(name, pushed.shape, poses, ends, others, clearance)
 
 
 def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
@@ -82,16 +91,19 @@ def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     scene = task.scene
     contacts = {contact for segment in segments for contact in segment.contacts}
     poses = swept(task.object, segments, task.motion.clearance)
+    ways = carried_ways(task, poses)
     for contact in contacts:
         radius = scene.robots[contact.arm].tip_radius
         place, height = contact.tip_place(radius)
         x, y = task.X_GB.apply(place)
-        tall = [o for o in task.obstacles if o.size[2] > height - radius]
+        tall = [o for o in task.obstacles if o.shape.height > height - radius]
         if not tall:
             continue
         tips = shapely.points([X.apply((x, y)) for X in poses])
         for obstacle in tall:
-            apart = shapely.distance(tips, Box(obstacle.size).placed(obstacle.pose))
+            way = ways.get(obstacle.name)
+            there = all_placed(obstacle.shape, way or [obstacle.pose])
+            apart = shapely.distance(tips, there)
             nearest = int(apart.argmin())
             gap = float(apart[nearest]) - radius
             if gap < 0.0:
@@ -101,23 +113,33 @@ def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     return None
 
 
-def swept(
-    body: ObjectModel, segments: Sequence[Segment], clearance: float
-) -> list[Pose2]:
-    """Return the poses X_WG along planned segments, closer together than the
-    ``clearance`` [m].
+def _carried_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+    """Return where an obstacle that the object pushes on its way runs into another one,
+    or is pushed over the edge of the table, or None.
     """
-    step = SWEEP_STEP * clearance
-    poses = []
-    X_BG = body.X_GB.inverse()
-    for segment in segments:
-        path = segment.path
-        X_VG = segment.X_BV.inverse().compose(X_BG)
-        steps = max(1, math.ceil(path.length / step))
-        poses += [
-            path.pose(path.length * i / steps).compose(X_VG) for i in range(steps + 1)
-        ]
-    return poses
+    from shapely import Polygon
+
+    for name, way in carried_ways(task, poses).items():
+        body = next(o for o in task.obstacles if o.name == name)
+        others = [o for o in task.obstacles if o is not body]
+        ends = (body.pose, body.pose)
+        what = f"{name!r}, pushed along,"
+        clearance = task.motion.clearance
+        refusal = _too_near(what, body.shape, way, ends, others, clearance)
+        region = task.support.region
+        if refusal is None and region is not None:
+            places = np.array([X.apply(body.shape.centroid) for X in way])
+            depths = edge_depths(body.shape, way, places, Polygon(region))
+            worst = int(depths.argmin())
+            if depths[worst] <= 0.0:
+                text = (
+                    f"{literal(what)} falls over the edge of support.region at "
+                    f"{_at(way[worst])}"
+                )
+                refusal = Refusal("edge", text)
+        if refusal is not None:
+            return refusal
+    return None
 
 
 def _between(a: Pose2, b: Pose2, u: float) -> Pose2:
@@ -138,7 +160,7 @@ def _too_near(
     """
     if not obstacles:
         return None
-    others = [Box(obstacle.size).placed(obstacle.pose) for obstacle in obstacles]
+    others = [obstacle.footprint for obstacle in obstacles]
     apart = gaps(shape, poses, others)
     allowed = allowed_gaps(shape, poses, ends, others, clearance)
     for i, obstacle in enumerate(obstacles):

@@ -8,17 +8,26 @@ has no joint path is banned by its placement, and the search goes on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import SKIPPED
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.planning.free_way import WaysTo, moved
+from pushpressslide.planning.free_way import WaysTo, alike, moved
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.selection.searched import (
+    DroppedSequence,
+    RefusedMotions,
+    Searched,
+)
 
 START = 0
 GOAL = 1
@@ -37,11 +46,14 @@ ALWAYS = frozenset(
         "no_faces",
         "normal_force",
         "off_top",
+        "smooth_tip",
         "support",
         "tipping",
         "too_close",
     }
 )
+# of those, that stand against it with whatever contacts
+HOPELESS = frozenset({"smooth_tip"})
 
 Judge = Callable[[Task], list[Choice]]
 Placement = tuple[str, tuple[Contact, ...]]
@@ -90,16 +102,23 @@ class LegSearch:
 
     task: Task
     ways: WaysTo  # to the goal
-    poses: Sequence[Pose2]  # X_WG: start, goal, and those on the way
+    poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
+    in_span: Callable[[Sequence[Pose2]], NDArray[np.bool_]]  # of which arms
     judge: Judge
     most: int  # motions that may be judged in all
+    # where one push may lead from a pose X_WG; None: only to ``poses``
+    onward: Callable[[Pose2], list[Pose2]] | None = None
     judged: int = 0
     banned: set[tuple[int, int, Placement]] = field(default_factory=set)
     modes: list[str] = field(default_factory=list)
+    _refused: dict[tuple[str, str], RefusedMotions] = field(default_factory=dict)
+    _dropped: list[DroppedSequence] = field(default_factory=list)
     _found: dict[tuple[int, int, str, Placement | None], list[Choice]] = field(
         default_factory=dict
     )
     _lengths: list[float] = field(default_factory=list)
+    _able: list[NDArray[np.bool_]] = field(default_factory=list)  # arms at each pose
+    _led_on: set[int] = field(default_factory=set)  # poses that others were added for
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
 
     def know(self, choices: Sequence[Choice]) -> None:
@@ -113,14 +132,28 @@ class LegSearch:
             refusals = [choice.refusal for choice in judged]
             if all(r is not None and r.code in ALWAYS for r in refusals):
                 continue
+            if _hopeless(judged):
+                continue
             self.modes.append(mode)
             self._found[START, GOAL, mode, None] = _best(judged)
 
-    def ban(self, steps: Sequence[Step]) -> None:
-        """Never again do ``steps``, of one placement, with its contacts."""
-        placement = steps[-1].end.placement
+    def ban(self, steps: Sequence[Step], first: int, last: int, why: str) -> None:
+        """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
+        with its contacts.
+        """
+        placement = steps[last].end.placement
         assert placement is not None
-        self.banned.add((steps[0].begin.pose, steps[-1].end.pose, placement))
+        self.banned.add((steps[first].begin.pose, steps[last].end.pose, placement))
+        modes = tuple(step.choice.mode for step in steps)
+        times = (step.choice.time or 0.0 for step in steps)
+        self._dropped.append(DroppedSequence(modes, sum(times), why))
+
+    @property
+    def tried(self) -> Searched:
+        """What was tried so far."""
+        often = sorted(self._refused.values(), key=lambda motions: -motions.count)
+        poses = len(self.poses) - 2
+        return Searched(poses, self.judged, tuple(often), tuple(self._dropped))
 
     def soonest(self) -> tuple[Step, ...]:
         """Return the quickest sequence that is not banned; none where there is none, or
@@ -139,22 +172,44 @@ class LegSearch:
                 if item.state.pose == GOAL:
                     return item.steps
                 done.add(item.state)
-                for due, motion in self._motions(item):
+                self._lead_on(item)
+                for due, motion in self._motions(item, range(1, len(self.poses))):
                     heappush(heap, (due, next(order), motion))
                 continue
             for after in self._after(item):
                 due = after.time + self._ahead(after.state.pose)
-                if after.state not in done and due <= self.task.limits.time:
-                    heappush(heap, (due, next(order), after))
+                if after.state in done or due > self.task.limits.time:
+                    continue
+                heappush(heap, (due, next(order), after))
+                # whether it is one motion from the goal is asked before all else
+                for due, motion in self._motions(after, (GOAL,)):
+                    heappush(heap, (due, next(order), motion))
         return ()
 
-    def _motions(self, here: Reached) -> list[tuple[float, Motion]]:
-        """Return the motions from a state, with the least time [s] of their sequences."""
-        legs = self.task.limits.legs
-        if len(here.steps) >= legs:
+    def _lead_on(self, here: Reached) -> None:
+        """Add the poses that one push may lead to, where two motions may follow."""
+        pose = here.state.pose
+        if self.onward is None or pose in self._led_on:
+            return
+        if len(here.steps) + 2 > self.task.limits.legs:
+            return
+        self._led_on.add(pose)
+        known = len(self.poses)
+        for X in self.onward(self.poses[pose]):
+            if not any(alike(X, other) for other in self.poses[:known]):
+                self.poses.append(X)
+
+    def _motions(
+        self, here: Reached, targets: Iterable[int]
+    ) -> list[tuple[float, Motion]]:
+        """Return the motions from a state to some poses, with the least time [s] of
+        their sequences.
+        """
+        left = self.task.limits.legs - len(here.steps)
+        if left == 0 or here.state.pose == GOAL:
             return []
-        last = len(here.steps) == legs - 1
-        targets = (GOAL,) if last else range(1, len(self.poses))
+        if left == 1:
+            targets = (GOAL,)
         behind = {step.begin.pose for step in here.steps} | {here.state.pose}
         held = here.state.placement
         out = []
@@ -162,12 +217,21 @@ class LegSearch:
             if to in behind or self._short(here.state.pose, to):
                 continue
             rest = here.time + self._ahead(to)
+            arms = self._arms(here.state.pose, to)
             for mode in self.modes:
+                if MODES[mode].arms > arms:
+                    continue
                 due = rest + self._least(here.state.pose, to, mode)
                 if held is not None and held[0] == mode:
                     out.append((due, Motion(here, to, mode, held=True)))
                 out.append((due + self._regrasp, Motion(here, to, mode, held=False)))
         return out
+
+    def _arms(self, begin: int, end: int) -> int:
+        """Return how many arms are long enough for the object at both of two poses."""
+        if len(self._able) < len(self.poses):
+            self._able += list(self.in_span(self.poses[len(self._able) :]))
+        return int((self._able[begin] & self._able[end]).sum())
 
     def _after(self, motion: Motion) -> list[Reached]:
         """Return the states that a motion leads to."""
@@ -196,14 +260,31 @@ class LegSearch:
         placement = begin.placement if motion.held else None
         key = (begin.pose, motion.to, motion.mode, placement)
         if key not in self._found:
-            if self.judged >= self.most:
+            if self.judged >= self.most or motion.mode not in self.modes:
                 return []
             self.judged += 1
             part = self._part(begin.pose, motion.to, motion.mode)
             if placement is not None:
                 part = _holding(part, placement)
-            self._found[key] = _best(self.judge(part), placement)
+            judged = self.judge(part)
+            self._found[key] = _best(judged, placement)
+            if not self._found[key]:
+                self._note(motion.mode, judged)
+            if _hopeless(judged) and motion.mode in self.modes:
+                self.modes.remove(motion.mode)
         return self._found[key]
+
+    def _note(self, mode: str, judged: Sequence[Choice]) -> None:
+        """Count a motion that ``mode`` cannot do, by the first reason against it."""
+        refusals = (choice.refusal for choice in judged)
+        first = next((r for r in refusals if r is not None and r.code != SKIPPED), None)
+        if first is None:
+            return
+        before = self._refused.get((mode, first.code))
+        count = 0 if before is None else before.count
+        text = str(first) if before is None else before.text
+        motions = RefusedMotions(mode, first.code, count + 1, text)
+        self._refused[mode, first.code] = motions
 
     def _part(self, begin: int, end: int, mode: str) -> Task:
         """Return the task of one motion."""
@@ -246,6 +327,12 @@ class LegSearch:
     def _regrasp(self) -> float:
         """The price [s] of other contacts: the release, the way there, the touch."""
         return overhead(self.task.motion)
+
+
+def _hopeless(judged: Sequence[Choice]) -> bool:
+    """Whether a mode that ``judged`` is of can never move the object."""
+    refusals = (choice.refusal for choice in judged)
+    return any(r is not None and r.code in HOPELESS for r in refusals)
 
 
 def _placement(choice: Choice) -> Placement:

@@ -38,6 +38,9 @@ class Preparation(Protocol):
     def keep(self, count: int) -> None:
         """Forget all placements but the first ``count``."""
 
+    def after(self) -> Preparation:
+        """Return an empty preparation from where the arms are after all placements."""
+
 
 @dataclass
 class PlansAlone:
@@ -53,6 +56,10 @@ class PlansAlone:
     def keep(self, count: int) -> None:
         """Forget all placements but the first ``count``."""
         del self.plans[count:]
+
+    def after(self) -> PlansAlone:
+        """Return an empty preparation."""
+        return PlansAlone()
 
 
 def prepared(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from pushpressslide.core.errors import TaskError
 from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
@@ -47,8 +48,13 @@ def placements(task: Task, enough: int = 1, first: int = 0) -> list[list[Choice]
     """Return the choices for each placement of the arms, best first.
 
     They are made by what is believed. A leg for which the arms can keep their contacts
-    is one more segment of the leg before it. Legs before the ``first`` are done.
+    is one more segment of the leg before it. Legs before the ``first`` are done. Raises
+    TaskError for a task of several goals, which is done in stages.
     """
+    if task.goals:
+        reason = "allowed: null; selection.stages makes stages of a task with goals"
+        bodies = [goal.body for goal in task.goals]
+        raise TaskError(task.source or task.name, "goals", bodies, reason)
     task = task.told
     parts = task.parts[first:]
     if _share_modes(parts):

@@ -5,9 +5,11 @@ for, each placement with what its arms need.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from itertools import chain
 from time import perf_counter
+from typing import Any
 
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan, Segment
@@ -21,18 +23,19 @@ from pushpressslide.selection.preparation import (
     add_first,
     prepared,
 )
+from pushpressslide.selection.searched import Searched
 from pushpressslide.selection.select import (
     judged_motion,
     of_leg,
     placements,
     select,
 )
-from pushpressslide.selection.waypoints import free_space, waypoints
+from pushpressslide.selection.waypoints import free_space, in_span, onward, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
 SEQUENCES = 16  # whose joint paths are looked for
 JUDGED = 160  # motions between two poses that are judged in a search
-LIKELY = 40  # poses on the way that are tried first
+JUDGED_ONWARD = 120  # more, where pushes from the poses on the way are looked at too
 
 
 @dataclass
@@ -42,6 +45,13 @@ class Solution:
     plan: Plan
     choices: list[Choice]  # what was judged; those passed over say why
     planning_time: dict[str, float] = field(default_factory=dict)  # [s] by stage
+    searched: Searched | None = None  # where one motion did not do it
+
+    @property
+    def notes(self) -> dict[str, Any]:
+        """What a record keeps of it."""
+        searched = None if self.searched is None else asdict(self.searched)
+        return {"planning_time": self.planning_time, "search": searched}
 
 
 def solve(
@@ -56,10 +66,49 @@ def solve(
     their arms need, in ``preparation``.
 
     ``enough`` choices of each mode are judged at first. ``force`` takes infeasible ones
-    too. ``begin`` says from where a task goes on that was begun before. Raises
-    InfeasibleTaskError where nothing leads to the goal.
+    too. ``begin`` says from where a task goes on that was begun before. Obstacles that
+    may move are pushed only where nothing leads past them. Raises InfeasibleTaskError
+    where nothing leads to the goal.
     """
     clock = _Clock()
+    try:
+        return _solved(preparation, task, enough, force, begin, clock)
+    except InfeasibleTaskError:
+        may = any(obstacle.may_move for obstacle in task.obstacles)
+        if task.pushes or task.legs or not may:
+            raise
+        preparation.keep(0)
+        choices = _pushing(preparation, task, enough, begin)
+        if not choices:
+            raise
+    clock.lap("pushing")
+    pushing = replace(task, pushes=True)
+    return Solution(joined(preparation, pushing, begin), choices, clock.laps)
+
+
+def _pushing(
+    preparation: Preparation, task: Task, enough: int, begin: Restart | None
+) -> list[Choice]:
+    """Add one motion that pushes what may move to ``preparation``, and return the
+    choices that were judged; none where there is no such motion.
+    """
+    pushing = replace(task, pushes=True)
+    choices = select(pushing, enough, 0 if begin is None else begin.leg)
+    problems: Problems = {}
+    if add_first(preparation, pushing, choices, False, problems, TRIES):
+        return choices
+    return []
+
+
+def _solved(
+    preparation: Preparation,
+    task: Task,
+    enough: int,
+    force: bool,
+    begin: Restart | None,
+    clock: _Clock,
+) -> Solution:
+    """Return how a task is done; ``clock`` takes the time of each stage."""
     first = 0 if begin is None else begin.leg
     choices = select(task, enough, first)
     clock.lap("selection")
@@ -72,9 +121,9 @@ def solve(
     clock.lap("joint_paths")
     if added:
         return Solution(joined(preparation, task, begin), choices, clock.laps)
-    plan = _searched(preparation, task, choices, begin)
+    plan, searched = _searched(preparation, task, choices, begin)
     clock.lap("search")
-    return Solution(plan, choices, clock.laps)
+    return Solution(plan, choices, clock.laps, searched)
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:
@@ -109,29 +158,32 @@ def _searched(
     task: Task,
     choices: Sequence[Choice],
     begin: Restart | None,
-) -> Plan:
-    """Return the plan of the quickest sequence of motions that has joint paths.
+) -> tuple[Plan, Searched]:
+    """Return the plan of the quickest sequence of motions that has joint paths, and
+    what else was tried.
 
     Raises InfeasibleTaskError where none was found.
     """
     told = task.told
     ways = free_space(told).ways(told.goal)
     poses = [told.start, told.goal, *waypoints(told, ways)]
-    search = LegSearch(told, ways, poses[: 2 + LIKELY], judged_motion, JUDGED)
+    touch = partial(in_span, told)
+    search = LegSearch(told, ways, poses, touch, judged_motion, JUDGED)
     search.know(choices)
     lacking = ""
     for _ in range(SEQUENCES):
         steps = search.soonest()
-        if not steps and len(search.poses) < len(poses):
-            search.poses = poses
+        if not steps and search.onward is None:
+            search.onward = partial(onward, told, ways)
+            search.most += JUDGED_ONWARD
             steps = search.soonest()
         if not steps:
             break
         plan = _plan(task, steps, begin)
         failed, lacking = _prepare(preparation, plan)
         if failed is None:
-            return plan
-        search.ban([steps[i] for i in failed])
+            return plan, search.tried
+        search.ban(steps, failed[0], failed[-1], lacking)
     raise InfeasibleTaskError(_refusal(task, choices, search, lacking))
 
 

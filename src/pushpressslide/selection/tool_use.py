@@ -11,9 +11,11 @@ from pushpressslide.core import margins
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.refusal import Refusal
-from pushpressslide.core.task import ObjectModel, Obstacle, Task, ToolUse
+from pushpressslide.core.task import ObjectModel, Obstacle, Shape, Task, ToolUse
 
 ON_HULL = 1e-6  # [m] inside the hull, up to which a face's point is on it
+# of a box's frame, by the quarter turns from it to a push: the way back
+BACK: tuple[Point, ...] = ((-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +35,8 @@ class StraightPush:
         ahead = (math.cos(self.direction), math.sin(self.direction))
         end_x = pose.x + self.distance * ahead[0]
         end_y = pose.y + self.distance * ahead[1]
-        axis = round((pose.yaw - self.direction) / (0.5 * math.pi)) % 2
-        half = 0.5 * self.body.size[axis]
+        quarters = round((self.direction - pose.yaw) / (0.5 * math.pi)) % 4
+        half = self.body.shape.extent(BACK[quarters], (0.0, 0.0))
         (ax, ay), (bx, by) = face
         middle = (0.5 * (ax + bx), 0.5 * (ay + by))
         outward = math.atan2(ax - bx, by - ay)
@@ -90,14 +92,26 @@ def _outer_edges(tool: ObjectModel) -> dict[int, tuple[Point, Point]]:
 
 
 def _movable_body(name: str, obstacles: Sequence[Obstacle], source: str) -> Obstacle:
-    """Return the obstacle ``name``; raises TaskError unless it is there and movable."""
+    """Return the obstacle ``name``; raises TaskError unless it is a movable box."""
     movable = {o.name: o for o in obstacles if o.movable}
     if name not in movable:
         allowed = ", ".join(["object", *movable])
         raise TaskError(
             source, "goal.body", name, f"allowed: a movable body: {allowed}"
         )
-    return movable[name]
+    body = movable[name]
+    if not _is_rectangle(body.shape):
+        allowed = f"{body.shape.description}; allowed: a box"
+        raise TaskError(source, "goal.body", name, allowed)
+    return body
+
+
+def _is_rectangle(shape: Shape) -> bool:
+    """Return whether a footprint is a rectangle along G's axes about G's origin."""
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    about_origin = max(abs(x_min + x_max), abs(y_min + y_max)) < ON_HULL
+    corners = {(x, y) for x in (x_min, x_max) for y in (y_min, y_max)}
+    return about_origin and set(shape.corners) == corners
 
 
 def _straight_push(

@@ -14,15 +14,19 @@ from itertools import pairwise, zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.footprint import middle_room
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Robot
-from pushpressslide.core.task import Box, Task
-from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, between
+from pushpressslide.core.task import Shape, Task
+from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, between
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.reach import reachable
 
 STRAIGHTS = (0.12, 0.25)  # [m] of straight push that leads to the goal
+ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a pose on the way
+ARC = 2.0  # radii of the object: of the arcs from there
+TURNS = tuple(math.radians(a) for a in (-90.0, -45.0, 45.0, 90.0))  # on them
 SPREAD = 16  # poses of the even sample
 FACES = 2  # by which a pose on the way is turned to be pushed along it
 SIDES = 4  # faces by which a straight push to the goal is tried
@@ -34,22 +38,35 @@ STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
 
 def free_space(task: Task) -> FreeSpace:
     """Return where the object may be on its way."""
-    others = tuple(
-        Box(obstacle.size).placed(obstacle.pose) for obstacle in task.obstacles
+    others = tuple(obstacle.footprint for obstacle in task.obstacles)
+    body = task.object
+    return FreeSpace(
+        body.shape,
+        others,
+        task.motion.clearance,
+        bounds(task),
+        middle_room(task.support, body.shape),
+        body.center_of_mass,
     )
-    return FreeSpace(task.object.shape, others, task.motion.clearance, bounds(task))
 
 
 def bounds(task: Task) -> Bounds:
     """Return the region in which the object's frame may be on its way [m]."""
     ends = (task.start, task.goal)
-    xs = [X.x for X in ends]
-    ys = [X.y for X in ends]
+    xs: Sequence[float] = [X.x for X in ends]
+    ys: Sequence[float] = [X.y for X in ends]
     room = ROOM + task.object.shape.circumradius
     region = (min(xs) - room, max(xs) + room, min(ys) - room, max(ys) + room)
+    if task.support.region is not None:
+        xs, ys = zip(*task.support.region, strict=True)
+        out = math.hypot(*task.object.center_of_mass)
+        table = (min(xs) - out, max(xs) + out, min(ys) - out, max(ys) + out)
+        region = _within(region, table)
     allowed = task.limits.workspace
-    if allowed is None:
-        return region
+    return region if allowed is None else _within(region, allowed)
+
+
+def _within(region: Bounds, allowed: Bounds) -> Bounds:
     return (
         max(region[0], allowed[0]),
         min(region[1], allowed[1]),
@@ -72,6 +89,33 @@ def waypoints(task: Task, ways: WaysTo) -> list[Pose2]:
     in_turn = [X for row in zip_longest(*kinds) for X in row if X is not None]
     space = ways.space
     return _usable(task, space, [*in_turn, *_sample(task, space.bounds)])
+
+
+def onward(task: Task, ways: WaysTo, X: Pose2) -> list[Pose2]:
+    """Return poses X_WG that one push leads to from ``X``, straight or on an arc, by
+    each face; free, and where some arm reaches the object.
+    """
+    goal = ways.goal
+    radius = ARC * task.object.radius
+    out = []
+    bearing = math.atan2(goal.y - X.y, goal.x - X.x) - X.yaw
+    for axis in _nearest(push_axes(task), bearing):
+        heading = X.yaw + axis
+        c = math.cos(heading)
+        s = math.sin(heading)
+        abreast = (goal.x - X.x) * c + (goal.y - X.y) * s
+        lengths = [*ONWARD, abreast] if abreast > ONWARD[0] else ONWARD
+        out += [Pose2(X.x + d * c, X.y + d * s, X.yaw) for d in lengths]
+        out += [_on_arc(X, heading, radius, turn) for turn in TURNS]
+    return _usable(task, ways.space, out)
+
+
+def _on_arc(X: Pose2, heading: float, radius: float, turn: float) -> Pose2:
+    """Return where a pose is after an arc that begins along ``heading`` [rad]."""
+    side = math.copysign(radius, turn)
+    x = X.x + side * (math.sin(heading + turn) - math.sin(heading))
+    y = X.y - side * (math.cos(heading + turn) - math.cos(heading))
+    return Pose2(x, y, X.yaw + turn)
 
 
 def push_axes(task: Task) -> list[float]:
@@ -114,14 +158,19 @@ def _turned(task: Task, axes: Sequence[float]) -> list[Pose2]:
 
 
 def _before(task: Task, axes: Sequence[float]) -> list[Pose2]:
-    """Return poses from which a straight push leads to the goal."""
+    """Return poses from which a straight push leads to the goal: near by, and abreast of
+    the start.
+    """
     goal = task.goal
+    start = task.start
     out = []
-    bearing = math.atan2(goal.y - task.start.y, goal.x - task.start.x) - goal.yaw
+    bearing = math.atan2(goal.y - start.y, goal.x - start.x) - goal.yaw
     for axis in _nearest(axes, bearing):
         c = math.cos(goal.yaw + axis)
         s = math.sin(goal.yaw + axis)
-        out += [Pose2(goal.x - d * c, goal.y - d * s, goal.yaw) for d in STRAIGHTS]
+        abreast = (goal.x - start.x) * c + (goal.y - start.y) * s
+        ways = [*STRAIGHTS, abreast] if abreast > STRAIGHTS[0] else STRAIGHTS
+        out += [Pose2(goal.x - d * c, goal.y - d * s, goal.yaw) for d in ways]
     return out
 
 
@@ -154,29 +203,52 @@ def _usable(task: Task, space: FreeSpace, poses: Sequence[Pose2]) -> list[Pose2]
     able = space.free(inside) & reached(task, inside)
     out: list[Pose2] = []
     for X, fit in zip(inside, able, strict=True):
-        if fit and not any(_same(X, other) for other in (*out, task.start, task.goal)):
+        if fit and not any(alike(X, other) for other in (*out, task.start, task.goal)):
             out.append(X)
     return out
 
 
-def _same(X: Pose2, Y: Pose2) -> bool:
-    turn = math.remainder(Y.yaw - X.yaw, 2.0 * math.pi)
-    return math.dist(X.position, Y.position) < 0.01 and abs(turn) < 0.05
-
-
 def reached(task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-    """Return whether some arm's tip reaches the middle of the object's top, (n,)."""
-    shape = task.object.shape
+    """Return whether some arm's tip reaches the top, at the centre of mass or above the
+    middle of a side, (n,).
+    """
     out = np.full(len(poses), False)
     for robot in task.robots:
-        out |= _reached(robot, task, shape.height, poses)
+        out |= _reached(robot, task, poses)
     return out
 
 
-def _reached(
-    robot: Robot, task: Task, height: float, poses: Sequence[Pose2]
-) -> NDArray[np.bool_]:
+def _reached(robot: Robot, task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
     frame = task.support.frame
-    center = task.object.center_of_mass
-    points = [frame.point((*X.apply(center), height + robot.tip_radius)) for X in poses]
-    return reachable(arm_kinematics(robot), np.array(points), quick=True).ok
+    shape = task.object.shape
+    height = shape.height + robot.tip_radius
+    places = [task.object.center_of_mass, *_side_middles(shape)]
+    points = [frame.point((*X.apply(place), height)) for X in poses for place in places]
+    able = reachable(arm_kinematics(robot), np.array(points), quick=True).ok
+    return np.asarray(able.reshape(len(poses), len(places)).any(axis=1))
+
+
+def in_span(task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
+    """Return which arms are long enough to touch the object somewhere at each of n
+    poses, (n, arms). Joint limits are left aside: what is not in span is out of reach.
+    """
+    import shapely
+
+    shape = task.object.shape
+    placed = [shape.placed(X) for X in poses]
+    out = []
+    for robot in task.robots:
+        shoulder, wrist, span = arm_kinematics(robot).span
+        x, y, z = task.support.frame.coordinates(shoulder.tolist())
+        level = max(z - shape.height - robot.tip_radius, 0.0)
+        apart = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
+        out.append(np.hypot(apart, level) <= span + abs(wrist))
+    return np.column_stack(out)
+
+
+def _side_middles(shape: Shape) -> list[Point]:
+    """Return the middles [m] in G of the sides of the hull's bounding box."""
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    x = 0.5 * (x_min + x_max)
+    y = 0.5 * (y_min + y_max)
+    return [(x_min, y), (x_max, y), (x, y_min), (x, y_max)]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
+from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions, run_loop
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.sim.joints.driven import clearance_driven
@@ -23,6 +25,7 @@ def run(
     models: str = "generated",
     time_step: float | None = None,
     live: Callable[[str], None] | None = None,
+    knock: Knock | None = None,
 ) -> Record:
     """Run ``plan`` in the hydroelastic simulation and return its record.
 
@@ -30,7 +33,8 @@ def run(
     joint paths of each placement, if made before; else this raises InfeasibleTaskError
     before anything moves where an arm has none. ``models`` names the robot models,
     ``time_step`` [s] is that of the physics (default: the task's). ``live`` is called
-    with the address of a page that shows the run in real time.
+    with the address of a page that shows the run in real time. ``knock``: another body
+    pushes the object aside; ``knocked`` in the record's meta says how far.
     """
     if paths is None:
         paths = all_joint_paths(plan)
@@ -42,9 +46,13 @@ def run(
     task = plan.part(plan.segments[0])
     motion = task.motion
     step = time_step or motion.time_step
-    station = Station(plan, models=models, time_step=step, view=view)
-    plant = DrakePlant(plan, station, paths, models)
+    station = Station(plan, models=models, time_step=step, view=view, knock=knock)
+    begin = None if options is None else options.begin
+    plant = DrakePlant(plan, station, paths, models, begin)
     record = run_loop(plant, plan, options)
     clearance, pair = clearance_driven(record)
-    driven = {"clearance_driven": clearance, "clearance_pair": pair}
+    driven: dict[str, Any] = {"clearance_driven": clearance, "clearance_pair": pair}
+    knocker = station.scene.knocker
+    if knocker is not None and knocker.knocked is not None:
+        driven["knocked"] = asdict(knocker.knocked)
     return replace(record, meta={**record.meta, **driven})

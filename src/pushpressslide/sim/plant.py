@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pushpressslide.control.approach import SETTLE
 from pushpressslide.control.joint_reference import path_reference
 from pushpressslide.control.limits import ArmLimits, ArmReading
-from pushpressslide.control.plant import PlantRow
+from pushpressslide.control.plant import PlantRow, Situation
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     Commands,
@@ -40,6 +40,7 @@ from pushpressslide.sim.station import Station
 Array = NDArray[np.float64]
 
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
+FALLEN = "the object has fallen over the edge of support.region"
 FAR = 2.0  # [m] from the start: the simulation has diverged
 FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
 RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
@@ -179,14 +180,17 @@ class DrakePlant:
         station: Station,
         paths: Sequence[tuple[ArmPath, ...]],
         models: str,
+        begin: Situation | None = None,
     ) -> None:
-        """Put the arms of ``station`` where the first of ``paths`` begins.
+        """Put the arms of ``station`` where the first of ``paths`` begins, or arms and
+        bodies as ``begin`` has them.
 
         There is one set of joint paths for each placement.
         """
         task = plan.part(plan.segments[0])
         plant = station.plant
         self._start = task.start
+        self._edged = task.support.region is not None
         self._frame = task.support.frame
         self._period = task.motion.control_period
         self._station = station
@@ -196,9 +200,9 @@ class DrakePlant:
         self._arms = [
             DrivenArm(plan, i, station, models) for i in range(len(task.robots))
         ]
-        for arm, (path, attitude) in zip(self._arms, paths[0], strict=True):
-            arm.follow(task, path, attitude)
-            plant.SetPositions(station.plant_context, arm.instance, path.approach[0])
+        self._follow(task, paths[0], begin)
+        if begin is not None:
+            station.put(begin.bodies)
         moved = station.scene.object
         self._body = moved.floating_positions_start()
         velocity = moved.floating_velocities_start_in_v()
@@ -214,6 +218,24 @@ class DrakePlant:
         self._executing = 0.0  # [s] of wall time in this tick
         self._failure: str | None = None
         station.simulator.Initialize()
+
+    def _follow(
+        self, task: Task, taken: tuple[ArmPath, ...], begin: Situation | None
+    ) -> None:
+        """Put the arms where their joint paths begin; arms that are elsewhere are led
+        there first.
+        """
+        paths = [path for path, _ in taken]
+        if begin is not None:
+            facts = [arm.model.instance.facts for arm in self._arms]
+            paths = led_in(paths, facts, begin.joints)
+        for arm, path, (_, attitude) in zip(self._arms, paths, taken, strict=True):
+            arm.follow(task, path, attitude)
+            context = self._station.plant_context
+            self._station.plant.SetPositions(context, arm.instance, path.approach[0])
+        if begin is not None:
+            for arm, speed in zip(self._arms, begin.speeds, strict=True):
+                self._station.plant.SetVelocities(context, arm.instance, speed)
 
     def _run_facts(self, models: str) -> dict[str, Any]:
         every = [path for placement in self._paths for path, _ in placement]
@@ -301,6 +323,7 @@ class DrakePlant:
 
     def advance(self) -> None:
         """Simulate one control period."""
+        self._station.disturb(self._x, self._truth.object_pose, self.time)
         self._ticks += 1
         try:
             self._station.simulator.AdvanceTo(self._ticks * self._period)
@@ -327,12 +350,17 @@ class DrakePlant:
     def diverged(self) -> str | None:
         """Return why the simulation cannot go on, or None.
 
-        The object was far away at the last measurement, or the simulator complained.
+        The object was far away or had fallen at the last measurement, or the simulator
+        complained.
         """
         pose = self._truth.object_pose
         off = math.hypot(pose.x - self._start.x, pose.y - self._start.y)
         if not np.isfinite(self._x).all() or off > FAR:
             return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
+        if self._edged:
+            place = self._x[self._body + 4 : self._body + 7]
+            if self._frame.coordinates(tuple(place.tolist()))[2] < 0.0:
+                return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
         return self._failure
 
     def prepare(self) -> PlacementPaths:

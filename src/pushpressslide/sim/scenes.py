@@ -17,6 +17,7 @@ from pydrake.geometry import (
     ProximityProperties,
     SceneGraph,
 )
+from pydrake.geometry import Shape as DrakeShape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
@@ -35,15 +36,18 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core import task as model
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.polygon import counter_clockwise
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.knock import Knocker
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
     Bounds,
     SurfaceFrictions,
-    compliant_properties,
+    convex_shapes,
     drawn_shape,
     rigid_properties,
     support_grid,
@@ -78,6 +82,7 @@ class DrakeScene:
     bodies: dict[str, RigidBody]  # movable obstacles, by name
     robots: tuple[RobotInstance, ...]
     grid: Bounds  # [m] of the support's surface
+    knocker: Knocker | None = None
 
 
 def rest_height(body: model.ObjectModel) -> float:
@@ -176,9 +181,13 @@ def mesh_size(shape: model.Shape) -> float:
 
 
 def build_scene(
-    plan: Plan, *, models: str = "generated", time_step: float | None = None
+    plan: Plan,
+    *,
+    models: str = "generated",
+    time_step: float | None = None,
+    knock: Knock | None = None,
 ) -> DrakeScene:
-    """Return the scene of a plan's task.
+    """Return the scene of a plan's task, with what knocks its object.
 
     The plant is finalized; the builder is not built yet, so that systems can be added.
     """
@@ -210,9 +219,15 @@ def build_scene(
         )
         for index, robot in enumerate(task.robots)
     )
+    knocker = None if knock is None else Knocker(plant, knock, plan)
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
-    return DrakeScene(builder, plant, scene_graph, object_body, bodies, robots, bounds)
+    if knocker is not None:
+        knocker.touch_only(plant, scene_graph, object_body)
+        knocker.connect(builder, plant)
+    return DrakeScene(
+        builder, plant, scene_graph, object_body, bodies, robots, bounds, knocker
+    )
 
 
 def add_object(
@@ -268,22 +283,27 @@ def _add_obstacle(
     """Add an obstacle, rigid in the world or compliant as a body of its own; return the
     body it belongs to.
     """
-    X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2] - SINK, frame)
-    box = DrakeBox(*obstacle.size)
+    shape = obstacle.shape
+    X = rigid_transform(obstacle.pose, 0.5 * shape.height - SINK, frame)
     name = obstacle.name
-    smallest = min(obstacle.size)
+    smallest = min(shape.height, shape.breadth)
     if obstacle.movable:
-        inertia = SpatialInertia.SolidBoxWithMass(obstacle.mass, *obstacle.size)
+        solid = model.ObjectModel(shape, obstacle.mass, shape.centroid)
         instance = plant.AddModelInstance(f"obstacle_{name}")
-        body = plant.AddRigidBody(name, instance, inertia)
+        body = plant.AddRigidBody(name, instance, solid_inertia(solid))
         plant.SetDefaultFloatingBaseBodyPose(body, X)
         X = RigidTransform()
-        properties = compliant_properties(friction, 0.25 * smallest)
+        touched = [touched_shape(shape, friction, 0.25 * smallest)]
     else:
         body = plant.world_body()
+        # Drake takes a mesh that tips touch in points as its hull
         properties = rigid_properties(friction, 0.5 * smallest)
-    plant.RegisterCollisionGeometry(body, X, box, name, properties)
-    plant.RegisterVisualGeometry(body, X, box, f"{name}_visual", OBSTACLE_COLOR)
+        touched = [(piece, properties) for piece in convex_shapes(shape)]
+    for i, (piece, properties) in enumerate(touched):
+        own = f"{name}_{i}" if i else name
+        plant.RegisterCollisionGeometry(body, X, piece, own, properties)
+    drawn = drawn_shape(shape)
+    plant.RegisterVisualGeometry(body, X, drawn, f"{name}_visual", OBSTACLE_COLOR)
     return body
 
 
@@ -292,9 +312,11 @@ def _draw_support(plant: MultibodyPlant, support: model.Support) -> None:
     opening.
     """
     table = RigidTransform([0.45, 0.0, -0.0101])
-    plant.RegisterVisualGeometry(
-        plant.world_body(), table, DrakeBox(1.7, 1.8, 0.02), "table", TABLE_COLOR
-    )
+    top: DrakeShape = DrakeBox(1.7, 1.8, 0.02)
+    if support.region is not None:
+        table = RigidTransform([0.0, 0.0, -0.0101])
+        top = drawn_shape(model.Prism(counter_clockwise(support.region), 0.02))
+    plant.RegisterVisualGeometry(plant.world_body(), table, top, "table", TABLE_COLOR)
     frame = support.frame
     if frame == TABLE:
         return

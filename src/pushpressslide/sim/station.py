@@ -9,6 +9,7 @@ Outputs  joint_state_<i>     (2 n,) positions, velocities
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,8 +21,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
 from pushpressslide.sim.convert import rigid_transform
+from pushpressslide.sim.knock import NAME
 from pushpressslide.sim.robot_models import RobotInstance
 from pushpressslide.sim.scenes import build_scene, rest_height
 
@@ -83,12 +87,13 @@ class Station:
         models: str = "generated",
         time_step: float | None = None,
         view: LiveView | None = None,
+        knock: Knock | None = None,
     ) -> None:
         """Build the scene of ``plan``'s task with the object at its TRUE start.
 
-        ``view`` shows the scene while it is simulated.
+        ``view`` shows the scene while it is simulated; ``knock`` disturbs it.
         """
-        self.scene = build_scene(plan, models=models, time_step=time_step)
+        self.scene = build_scene(plan, models=models, time_step=time_step, knock=knock)
         self.plant = self.scene.plant
         self._export_ports()
         if view is not None:
@@ -123,6 +128,27 @@ class Station:
             builder.ExportOutput(state, f"joint_state_{i}")
             sensor = add_force_sensor(builder, plant, robot)
             builder.ExportOutput(sensor.GetOutputPort("force"), f"contact_force_{i}")
+
+    def disturb(self, x: Array, pose: Pose2, time: float) -> None:
+        """Let what knocks the object do so for a control period; ``x`` is the plant's
+        state, ``pose`` the object's X_WG.
+        """
+        knocker = self.scene.knocker
+        if knocker is not None:
+            port = self.diagram.GetInputPort(NAME)
+            knocker.step(port, self.context, x, pose, time)
+
+    def put(self, bodies: Mapping[str, Array]) -> None:
+        """Put bodies, "object" or movable obstacles by name, where they are: quaternion
+        (w, x, y, z) and position [m] (7,) each.
+        """
+        every = {"object": self.scene.object, **self.scene.bodies}
+        for name, positions in bodies.items():
+            context = self.plant_context
+            first = every[name].floating_positions_start()
+            q = self.plant.GetPositions(context)
+            q[first : first + 7] = positions
+            self.plant.SetPositions(context, q)
 
     def state_vector(self) -> Array:
         """Return a copy of the plant's discrete state: all positions, then all

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise, product
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -29,6 +30,7 @@ from pydrake.multibody.plant import CoulombFriction
 from pushpressslide.core import task as model
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pieces import convex_pieces, triangles
+from pushpressslide.core.polygon import signed_area
 from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.sim.layered_mesh import layered_mesh
@@ -39,6 +41,7 @@ DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
 OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
 # friction of a pair over that of the smoother surface; 2 is the theoretical limit
 ROUGHEST = 1.99
+SLIVER = 1e-6  # of a tile, smaller pieces of which are left out
 DETAIL = 1e-4  # [m] of a concave outline that contact does not see
 Tile = tuple[int, ...]
 Bounds = tuple[float, float, float, float]
@@ -166,7 +169,7 @@ def support_grid(
     """Return the support's surface as a triangle mesh in the world, facing outwards.
 
     It covers ``bounds``, which are x_min, x_max, y_min, y_max [m] in the support's
-    frame, and the sides and the back of an opening. Friction acts at the centroids of
+    frame, up to the edge of a region, and the sides and the back of an opening. Friction acts at the centroids of
     the contact polygons, so that the edge ``tile`` [m] of a grid cell decides how well
     torsion is resolved: a third of the object's width gives about 1 %.
     """
@@ -175,6 +178,8 @@ def support_grid(
     surface = _TiledSurface()
     if support.opening is not None:
         _tile_opening(surface, bounds, tile, support.opening)
+    elif support.region is not None:
+        _tile_region(surface, bounds, tile, support.region)
     else:
         _tile_plane(surface, bounds, tile)
         if frame != TABLE:
@@ -201,9 +206,10 @@ class _TiledSurface:
         us: Sequence[float],
         vs: Sequence[float],
         place: Callable[[float, float], Vector3],
+        parity: int = 0,
     ) -> None:
         """Add the tiles between the lines ``us`` and ``vs``; seen from outside, v is to
-        the left of u.
+        the left of u. ``parity`` says which way the first tile's diagonal goes.
         """
         first = len(self.vertices)
         n = len(us)
@@ -215,20 +221,59 @@ class _TiledSurface:
                 c = a + n + 1
                 d = a + n
                 # the diagonal alternates, so that the grid has no handedness
-                if (i + j) % 2 == 0:
+                if (i + j + parity) % 2 == 0:
                     self.faces += [(a, b, c), (a, c, d)]
                 else:
                     self.faces += [(a, b, d), (b, c, d)]
 
+    def add_flat(self, corners: tuple[Point, ...], tile: float) -> None:
+        """Add a polygon of the plane at height zero, a part of a ``tile`` [m]."""
+        first = len(self.vertices)
+        self.vertices.extend((x, y, 0.0) for x, y in corners)
+        for face in triangles(corners):
+            area = signed_area(tuple(corners[i] for i in face))
+            if area > SLIVER * tile * tile:
+                self.faces.append(tuple(first + i for i in face))
+
+
+def _tile_region(
+    surface: _TiledSurface,
+    bounds: Bounds,
+    tile: float,
+    region: tuple[Point, ...],
+) -> None:
+    """Add the tiles of a plane that are in a region, those on its edge cut off there."""
+    import shapely
+
+    polygon = shapely.Polygon(region)
+    shapely.prepare(polygon)
+    xs, ys = _plane_lines(bounds, tile)
+    for (i, (x, x_next)), (j, (y, y_next)) in product(
+        enumerate(pairwise(xs)), enumerate(pairwise(ys))
+    ):
+        cell = shapely.box(x, y, x_next, y_next)
+        if shapely.covers(polygon, cell):
+            surface.add([x, x_next], [y, y_next], lambda x, y: (x, y, 0.0), i + j)
+            continue
+        for piece in shapely.get_parts(shapely.intersection(polygon, cell)):
+            if piece.area > SLIVER * tile * tile:
+                surface.add_flat(tuple(piece.exterior.coords[:-1]), tile)
+
 
 def _tile_plane(surface: _TiledSurface, bounds: Bounds, tile: float) -> None:
     """Add a plane in whole tiles."""
+    xs, ys = _plane_lines(bounds, tile)
+    surface.add(xs, ys, lambda x, y: (x, y, 0.0))
+
+
+def _plane_lines(bounds: Bounds, tile: float) -> tuple[list[float], list[float]]:
+    """Return the lines along x and along y between the whole tiles of a plane."""
     x_min, x_max, y_min, y_max = bounds
     nx = max(1, math.ceil((x_max - x_min) / tile))
     ny = max(1, math.ceil((y_max - y_min) / tile))
     xs = [x_min + i * tile for i in range(nx + 1)]
     ys = [y_min + j * tile for j in range(ny + 1)]
-    surface.add(xs, ys, lambda x, y: (x, y, 0.0))
+    return xs, ys
 
 
 def _tile_opening(

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from pushpressslide.core import margins
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import (
     MissingFrameError,
@@ -17,12 +18,12 @@ from pushpressslide.core.errors import (
 )
 from pushpressslide.core.footprint import (
     around,
+    edge_depths,
     overlap_area,
 )
-from pushpressslide.core.pose import Pose2
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.task import (
-    Box,
     Obstacle,
     Opening,
     Robot,
@@ -46,6 +47,9 @@ PLACES = 24
 REACH_SLACK = 0.02
 """Shortfall that is put down to the search [m]; beyond it a place is out of reach."""
 
+ROUNDING = 1e-6
+"""[m] by which a contact may be nearer to the edge."""
+
 MODELS = ("panda", "iiwa7", "hand")
 """Robot models that come with the package."""
 
@@ -61,10 +65,11 @@ def check(task: Task) -> None:
     refuse(task.source, _mode_faults(task))
     refuse(task.source, _vehicle_faults(task))
     refuse(task.source, _goal_faults(task))
-    refuse(task.source, _workspace_faults(task))
+    refuse(task.source, workspace_faults(task))
+    refuse(task.source, edge_faults(task))
     check_reach(task)
     refuse(task.source, _base_faults(task))
-    refuse(task.source, _object_faults(task))
+    refuse(task.source, object_faults(task))
     refuse(task.source, _obstacle_faults(task))
 
 
@@ -81,6 +86,21 @@ def _motion_faults(task: Task) -> Iterator[Fault]:
     if height is not None and height >= shape.height:
         allowed = f"allowed: below the object's top at {shape.height:g} m"
         yield "motion.contact_height", height, allowed
+    yield from _contact_faults(task)
+
+
+def _contact_faults(task: Task) -> Iterator[Fault]:
+    """Yield a contact that no tip can have on the object's top: beside it, in a notch or
+    too near to an edge.
+    """
+    inset = min(margins.inset(robot.tip_radius) for robot in task.robots)
+    for i, point in enumerate(task.motion.contacts or ()):
+        if not task.object.shape.holds(point, inset - ROUNDING, (0.0, 0.0)):
+            reason = (
+                f"allowed: a point on the object's top, {inset * 1e3:g} mm or more "
+                "inside its edge"
+            )
+            yield f"motion.contacts[{i}]", list(point), reason
 
 
 def _face_faults(task: Task, face: int) -> Iterator[Fault]:
@@ -120,7 +140,7 @@ def wall_faults(task: Task) -> Iterator[Fault]:
             "it would fall before the arms press it; allowed: on a ledge, a fixed "
             "obstacle right below it"
         )
-        yield "start", _shown(task.start), reason
+        yield "start", pose_text(task.start), reason
     if task.support.opening is not None:
         yield from _opening_faults(task, task.support.opening)
 
@@ -132,12 +152,12 @@ def _opening_faults(task: Task, opening: Opening) -> Iterator[Fault]:
         yield "support.opening.depth", opening.depth, allowed
     if opening.holds(task.start, shape):
         reason = "it lies in support.opening; allowed: outside"
-        yield "start", _shown(task.start), reason
+        yield "start", pose_text(task.start), reason
     off = [abs(a - b) for a, b in zip(task.goal.position, opening.center, strict=True)]
     within = all(d < 0.5 * size for d, size in zip(off, opening.size, strict=True))
     if within and not task.enters:
         allowed = "outside support.opening, or where the object's outline is within it"
-        yield "goal", _shown(task.goal), f"allowed: {allowed}"
+        yield "goal", pose_text(task.goal), f"allowed: {allowed}"
 
 
 def _count(arms: int) -> str:
@@ -197,7 +217,8 @@ def _goal_faults(task: Task) -> Iterator[Fault]:
     turn = abs(math.remainder(off.yaw, math.tau))
     tolerance = task.tolerance
     there = distance <= tolerance.position and turn <= tolerance.yaw
-    if there and not task.legs and task.tool is None:
+    ended = task.legs or task.tool is not None or task.goals
+    if there and not ended:
         moved = f"{distance * 1e3:.1f} mm and {math.degrees(turn):.2f} deg"
         allowed = (
             f"allowed: beyond tolerance, {tolerance.position * 1e3:g} mm or "
@@ -206,7 +227,8 @@ def _goal_faults(task: Task) -> Iterator[Fault]:
         yield "goal", Shown(f"{moved} from the start"), allowed
 
 
-def _workspace_faults(task: Task) -> Iterator[Fault]:
+def workspace_faults(task: Task) -> Iterator[Fault]:
+    """Yield a start or goal outside ``limits.workspace``."""
     if task.limits.workspace is None:
         return
     x_min, x_max, y_min, y_max = task.limits.workspace
@@ -215,6 +237,53 @@ def _workspace_faults(task: Task) -> Iterator[Fault]:
         if not (x_min <= pose.x <= x_max and y_min <= pose.y <= y_max):
             value = Shown(f"x {pose.x:g}, y {pose.y:g}")
             yield name, value, f"allowed: {allowed} (limits.workspace)"
+
+
+def edge_faults(task: Task) -> Iterator[Fault]:
+    """Yield a pose at which a body tips over the edge of support.region, or at the goal
+    may.
+    """
+    region = task.support.region
+    if region is None:
+        return
+    center = task.object.center_of_mass
+    shape = task.object.shape
+    margin = margins.EDGE_MARGIN * shape.half_width
+    poses = {"start": task.start, "start_error": task.true_start, "goal": task.goal}
+    for name, pose in poses.items():
+        least = margin if name == "goal" else 0.0
+        yield from _near_edge(name, shape, pose, center, least, region)
+    for i, obstacle in enumerate(task.obstacles):
+        if obstacle.movable:
+            name = f"obstacles[{i}].pose"
+            middle = obstacle.shape.centroid
+            pose = obstacle.pose
+            yield from _near_edge(name, obstacle.shape, pose, middle, 0.0, region)
+
+
+def _near_edge(
+    name: str,
+    shape: Shape,
+    X_WG: Pose2,
+    center: Point,
+    least: float,
+    region: tuple[Point, ...],
+) -> Iterator[Fault]:
+    """Yield a pose at which a body's ``center`` [m] in G is not ``least`` [m] or more
+    inside the edge of a region.
+    """
+    import numpy as np
+    from shapely import Polygon
+
+    place = np.array([X_WG.apply(center)])
+    depth = float(edge_depths(shape, [X_WG], place, Polygon(region))[0])
+    if depth > 0.0 and depth >= least:
+        return
+    inside = f"{1e3 * least:.1f} mm or more inside the edge of support.region"
+    if least == 0.0:
+        inside = "over what support.region carries of the base"
+    where = f"{1e3 * abs(depth):.1f} mm {'inside' if depth > 0.0 else 'beyond'}"
+    yield name, pose_text(X_WG), f"allowed: centre of mass {inside}, here {where}"
 
 
 def check_reach(task: Task) -> None:
@@ -313,7 +382,10 @@ def _base_faults(task: Task) -> Iterator[Fault]:
         yield "robots[1].base", value, f"allowed: bases {apart:g} m or more apart"
 
 
-def _object_faults(task: Task) -> Iterator[Fault]:
+def object_faults(task: Task) -> Iterator[Fault]:
+    """Yield a start or goal at which the object is too near to a base, or overlaps an
+    obstacle.
+    """
     shape = task.object.shape
     poses = {"start": task.start, "goal": task.goal}
     if task.true_start != task.start:
@@ -322,25 +394,29 @@ def _object_faults(task: Task) -> Iterator[Fault]:
         yield from _near_bases(task, name, shape, pose)
         for obstacle in task.obstacles:
             pushed = task.tool is not None and obstacle.name == task.tool.body
-            if not (pushed and name == "goal"):
+            if name != "goal" or not (pushed or obstacle.may_move):
                 yield from _overlap(name, shape, pose, obstacle)
 
 
 def _obstacle_faults(task: Task) -> Iterator[Fault]:
     for i, obstacle in enumerate(task.obstacles):
         field = f"obstacles[{i}].pose"
-        box = Box(obstacle.size)
-        yield from _near_bases(task, field, box, obstacle.pose)
+        shape = obstacle.shape
+        if obstacle.may_move and not obstacle.movable:
+            reason = "it cannot move; allowed: false, or movable: true"
+            yield f"obstacles[{i}].may_move", True, reason
+        yield from _near_bases(task, field, shape, obstacle.pose)
         for other in task.obstacles[:i]:
-            yield from _overlap(field, box, obstacle.pose, other)
+            yield from _overlap(field, shape, obstacle.pose, other)
         if task.tool is None or task.tool.body != obstacle.name:
             continue
         for other in task.obstacles:
             if other is not obstacle:
-                yield from _overlap("goal", box, task.tool.goal, other)
+                yield from _overlap("goal", shape, task.tool.goal, other)
 
 
-def _shown(pose: Pose2) -> Shown:
+def pose_text(pose: Pose2) -> Shown:
+    """Return a pose for a message: metres and degrees."""
     return Shown(f"x {pose.x:g}, y {pose.y:g}, yaw {math.degrees(pose.yaw):g} deg")
 
 
@@ -349,13 +425,13 @@ def _near_bases(task: Task, name: str, shape: Shape, X_WG: Pose2) -> Iterator[Fa
         gap = shape.distance(X_WG.unapply((x, y)))
         if height < shape.height and gap < BASE_RADIUS:
             allowed = f"{BASE_RADIUS:g} m or more from {field}, here {gap:.3f} m"
-            yield name, _shown(X_WG), f"allowed: {allowed}"
+            yield name, pose_text(X_WG), f"allowed: {allowed}"
 
 
 def _overlap(
     name: str, shape: Shape, X_WG: Pose2, obstacle: Obstacle
 ) -> Iterator[Fault]:
-    area = overlap_area(shape, X_WG, Box(obstacle.size), obstacle.pose)
+    area = overlap_area(shape, X_WG, obstacle.shape, obstacle.pose)
     if area > MAX_OVERLAP:
         there = f"overlap with obstacle {obstacle.name!r}, here {area * 1e4:.2f} cm^2"
-        yield name, _shown(X_WG), f"allowed: no {there}"
+        yield name, pose_text(X_WG), f"allowed: no {there}"

@@ -14,6 +14,7 @@ from typing import Any
 from pushpressslide.core.entry import REQUIRED
 from pushpressslide.taskfile.kinds import Field
 from pushpressslide.taskfile.schema import SCHEMA
+from pushpressslide.taskfile.shapes import NAMES
 
 BEGIN = "<!-- fields: begin (generated) -->"
 END = "<!-- fields: end -->"
@@ -28,7 +29,8 @@ def _rows(fields: Mapping[str, Field], path: str) -> Iterator[str]:
         yield f"| `{name}` | {words} | {_default(field.absent)} | {field.meaning} |"
         if "list" in words:
             name += "[i]"
-        if not (path and key == "motion"):  # in a leg: the same fields again
+        again = (path == "obstacles[i]." and key in NAMES) or (path and key == "motion")
+        if not again:  # an obstacle's shape and a leg's motion: the same fields again
             yield from _rows(inner, f"{name}.")
 
 

@@ -17,12 +17,15 @@ from pushpressslide.taskfile.schema import SCHEMA
 def task_data(task: Task) -> dict[str, Any]:
     """Return the task as plain data in the layout and units of the file."""
     values = {**attributes(task), "legs": task.legs or None}
+    values["goals"] = task.goals or None
     tool = values.pop("tool")
     if tool is not None:
         values["tool"] = tool
     plain: dict[str, Any] = SCHEMA.encode(values)
     if tool is not None:
         plain["goal"] = {**POSE.encode(tool.goal), "body": tool.body}
+    if task.goals:
+        plain["goal"] = None
     if task.legs:
         plain["legs"][-1]["pose"] = None  # the goal
     return plain

@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.taskfile.kinds import NAME, Field, array, nullable, number, section
+from pushpressslide.core.task import BodyGoal
+from pushpressslide.taskfile.kinds import (
+    NAME,
+    Field,
+    array,
+    attributes,
+    nullable,
+    number,
+    section,
+)
 
 
 class Stand(NamedTuple):
@@ -31,6 +40,14 @@ _BODY = Field(nullable(NAME), "the body to be moved: object, or an obstacle")
 
 POSE = section(_POSE, Pose2)
 GOAL = section({**_POSE, "body": _BODY}, lambda body, **pose: Pose2(**pose))
+BODY_GOAL = section(
+    {
+        "body": Field(NAME, "the body: object, or an obstacle that is movable"),
+        **_POSE,
+    },
+    lambda body, **pose: BodyGoal(body, Pose2(**pose)),
+    lambda goal: {"body": goal.body, **attributes(goal.pose)},
+)
 START_ERROR = section(
     {
         "x": Field(_ERROR, "along x", 0.0),

@@ -44,7 +44,8 @@ def leg_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
     leg with another time step.
     """
     legs = plain["legs"] or []
-    beside = {"modes": plain["modes"], "goal.body": plain["goal"]["body"]}
+    goal = plain["goal"] or {"body": None}
+    beside = {"modes": plain["modes"], "goal.body": goal["body"]}
     for field, value in beside.items():
         if legs and value not in (None, "object"):
             yield field, value, "a task has legs or this; allowed: one of the two"

@@ -16,6 +16,7 @@ from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
 from pushpressslide.taskfile.checks import MODELS, check, wall_faults
 from pushpressslide.taskfile.dump import dump_task, task_data
+from pushpressslide.taskfile.goals import check_goals, goals_faults
 from pushpressslide.taskfile.legs import inherited, leg_faults, legs_to
 from pushpressslide.taskfile.place import Fault, Place, nearest, refuse
 from pushpressslide.taskfile.schema import SCHEMA
@@ -89,13 +90,20 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     folder = Path(source).parent
     shape = located(plain["object"]["shape"], folder)
     plain["object"] = {**plain["object"], "shape": shape}
-    refuse(source, shape_faults(shape))
+    plain["obstacles"] = [located(body, folder) for body in plain["obstacles"]]
+    refuse(source, shape_faults("object.shape", shape))
+    for i, body in enumerate(plain["obstacles"]):
+        refuse(source, shape_faults(f"obstacles[{i}]", body))
     values = SCHEMA.decode(plain)
     body = values["object"]
     obstacles = values["obstacles"]
     centers = {name: plain[name]["center_of_mass"] for name in ("object", "belief")}
     refuse(source, _body_faults(centers, body, obstacles))
-    tool, goal = tool_use(plain, body, obstacles, source)
+    refuse(source, goals_faults(plain, obstacles))
+    tool = None
+    goal = values["start"]
+    if plain["goals"] is None:
+        tool, goal = tool_use(plain, body, obstacles, source)
     for i, robot in enumerate(values["robots"]):
         refuse(source, _model_faults(robot, folder, f"robots[{i}]"))
     refuse(source, support_faults(plain["support"]))
@@ -105,6 +113,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         "goal": goal,
         "tool": tool,
         "robots": tuple(_located(robot, folder) for robot in values["robots"]),
+        "goals": values["goals"] or (),
         "legs": legs_to(goal, values["legs"]),
         "description": " ".join(values["description"].split()),
         "source": source,
@@ -113,6 +122,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     refuse(source, wall_faults(task))
     for part in task.parts:
         check(part)
+    check_goals(task)
     return task
 
 

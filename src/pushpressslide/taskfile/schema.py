@@ -10,10 +10,23 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pushpressslide.core.entry import REQUIRED, Entry
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import ObjectModel, Robot, Shape, Task
+from pushpressslide.core.task import (
+    BodyGoal,
+    ObjectModel,
+    Obstacle,
+    Robot,
+    Shape,
+    Task,
+)
 from pushpressslide.taskfile import kinds, layouts
 from pushpressslide.taskfile.kinds import Field, Kind
-from pushpressslide.taskfile.shapes import SHAPE
+from pushpressslide.taskfile.shapes import (
+    NAMES,
+    SHAPE,
+    named_shape,
+    one_shape,
+    with_one_shape,
+)
 from pushpressslide.taskfile.supports import make_support, support_fields
 
 _ORDER = (
@@ -24,6 +37,7 @@ _ORDER = (
     "contact",
     "start",
     "goal",
+    "goals",
     "tool",
     "tolerance",
     "robots",
@@ -48,7 +62,11 @@ _LAYOUTS = {
 }
 """Fields that are laid out otherwise than their types."""
 
+_SPREAD = ("Obstacle.shape",)
+"""Fields whose own fields stand in the file in their place."""
+
 _KINDS = {
+    BodyGoal: layouts.BODY_GOAL,
     Pose2: layouts.POSE,
     Shape: SHAPE,
     bool: kinds.FLAG,
@@ -70,8 +88,18 @@ def _robot_fields(robot: Robot) -> dict[str, Any]:
     return {**kinds.attributes(robot), "base": stand}
 
 
+def _obstacle(**others: Any) -> Obstacle:
+    shapes = {name: others.pop(name) for name in NAMES}
+    return Obstacle(shape=one_shape(**shapes), **others)
+
+
+def _obstacle_fields(obstacle: Obstacle) -> dict[str, Any]:
+    return {**kinds.attributes(obstacle), **named_shape(obstacle.shape)}
+
+
 _MAKE: dict[str, Callable[..., Any]] = {
     "ObjectModel": _object,
+    "Obstacle": _obstacle,
     "Robot": _robot,
     "Support": make_support,
     "Task": dict,
@@ -80,6 +108,7 @@ _MAKE: dict[str, Callable[..., Any]] = {
 """How data is made of the file's fields, where its constructor does not take them."""
 
 _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
+    "Obstacle": _obstacle_fields,
     "Robot": _robot_fields,
     "Support": support_fields,
     "Task": dict,
@@ -90,7 +119,7 @@ _TAKE: dict[str, Callable[[Any], dict[str, Any]]] = {
 def _section(data: Any) -> Kind:
     """Return the section of the file that a dataclass becomes."""
     hints = get_type_hints(data)
-    keyed = {}
+    keyed: dict[str, Field] = {}
     for field in fields(data):
         if "entry" in field.metadata:
             entry = field.metadata["entry"]
@@ -100,14 +129,18 @@ def _section(data: Any) -> Kind:
             if entry.section:
                 key, inner = key.split(".")
                 placed = _wrapped(inner, placed, entry.section)
-            keyed[key] = placed
+            if f"{data.__name__}.{field.name}" in _SPREAD:
+                keyed |= placed.kind.fields or {}
+            else:
+                keyed[key] = placed
     ordered = {key: keyed[key] for key in (*_ORDER, *keyed) if key in keyed}
     name = data.__name__
-    return kinds.section(
+    kind = kinds.section(
         ordered if data is Task else keyed,
         _MAKE.get(name, data),
         _TAKE.get(name, kinds.attributes),
     )
+    return with_one_shape(kind) if data is Obstacle else kind
 
 
 def _field(field: DataField[Any], entry: Entry, kind: Kind) -> Field:

@@ -11,7 +11,7 @@ from pushpressslide.core.entry import REQUIRED
 from pushpressslide.core.errors import Shown
 from pushpressslide.core.polygon import (
     border_fault,
-    signed_area,
+    counter_clockwise,
     without_straight_corners,
 )
 from pushpressslide.core.pose import Point, Pose2
@@ -53,10 +53,7 @@ _POLYGON = Field(
 
 def _prism(polygon: tuple[Point, ...], height: float) -> Prism:
     """Return the prism with its corners counter-clockwise, the first one staying so."""
-    polygon = without_straight_corners(polygon)
-    if signed_area(polygon) < 0.0:
-        polygon = polygon[:1] + polygon[:0:-1]
-    return Prism(polygon, height)
+    return Prism(counter_clockwise(without_straight_corners(polygon)), height)
 
 
 _BOX = replace(array(_LENGTH, 3, 3), decode=Box, encode=lambda box: list(box.size))
@@ -88,17 +85,17 @@ def _fields(rows: Sequence[Row]) -> dict[str, Field]:
 
 
 def _named(rows: Sequence[Row], shape: Shape) -> dict[str, Shape]:
-    """Return a shape by the name of its kind."""
     return {name: shape for name, data, *_ in rows if isinstance(shape, data)}
 
 
-def _shape(**shapes: Shape | None) -> Shape:
+def one_shape(**shapes: Shape | None) -> Shape:
+    """Return the only shape among the fields of a section."""
     (shape,) = (shape for shape in shapes.values() if shape is not None)
     return shape
 
 
 def _part(pose: Pose2, **shapes: Any) -> Part:
-    shape: Any = _shape(**shapes)
+    shape: Any = one_shape(**shapes)
     return Part(shape, pose)
 
 
@@ -138,14 +135,30 @@ _ROWS: tuple[Row, ...] = (
     ("mesh", MeshSolid, _MESH, "upright solid in a file; G is the file's own frame"),
 )
 
-_ANY = section(_fields(_ROWS), _shape, lambda shape: _named(_ROWS, shape))
+NAMES = tuple(row[0] for row in _ROWS)
+"""Names of the kinds of shapes in the file."""
+
+
+def named_shape(shape: Shape) -> dict[str, Shape]:
+    """Return a shape by the name of its kind."""
+    return _named(_ROWS, shape)
+
+
+_ANY = section(_fields(_ROWS), one_shape, named_shape)
 _GIVEN = {"not": {"type": "null"}}
-_ONE = [{"properties": {row[0]: _GIVEN}, "required": [row[0]]} for row in _ROWS]
-SHAPE = replace(_ANY, absent=REQUIRED, json={**_ANY.json, "oneOf": _ONE})
+_ONE = [{"properties": {name: _GIVEN}, "required": [name]} for name in NAMES]
+
+
+def with_one_shape(holder: Kind) -> Kind:
+    """Return the kind of a section whose JSON Schema asks for exactly one shape."""
+    return replace(holder, absent=REQUIRED, json={**holder.json, "oneOf": _ONE})
+
+
+SHAPE = with_one_shape(_ANY)
 
 
 def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the fields of a shape with the full path of its mesh."""
+    """Return fields that hold a shape with the full path of its mesh."""
     mesh = plain["mesh"]
     if mesh is None:
         return dict(plain)
@@ -153,16 +166,16 @@ def located(plain: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return {**plain, "mesh": {**mesh, "path": path}}
 
 
-def shape_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield what keeps the fields from being one shape: several kinds, a polygon that
-    crosses itself, parts that do not make one body, a mesh that is no upright solid.
+def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield what keeps fields that hold a shape from being one: several kinds, a
+    polygon that crosses itself, parts that do not make one body, a mesh that is no
+    upright solid.
     """
-    field = "object.shape"
-    given = [name for name, value in plain.items() if value is not None]
+    given = [name for name in NAMES if plain[name] is not None]
     if len(given) != 1:
-        yield field, given, f"allowed: exactly one of {', '.join(plain)}"
+        yield field, given, f"allowed: exactly one of {', '.join(NAMES)}"
     elif plain["prism"]:
-        yield from _polygon_faults(f"{field}.prism", plain["prism"]["polygon"])
+        yield from polygon_faults(f"{field}.prism.polygon", plain["prism"]["polygon"])
     elif plain["compound"]:
         yield from _compound_faults(f"{field}.compound", plain["compound"])
     elif plain["mesh"]:
@@ -174,12 +187,13 @@ def shape_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
             yield f"{field}.mesh.path", mesh["path"], f"{error}; {allowed}"
 
 
-def _polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
+def polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:
+    """Yield what keeps corners from being those of a simple polygon."""
     fault = border_fault(tuple(polygon))
     if fault is not None:
         corners = [list(corner) for corner in polygon]
         allowed = "a polygon of at least 3 distinct corners that does not cross itself"
-        yield f"{field}.polygon", corners, f"{fault}; allowed: {allowed}"
+        yield field, corners, f"{fault}; allowed: {allowed}"
 
 
 def _compound_faults(field: str, plain: Sequence[Mapping[str, Any]]) -> Iterator[Fault]:
@@ -189,8 +203,8 @@ def _compound_faults(field: str, plain: Sequence[Mapping[str, Any]]) -> Iterator
         if len(given) != 1:
             yield f"{field}[{i}]", given, f"allowed: exactly one of {', '.join(names)}"
         elif part["prism"]:
-            place = f"{field}[{i}].prism"
-            yield from _polygon_faults(place, part["prism"]["polygon"])
+            place = f"{field}[{i}].prism.polygon"
+            yield from polygon_faults(place, part["prism"]["polygon"])
     compound: Compound = _COMPOUND.decode(plain)
     height = compound.height
     for i, placed in enumerate(compound.parts):

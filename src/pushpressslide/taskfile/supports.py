@@ -11,6 +11,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Support
 from pushpressslide.taskfile.layouts import Stand
 from pushpressslide.taskfile.place import Fault
+from pushpressslide.taskfile.shapes import polygon_faults
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,7 @@ def _stand_of_wall(frame: SupportFrame) -> Stand:
 
 
 KINDS = {
-    "table": SupportKind((), (), _table, _no_stand),
+    "table": SupportKind((), ("region",), _table, _no_stand),
     "wall": SupportKind(("pose",), ("pose", "opening"), _wall, _stand_of_wall),
     "incline": SupportKind(("angle_deg",), ("angle_deg",), _incline, _no_stand),
 }
@@ -54,7 +55,7 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield what the kind of support needs and lacks, or has of another kind."""
     name = plain["kind"]
     kind = KINDS[name]
-    for key in ("pose", "opening", "angle_deg"):
+    for key in ("pose", "opening", "angle_deg", "region"):
         path = f"support.{key}"
         value = plain[key]
         if value is not None and key not in kind.takes:
@@ -64,6 +65,8 @@ def support_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
             yield path, value, f"only {article} {owners} has one; {allowed}"
         if value is None and key in kind.needs:
             yield path, None, f"it is missing; allowed: the {key} of the {name}"
+    if plain["region"] is not None:
+        yield from polygon_faults("support.region", plain["region"])
 
 
 def make_support(kind: Any, frame: Stand | None, **others: Any) -> Support:
@@ -76,5 +79,10 @@ def support_fields(support: Support) -> dict[str, Any]:
     """Return the file's fields of a support, without those that it does not have."""
     stand = KINDS[support.kind].stand(support.frame)
     fields: dict[str, Any] = {"kind": support.kind, "friction": support.friction}
-    shown = {"frame": stand, "opening": support.opening, "angle": support.angle}
+    shown: dict[str, Any] = {
+        "frame": stand,
+        "opening": support.opening,
+        "angle": support.angle,
+    }
+    shown["region"] = support.region
     return fields | {name: value for name, value in shown.items() if value is not None}

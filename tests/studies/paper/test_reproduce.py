@@ -164,8 +164,8 @@ def test_one_page_holds_runs_that_reach_miss_and_cannot_be_run(
 
 @pytest.mark.long
 def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> None:
-    """Three per cent below friction the force alone takes more than twice as long as
-    with the term, and more than three times as long as with the servo.
+    """Three per cent below friction the force alone takes more than three times as long
+    as with the term or the servo.
     """
     reproduce.reproduce(["joint-tracking"], out=tmp_path)
     result = json.loads((tmp_path / "result.json").read_text("utf-8"))
@@ -173,7 +173,8 @@ def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> No
     measured = {row["variant"]: row["measured"] for row in rows}
     less, joined, servo = (measured[name] for name in ("less", "less-joint", "servo"))
     assert less["motion_duration"] > 100.0
-    assert joined["motion_duration"] < 0.5 * less["motion_duration"]
+    assert joined["success"]
+    assert joined["motion_duration"] < 0.3 * less["motion_duration"]
     assert servo["success"]
     assert servo["motion_duration"] < 0.3 * less["motion_duration"]
     for key in ("rms_position_error", "rms_end_effector_error", "rms_yaw_error"):

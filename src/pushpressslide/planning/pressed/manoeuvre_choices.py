@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point
@@ -23,17 +22,14 @@ def manoeuvre_choices(
     enough: int,
     arms_refusal: Callable[[Choice], Refusal | None],
 ) -> list[Choice]:
-    """Return manoeuvres until ``enough`` are feasible, those of the safest press first:
-    one per contact, then others, each by either arm; then the contacts that were
-    skipped.
+    """Return manoeuvres until ``enough`` are feasible, in the order of ``turning``: one
+    per contact, then others, each by either arm; then the contacts that were skipped.
     """
     X_WB, _ = task.body_ends
     out: list[Choice] = []
     skipped: list[Choice] = []
     missing = enough
-    turning = placements.turning(task.scene)
-    for load in placements.loads:
-        contacts = [replace(contact, load=load) for contact in turning]
+    for contacts in placements.turning(task.scene):
         ranked = by_time(task, X_WB, contacts)
         wanted = min(missing, ENOUGH)
         for manoeuvre in soonest(task, X_WB, list(ranked)):
@@ -51,7 +47,7 @@ def manoeuvre_choices(
                 for contact, time in ranked.items()
                 if _press(contact) not in tried
             ]
-        # lighter presses only where more are asked for
+        # other loads only where more are asked for
         if missing == 0 or missing < enough <= ENOUGH:
             break
     return sorted(out, key=lambda choice: not choice.feasible) + skipped

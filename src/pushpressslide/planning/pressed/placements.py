@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
@@ -12,7 +12,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import press_loads
+from pushpressslide.mechanics.pressing import press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import ORIGIN
@@ -25,14 +25,31 @@ class PressPlacements:
     contacts: tuple[Contact, ...]  # without loads, one for each place
     loads: tuple[float, ...]  # [N], the safest first
 
-    def turning(self, scene: Scene) -> list[Contact]:
-        """Return the contacts on the top that turn the object: those off its CoM."""
-        return [
+    def turning(self, scene: Scene) -> list[list[Contact]]:
+        """Return the presses on the top that turn the object, those off its CoM, in
+        groups of one load: firm ones, the safest first, before those that a small creep
+        of the tip turns far.
+        """
+        places = [
             contact
             for contact in self.contacts
             if contact.point != ORIGIN
             and inside_top(scene.body, contact.point, scene.inset)
         ]
+        groups = [
+            [replace(place, load=load) for place in places] for load in self.loads
+        ]
+        firm = [[press for press in group if _firm(scene, press)] for group in groups]
+        loose = [
+            [press for press in group if not _firm(scene, press)] for group in groups
+        ]
+        return [group for group in (*firm, *loose) if group]
+
+
+def _firm(scene: Scene, press: Contact) -> bool:
+    """Return whether a press is far enough from the centre of pressure."""
+    cop = pressed_cop(press.point, press.load, scene.weight_on)
+    return math.dist(press.point, cop) >= margins.ARM.firm_lever
 
 
 def press_placements(task: Task) -> PressPlacements:

@@ -102,7 +102,7 @@ class Approach:
         self._up = np.array(frame.normal)
         # [m] of the support along ``_up``
         self._level = float(np.dot(frame.origin, self._up))
-        tops = [task.object.shape.height, *(o.size[2] for o in task.obstacles)]
+        tops = [task.object.shape.height, *(o.shape.height for o in task.obstacles)]
         widest = max(robot.tip_radius for robot in task.robots)
         self.hover = max(tops) + HOVER_ROOM + widest
         # [m/s] of the tip; an arm that starts in free space needs no care

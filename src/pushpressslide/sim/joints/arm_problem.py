@@ -15,6 +15,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Robot
+from pushpressslide.planning.carried import carried_ways
 from pushpressslide.planning.side_contacts import before_contacts
 from pushpressslide.robots.contact_reach import TURNING, tool_azimuths
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
@@ -143,7 +144,9 @@ class ArmProblem:
         """Return the least distance [m] of postures (k, n) along the contact, and of
         which pair.
         """
-        return self.clearance.least(postures, self.object_path.shapes, touching=True)
+        return self.clearance.least(
+            postures, self.object_path.shapes, touching=True, bodies=self._carried
+        )
 
     def touch_clearance(self, postures: Array) -> tuple[float, str]:
         """Return the least distance [m] of postures (k, n) from beside the object to the
@@ -154,7 +157,7 @@ class ArmProblem:
 
     def waiting_clearance(self, q: Array) -> tuple[float, str]:
         """Return the least distance [m] of an arm that waits in a posture (n,) while the
-        object, and what it pushes as a tool, are moved; and of which pair.
+        object, and what it pushes, are moved; and of which pair.
         """
         shapes = self.object_path.shapes
         postures = np.repeat(q[None], len(shapes), axis=0)
@@ -164,16 +167,22 @@ class ArmProblem:
 
     @cached_property
     def _pushed(self) -> dict[str, list[Pose2]]:
-        """The way of the body that the object pushes as a tool, as many poses as the
-        object has, by its name.
+        """The ways of the bodies that the object pushes, as a tool or on its way, as
+        many poses as the object has, by their names.
         """
         task = self.plan.task
         if task.tool is None:
-            return {}
+            return self._carried
         body = next(o for o in task.obstacles if o.name == task.tool.body)
         ends = (body.pose, task.tool.goal)
         shares = np.linspace(0.0, 1.0, len(self.object_path.shapes))
-        return {body.name: [_between(ends, float(share)) for share in shares]}
+        way = [_between(ends, float(share)) for share in shares]
+        return {**self._carried, body.name: way}
+
+    @cached_property
+    def _carried(self) -> dict[str, list[Pose2]]:
+        """The ways of the obstacles that the object pushes on its way, by name."""
+        return carried_ways(self.plan.task, self.object_path.shapes)
 
     def approach_clearance(
         self, model: ClearanceModel, postures: Array

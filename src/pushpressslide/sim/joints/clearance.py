@@ -17,6 +17,7 @@ from pydrake.geometry import (
     SceneGraph,
     SignedDistancePair,
 )
+from pydrake.geometry import Shape as DrakeShape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import (
@@ -39,6 +40,7 @@ from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import convex_shapes
 
 LOOK = 0.08  # [m] larger distances are not computed
+PIECE = "#"  # before the number of a shape that is one of several of a body
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
 # [m] slightly below the surface, so that a base bolted to the table does not touch it
 SURFACE_LEVEL = -0.001
@@ -72,7 +74,7 @@ class ClearanceModel:
         self._frame = task.support.frame
         _add_surroundings(plant, task)
         self._bodies = _add_movable(plant, task)
-        self._heights = {o.name: 0.5 * o.size[2] for o in task.obstacles}  # [m]
+        self._heights = {o.name: 0.5 * o.shape.height for o in task.obstacles}  # [m]
         plant.Finalize()
         joints = self._robot.joints(plant)
         # of q in a Jacobian
@@ -191,7 +193,8 @@ class ClearanceModel:
         """Return the name of what a shape is a part of."""
         if shape in self._object_shapes:
             return "object"
-        return str(self._inspector.GetName(shape)).split("::")[-1]
+        name = str(self._inspector.GetName(shape)).split("::")[-1]
+        return name.split(PIECE)[0]
 
     def _pose(self, name: str) -> RigidTransform:
         """Return where a movable obstacle is."""
@@ -280,12 +283,10 @@ def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:
             shapes.append((name, DrakeBox(*slab.size), slab.pose(frame)))
     for obstacle in task.obstacles:
         if not obstacle.movable:
-            X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], frame)
-            shapes.append((obstacle.name, DrakeBox(*obstacle.size), X))
-    for name, shape, X in shapes:
-        plant.RegisterCollisionGeometry(
-            plant.world_body(), X, shape, name, ProximityProperties()
-        )
+            X = rigid_transform(obstacle.pose, 0.5 * obstacle.shape.height, frame)
+            pieces = convex_shapes(obstacle.shape)
+            shapes += [(obstacle.name, piece, X) for piece in pieces]
+    _add_shapes(plant, plant.world_body(), shapes)
 
 
 def _add_movable(plant: MultibodyPlant, task: Task) -> dict[str, RigidBody]:
@@ -298,17 +299,25 @@ def _add_movable(plant: MultibodyPlant, task: Task) -> dict[str, RigidBody]:
             continue
         instance = plant.AddModelInstance(f"obstacle_{obstacle.name}")
         body = plant.AddRigidBody(obstacle.name, instance, inertia)
-        X = rigid_transform(obstacle.pose, 0.5 * obstacle.size[2], task.support.frame)
+        half = 0.5 * obstacle.shape.height
+        X = rigid_transform(obstacle.pose, half, task.support.frame)
         plant.SetDefaultFloatingBaseBodyPose(body, X)
-        plant.RegisterCollisionGeometry(
-            body,
-            RigidTransform(),
-            DrakeBox(*obstacle.size),
-            obstacle.name,
-            ProximityProperties(),
-        )
+        pieces = convex_shapes(obstacle.shape)
+        own = RigidTransform()
+        _add_shapes(plant, body, [(obstacle.name, piece, own) for piece in pieces])
         bodies[obstacle.name] = body
     return bodies
+
+
+def _add_shapes(
+    plant: MultibodyPlant,
+    body: RigidBody,
+    shapes: Sequence[tuple[str, DrakeShape, RigidTransform]],
+) -> None:
+    """Add shapes by their names, which several may have, at poses in ``body``."""
+    for i, (name, shape, X) in enumerate(shapes):
+        own = f"{name}{PIECE}{i}"
+        plant.RegisterCollisionGeometry(body, X, shape, own, ProximityProperties())
 
 
 def _shapes(plant: MultibodyPlant, bodies: Iterable[RigidBody]) -> list[GeometryId]:

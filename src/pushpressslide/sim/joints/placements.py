@@ -64,6 +64,13 @@ class PlacementPaths:
         self.plans = self.plans[:count]
         self.paths = self.paths[:count]
 
+    def after(self) -> PlacementPaths:
+        """Return an empty preparation from where the arms are after all placements."""
+        postures = self.postures
+        if self.plans:
+            postures = drawn_back(self.plans[-1], self.paths[-1])
+        return PlacementPaths(self.force, postures, self.within)
+
 
 def _check_bounds(placement: Plan, within: Bounds) -> None:
     """Raise InfeasibleTaskError where a plan leads the object beyond ``within``."""

@@ -26,7 +26,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
-from pushpressslide.sim.view.playback import ASPECT, STEEP, Playback, View
+from pushpressslide.sim.view.playback import ASPECT, STEEP, Placed, Playback, View
 
 FIELD = math.radians(40.0)  # vertical field of view
 RENDERER = "frames"
@@ -47,15 +47,17 @@ class FrameRenderer:
         record: Record,
         size: tuple[int, int] = SIZE,
         models: str = "generated",
+        goals: Sequence[Placed] = (),
     ) -> None:
-        """Set up the scene and a camera of ``size`` (width, height) [pixels].
+        """Set up the scene and a camera of ``size`` (width, height) [pixels]; ``goals``
+        as of ``Playback``.
 
         Raises SimulationError where this machine cannot render.
         """
         problem = egl_problem()
         if problem:
             raise _cannot_render(problem)
-        self.playback = Playback(plan, record, models)
+        self.playback = Playback(plan, record, models, goals)
         self._graph = self.playback.scene.scene_graph
         try:
             engine = MakeRenderEngineVtk(_render_parameters(plan.task.support))
@@ -120,12 +122,13 @@ def write_video(
     frames_per_second: float = 15.0,
     size: tuple[int, int] = SIZE,
     models: str = "generated",
+    goals: Sequence[Placed] = (),
 ) -> Path:
     """Write the run as an animated picture in real time; return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
-    ``size`` is (width, height) [pixels]. Raises SimulationError where this machine
-    cannot render, or for another format.
+    ``size`` is (width, height) [pixels], ``goals`` are as of ``Playback``. Raises
+    SimulationError where this machine cannot render, or for another format.
     """
     out = out / "run.webp" if out.is_dir() else out
     if out.suffix not in VIDEO_FORMATS:
@@ -133,7 +136,7 @@ def write_video(
             f"{out}: an animation is written as {' or '.join(VIDEO_FORMATS)}"
         )
     time = record.arrays["time"]
-    renderer = FrameRenderer(plan, record, size, models)
+    renderer = FrameRenderer(plan, record, size, models, goals)
     grid = np.arange(float(time[0]), float(time[-1]), 1.0 / frames_per_second)
     first, *others = (_pillow().fromarray(renderer.image(float(t))) for t in grid)
     out.parent.mkdir(parents=True, exist_ok=True)

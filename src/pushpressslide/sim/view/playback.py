@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,11 +23,12 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
-from pushpressslide.core.task import Task
+from pushpressslide.core.task import Shape, Task
 from pushpressslide.sim.convert import (
     planar_pose,
     rigid_transform,
@@ -48,6 +50,10 @@ FILL = 0.85  # largest share of a picture that the scene fills
 STEEP = 0.5  # of a support's normal: a smaller vertical component is seen as a wall
 
 
+Placed = tuple[Shape, Pose2]
+"""A shape at a pose X_WG."""
+
+
 @dataclass(frozen=True, eq=False)
 class View:
     """Position and target of a camera, in the world [m]."""
@@ -59,10 +65,17 @@ class View:
 class Playback:
     """The scene of a run with its goal and planned path, at any recorded tick."""
 
-    def __init__(self, plan: Plan, record: Record, models: str = "generated") -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        record: Record,
+        models: str = "generated",
+        goals: Sequence[Placed] = (),
+    ) -> None:
         """Build the scene.
 
-        Raises SimulationError for a record without joint positions.
+        ``goals`` are drawn in place of the object's own, if there are any. Raises
+        SimulationError for a record without joint positions.
         """
         for i in range(len(plan.task.robots)):
             if f"joint_position_{i}" not in record.arrays:
@@ -74,10 +87,11 @@ class Playback:
         self.plan = plan
         self.record = record
         self.scene = build_scene(plan, models=models)
-        self._draw_plan()
+        task = plan.task
+        self._draw_plan(goals or [(task.object.shape, task.goal)])
 
-    def _draw_plan(self) -> None:
-        """Draw the object at its goal, and one line for each segment of the path."""
+    def _draw_plan(self, goals: Sequence[Placed]) -> None:
+        """Draw shapes at their goals, and one line for each segment of the path."""
         task = self.task
         graph = self.scene.scene_graph
         frame = task.support.frame
@@ -86,9 +100,10 @@ class Playback:
         depth = GOAL_SINK
         if opening is not None and task.enters:
             depth = opening.depth
-        X_WG = rigid_transform(task.goal, 0.5 * task.object.shape.height - depth, frame)
-        goal = GeometryInstance(X_WG, drawn_shape(task.object.shape), "goal")
-        _anchor(graph, source, goal, GOAL_COLOR)
+        for i, (shape, X_WG) in enumerate(goals):
+            X = rigid_transform(X_WG, 0.5 * shape.height - depth, frame)
+            goal = GeometryInstance(X, drawn_shape(shape), f"goal_{i}")
+            _anchor(graph, source, goal, GOAL_COLOR)
         X = rigid_transform(Pose2(), PATH_HEIGHT, frame)
         path = self.record.arrays["plan_path"][:, :2]
         segments = self.record.arrays["plan_stretch"]
@@ -141,18 +156,29 @@ class Playback:
     def view(self, field: float) -> View:
         """Return the view of a camera with a vertical field of view ``field`` [rad]."""
         poses = self.record.arrays["object_pose"][::20]
-        return camera_view(self.plan, poses, field)
+        return camera_view(self.plan, poses, field, self._other_places())
+
+    def _other_places(self) -> list[Vector3]:
+        """Return where the other bodies that can move are at first and last [m]."""
+        arrays = self.record.arrays
+        rows = [arrays.get(f"body_{name}") for name in self.scene.bodies]
+        ends = [row[i, 4:] for row in rows if row is not None for i in (0, -1)]
+        return [(float(x), float(y), float(z)) for x, y, z in ends]
 
 
-def camera_view(plan: Plan, poses: Array, field: float) -> View:
+def camera_view(
+    plan: Plan, poses: Array, field: float, others: Sequence[Vector3] = ()
+) -> View:
     """Return the view of a camera that holds object, goal and arms, from the front and
     the side of the tips.
 
     ``poses`` (N, 3) [m, rad] are those of the object, X_WG; ``field`` [rad] is the
-    vertical field of view.
+    vertical field of view; ``others`` [m] are to be seen too, in the world.
     """
     normal = np.array(plan.task.support.frame.normal)
     points = _seen_points(plan.task, poses)
+    if others:
+        points = np.concatenate([points, np.array(others)])
     if normal[2] < STEEP:  # from behind the arms, to one side
         side = np.cross([0.0, 0.0, 1.0], normal)
         return fit_view(points, 0.62 * normal + 0.78 * side + [0.0, 0.0, 0.45], field)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.sim.convert import rigid_transform
-from pushpressslide.sim.view.playback import Playback, View, ribbon
+from pushpressslide.sim.view.playback import Placed, Playback, View, ribbon
 
 FRAMES_PER_SECOND = 30.0
 FIELD = math.radians(75.0)  # vertical field of view of Meshcat's camera
@@ -61,19 +62,24 @@ PRESS_CAPTION = """
 
 
 def write_replay(
-    plan: Plan, record: Record, out: Path, models: str = "generated"
+    plan: Plan,
+    record: Record,
+    out: Path,
+    models: str = "generated",
+    goals: Sequence[Placed] = (),
 ) -> Path:
     """Write the page to the file ``out`` and return its path.
 
     In a folder ``out`` it is replay.html. It plays the recorded joint positions and
     poses at 30 frames a second, and is written whole or not at all. Raises
-    SimulationError for a record without joint positions. ``models``: as in ``run``.
+    SimulationError for a record without joint positions. ``models``: as in ``run``;
+    ``goals`` as of ``Playback``.
     """
     if len(record.arrays.get("time", ())) < 2:
         raise SimulationError(
             f"{out}: a record of fewer than two ticks cannot be replayed"
         )
-    playback = Playback(plan, record, models)
+    playback = Playback(plan, record, models, goals)
     meshcat = quiet_meshcat()
     look(meshcat)
     view = playback.view(FIELD)

@@ -1,0 +1,120 @@
+"""The bodies of a task that can be moved, and the task of moving one of them.
+
+A task with ``goals`` is done in stages. A stage is one body's motion to one pose: an
+ordinary task whose object is that body, and whose obstacles are all other bodies where
+they are at that moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import (
+    ON_THE_WAY,
+    ObjectModel,
+    Obstacle,
+    Shape,
+    Task,
+)
+
+OBJECT = "object"
+"""Name of a task's own object among its bodies."""
+
+SET_DOWN = "task-object"
+"""Name of the task's object as an obstacle, while another body is the one to be moved:
+'object' is then that body's.
+"""
+
+Poses = Mapping[str, Pose2]
+"""Where each body that can be moved is, X_WG by its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One body's motion to one pose, X_WG."""
+
+    body: str
+    goal: Pose2
+    aside: bool = False  # out of the way of another, not to a goal of its own
+
+
+def start_poses(task: Task) -> dict[str, Pose2]:
+    """Return where each body that can be moved stands as the task begins; the planned
+    start of the object.
+    """
+    others = {o.name: o.pose for o in task.obstacles if o.movable}
+    return {OBJECT: task.start, **others}
+
+
+def body_shape(task: Task, body: str) -> Shape:
+    """Return the shape of a body of the task."""
+    if body == OBJECT:
+        return task.object.shape
+    return _obstacle(task, body).shape
+
+
+def obstacle_name(body: str, moved: str) -> str:
+    """Return what a body is called in the stage in which ``moved`` is the object."""
+    if body == moved:
+        return OBJECT
+    return SET_DOWN if body == OBJECT else body
+
+
+def stage_task(task: Task, stage: Stage, poses: Poses) -> Task:
+    """Return the ordinary task of a stage that begins with the bodies at ``poses``.
+
+    The body is as the task has it: its own mass and shape, and its own friction with
+    the support. What ``motion`` says of face, contacts and height is said of the
+    task's object alone.
+    """
+    obstacles = [_at(o, poses) for o in task.obstacles if o.name != stage.body]
+    common = replace(task, start=poses[stage.body], goal=stage.goal, goals=())
+    common = replace(common, source=f"{task.source or task.name}: {stage.body!r}")
+    if stage.aside:
+        loose = replace(ON_THE_WAY, bodies=task.tolerance.bodies)
+        common = replace(common, tolerance=loose)
+    if stage.body == OBJECT:
+        return replace(common, obstacles=tuple(obstacles))
+    moved = _obstacle(task, stage.body)
+    shape = moved.shape
+    set_down = _set_down(task, poses[OBJECT])
+    belief = replace(
+        task.belief,
+        support_friction=moved.believed_friction,
+        mass=moved.believed_mass,
+        center_of_mass=None,
+        rho=None,
+    )
+    return replace(
+        common,
+        object=ObjectModel(shape, moved.mass, shape.centroid),
+        support=replace(task.support, friction=moved.friction),
+        obstacles=(*obstacles, set_down),
+        belief=belief,
+        start_error=Pose2(),
+        motion=replace(task.motion.freed, contact_height=None, press_force=None),
+    )
+
+
+def _obstacle(task: Task, name: str) -> Obstacle:
+    return next(o for o in task.obstacles if o.name == name)
+
+
+def _at(obstacle: Obstacle, poses: Poses) -> Obstacle:
+    return replace(obstacle, pose=poses.get(obstacle.name, obstacle.pose))
+
+
+def _set_down(task: Task, pose: Pose2) -> Obstacle:
+    """Return the task's object as an obstacle at ``pose``, X_WG."""
+    return Obstacle(
+        SET_DOWN,
+        task.object.shape,
+        pose,
+        movable=True,
+        mass=task.object.mass,
+        friction=task.support.friction,
+        believed_mass=task.belief.mass,
+        believed_friction=task.belief.support_friction,
+    )

@@ -1,0 +1,42 @@
+"""How a run is watched and stopped from outside, and where its files go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+from pushpressslide.jobs.interrupt import Interrupt, Interrupted
+
+
+@dataclass(frozen=True, slots=True)
+class Monitor:
+    """How a run is watched and stopped from outside while it goes on."""
+
+    # called with time and expected duration [s]
+    progress: Callable[[float, float], None] | None = None
+    # called with the address of a page that shows the run; engines with arms only
+    live: Callable[[str], None] | None = None
+    # Ctrl-C ends the run at its next tick, with reason "interrupted"; None: it raises
+    interrupt: Interrupt | None = None
+
+    def held(self) -> AbstractContextManager[None]:
+        """Return the block inside of which Ctrl-C waits for the next tick."""
+        return nullcontext() if self.interrupt is None else self.interrupt.held()
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Where the files of a run go."""
+
+    folder: Path
+    video: bool = False  # also write an animation; engines with arms only
+
+
+def interrupted(out: Output | None) -> Interrupted:
+    """Return the error of a run that Ctrl-C has ended, which says where its files are."""
+    message = "interrupted"
+    if out is not None:
+        message += f"; record and result so far are in {out.folder}"
+    return Interrupted(message)

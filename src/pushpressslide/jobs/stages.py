@@ -1,0 +1,259 @@
+"""A task of several goals as one run: its stages one after the other, without a reset.
+
+A stage is run on a plant of its own, which begins with the arms and all bodies exactly
+where the last sample of the stage before has them. The planner knows of the bodies what
+is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pushpressslide.control.plant import Situation
+from pushpressslide.control.run_loop import RunOptions
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.bodies import (
+    OBJECT,
+    SET_DOWN,
+    Poses,
+    obstacle_name,
+    start_poses,
+)
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.task import Belief, Obstacle, Sensing, Task, Tolerance
+from pushpressslide.jobs.engines import ArmOptions, engine_named
+from pushpressslide.jobs.monitor import Monitor
+from pushpressslide.modes.base import ENOUGH
+from pushpressslide.report.stages import StageRun, body_positions, final_poses
+from pushpressslide.selection.preparation import Preparation
+from pushpressslide.selection.stages import (
+    PlannedStage,
+    after,
+    is_there,
+    plan_stage,
+    plan_stages,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class StageOptions:
+    """How the stages of a task are planned and run."""
+
+    engine: str
+    seed: int = 0  # of the first stage's noise; the others' are the next ones
+    force: bool = False
+    models: str = "generated"  # of the robots
+    monitor: Monitor = field(default_factory=Monitor)
+
+
+@dataclass(frozen=True, slots=True)
+class _Left:
+    """What a stage leaves to the next one, as it is."""
+
+    poses: Poses  # of all bodies
+    positions: Mapping[str, Array]  # the same as Drake has them; empty without Drake
+    joints: tuple[Array, ...]  # (n,) [rad]
+    speeds: tuple[Array, ...]  # (n,) [rad/s]
+    tips: tuple[Vector3, ...]
+
+    def situation(self, moved: str) -> Situation:
+        """Return it for the plant of the stage in which ``moved`` is the object."""
+        bodies = {obstacle_name(b, moved): q for b, q in self.positions.items()}
+        return Situation(bodies, self.joints, self.speeds, self.tips)
+
+
+class StageRunner:
+    """Plans all stages of a task, and then runs them."""
+
+    def __init__(self, task: Task, options: StageOptions) -> None:
+        """Plan all stages before anything moves.
+
+        Raises InfeasibleTaskError, with the body and why, where nothing brings all
+        bodies to their goals.
+        """
+        self.task = task
+        self.options = options
+        self.engine = engine_named(options.engine)
+        self.enough = ENOUGH if self.engine.has_arms else 1
+        self.planned: Sequence[PlannedStage] = plan_stages(
+            task,
+            self.engine.preparation(options.force),
+            self.enough,
+            force=options.force,
+        )
+        self.lacking: Ending | None = None  # why a stage was not begun
+        self._time = 0.0  # [s] since the first stage began
+        self._expected: Poses = start_poses(task)  # by the plans
+        self._within: dict[str, Tolerance] = {}  # of these, where not the task's
+        self._poses: Poses = {**start_poses(task), OBJECT: task.true_start}
+        self._left: _Left | None = None
+        self._learnt: dict[str, Belief] = {}
+
+    def run(self) -> Iterator[StageRun]:
+        """Run the stages and yield each as soon as it has ended.
+
+        A stage that fails is the last one; ``lacking`` says why one was not begun.
+        """
+        for number in range(len(self.planned)):
+            done = self._run(number)
+            if done is None:
+                return
+            yield done
+            interrupt = self.options.monitor.interrupt
+            if not done.reached or (interrupt is not None and interrupt()):
+                return
+
+    def _run(self, number: int) -> StageRun | None:
+        limit = self.task.limits.time
+        if self._time >= limit:
+            self.lacking = Ending("time_limit", f"limits.time of {limit:g} s is over")
+            return None
+        try:
+            planned = self._planned(number)
+        except InfeasibleTaskError as error:
+            self.lacking = Ending("goal_missed", str(error))
+            return None
+        record = self._record(planned, number)
+        done = StageRun(
+            planned.stage,
+            record.plan,
+            record,
+            tuple(planned.solution.choices),
+            self._time,
+            self._poses,
+            planned is not self.planned[number],
+        )
+        self._go_on(done)
+        return done
+
+    def _planned(self, number: int) -> PlannedStage:
+        """Return the plan of a stage; a new one where a body is seen elsewhere than
+        planned.
+        """
+        planned = self.planned[number]
+        seen = self._seen()
+        if number == 0 or all(self._as_expected(body, seen[body]) for body in seen):
+            return planned
+        assert self._left is not None
+        joints = self._left.joints or None
+        preparation = self.engine.preparation(self.options.force, joints)
+        return plan_stage(self.task, planned.stage, seen, preparation, self.enough)
+
+    def _as_expected(self, body: str, seen: Pose2) -> bool:
+        within = self._within.get(body, self.task.tolerance)
+        return is_there(seen, self._expected[body], within)
+
+    def _seen(self) -> dict[str, Pose2]:
+        """Return where the bodies are seen at rest: noise averages out, a bias stays."""
+        return {body: _seen(X, self.task.sensing) for body, X in self._poses.items()}
+
+    def _record(self, planned: PlannedStage, number: int) -> Record:
+        """Run a planned stage from where everything is."""
+        monitor = self.options.monitor
+        left = self._left
+        preparation: Preparation = planned.preparation
+        plan = self._as_it_is(planned)
+        with monitor.held():
+            record = self.engine.run(
+                plan,
+                RunOptions(
+                    self.options.seed + number,
+                    self._progress(number),
+                    monitor.interrupt or bool,
+                    begin=None if left is None else left.situation(planned.stage.body),
+                ),
+                ArmOptions(self.options.models, preparation.paths, monitor.live),
+            )
+        return replace(record, meta={**record.meta, **planned.solution.notes})
+
+    def _as_it_is(self, planned: PlannedStage) -> Plan:
+        """Return a plan with the bodies where they are: the object at its true start,
+        and the others where they are seen.
+        """
+        plan = planned.solution.plan
+        task = plan.task
+        others = self._poses if self._left is None else self._seen()
+        true = self._poses[planned.stage.body]
+        turn = np.arctan2(
+            np.sin(true.yaw - task.start.yaw), np.cos(true.yaw - task.start.yaw)
+        )
+        error = Pose2(true.x - task.start.x, true.y - task.start.y, float(turn))
+        obstacles = tuple(_at(obstacle, others) for obstacle in task.obstacles)
+        limits = replace(task.limits, time=self.task.limits.time - self._time)
+        belief = self._learnt.get(planned.stage.body, task.belief)
+        task = replace(
+            task, start_error=error, obstacles=obstacles, limits=limits, belief=belief
+        )
+        return replace(plan, task=task)
+
+    def _progress(self, number: int) -> Callable[[float, float], None] | None:
+        """Return the report of a stage's progress as that of the whole run."""
+        report = self.options.monitor.progress
+        if report is None:
+            return None
+        before = self._time
+        ahead = sum(s.solution.plan.duration for s in self.planned[number + 1 :])
+        return lambda time, whole: report(before + time, before + whole + ahead)
+
+    def _go_on(self, done: StageRun) -> None:
+        """Take over what a stage leaves."""
+        body = done.stage.body
+        arrays = done.record.arrays
+        task = done.plan.task
+        period = task.motion.control_period
+        self._time += float(arrays["time"][-1] - arrays["time"][0]) + period
+        self._poses = final_poses(done)
+        joints = _of_arms(done.record, "joint_position")
+        speeds = _of_arms(done.record, "joint_velocity")
+        positions = {b: values[-1] for b, values in body_positions(done).items()}
+        tips = tuple(
+            (float(x), float(y), float(z)) for x, y, z in arrays["tip_position"][-1]
+        )
+        self._left = _Left(self._poses, positions, joints, speeds, tips)
+        self._expected = after(self._expected, done.stage)
+        self._within[body] = task.tolerance
+        learnt = _learnt(done.plan)
+        if learnt is not None:
+            self._learnt[body] = learnt
+
+
+def _of_arms(record: Record, name: str) -> tuple[Array, ...]:
+    """Return the last sample of each arm; empty where there are no arms."""
+    arms = range(len(record.plan.task.robots))
+    keys = (f"{name}_{arm}" for arm in arms)
+    return tuple(record.arrays[key][-1] for key in keys if key in record.arrays)
+
+
+def _at(obstacle: Obstacle, poses: Poses) -> Obstacle:
+    body = OBJECT if obstacle.name == SET_DOWN else obstacle.name
+    return replace(obstacle, pose=poses.get(body, obstacle.pose))
+
+
+def _seen(X: Pose2, sensing: Sensing) -> Pose2:
+    dx, dy = sensing.position_bias
+    return Pose2(X.x + dx, X.y + dy, X.yaw + sensing.yaw_bias)
+
+
+def _learnt(plan: Plan) -> Belief | None:
+    """Return what is believed of a body after a stage in which its friction was
+    identified; None where nothing was planned anew.
+    """
+    if plan.again is None:
+        return None
+    while plan.again is not None:
+        plan = plan.again
+    if plan.restart is None:
+        return None
+    return replace(
+        plan.task.belief,
+        center_of_mass=None,
+        support_friction=plan.restart.support_friction,
+        rho=plan.restart.rho,
+    )

@@ -1,0 +1,37 @@
+"""Where obstacles go that the object pushes on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from pushpressslide.core.footprint import gaps, overlap_area
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Obstacle, Task
+
+MET = 1e-8  # [m^2] of overlap from which an obstacle counts as met
+
+
+def carried_ways(task: Task, poses: Sequence[Pose2]) -> dict[str, list[Pose2]]:
+    """Return the poses (n each) of the obstacles that the object meets on its way over n
+    ``poses`` X_WG, by name; of those that it may push.
+
+    An obstacle that is met goes on with the object, as if it stuck to it, until the
+    object leaves it behind. In truth it may slide off earlier.
+    """
+    out = {}
+    shape = task.object.shape
+    for obstacle in task.yielding:
+        if gaps(shape, poses, [obstacle.footprint]).min() == 0.0:
+            out[obstacle.name] = _carried(task, obstacle, poses)
+    return out
+
+
+def _carried(task: Task, obstacle: Obstacle, poses: Sequence[Pose2]) -> list[Pose2]:
+    X = obstacle.pose
+    out = [X]
+    for before, now in pairwise(poses):
+        if overlap_area(task.object.shape, now, obstacle.shape, X) > MET:
+            X = now.compose(before.inverse()).compose(X)
+        out.append(X)
+    return out

@@ -1,0 +1,280 @@
+"""result.json of a run in stages: where every body ended, what each stage did, and the
+figures of all stages together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from pushpressslide.core.bodies import OBJECT, Stage, start_poses
+from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.core.record import Ending
+from pushpressslide.core.task import Task, Tolerance
+from pushpressslide.report.json_text import plain
+from pushpressslide.report.stages import StageRun, final_poses
+
+Figures = Mapping[str, Any]
+
+SUMS = (
+    "duration",
+    "motion_duration",
+    "path_length",
+    "contact_loss_time",
+    "slip_distance",
+    "wall_time",
+)
+LARGEST = (
+    "max_position_error",
+    "max_yaw_error",
+    "path_max_error",
+    "max_normal_force",
+    "max_mean_normal_force",
+    "max_tilt_deg",
+    "support_gap_max",
+    "max_torque_share",
+    "max_torque_rate_share",
+    "max_joint_speed_share",
+)
+LEAST = ("joint_limit_margin", "clearance_driven")
+ROOT_MEAN_SQUARES = (
+    "rms_position_error",
+    "rms_yaw_error",
+    "rms_end_effector_error",
+    "path_rms_error",
+)
+SHARES = (
+    "cone_violation_fraction",
+    "torque_limit_violation_fraction",
+    "torque_rate_saturated_fraction",
+)
+LISTS = ("contacts", "pivots")
+
+
+def stages_result(
+    task: Task,
+    stages: Sequence[Stage],
+    runs: Sequence[StageRun],
+    results: Sequence[Figures],
+    lacking: Ending | None,
+) -> dict[str, Any]:
+    """Return the contents of result.json of a run in ``stages``.
+
+    ``runs`` are those that were begun and ``results`` theirs; ``lacking`` says why one
+    was not. Of several stages a figure is the sum, the worst or the mean over the time
+    in contact. What only a single motion has is null.
+    """
+    out: dict[str, Any] = dict.fromkeys(results[0])
+    for name in ("schema", "engine", "time_step", "versions", "tolerance"):
+        out[name] = results[0][name]
+    out |= _combined(results)
+    bodies = _bodies(task, runs)
+    worst = _worst(task, bodies)
+    ended = _ending(task, runs, results, bodies, lacking)
+    out |= {
+        "task": task.name,
+        "seed": results[0]["seed"],
+        "modes": [m for m, _ in groupby(m for r in results for m in r["modes"])],
+        "success": ended.code == "goal_reached",
+        "reason": {"code": ended.code, "text": ended.text},
+        "final_position_error": worst[0],
+        "final_yaw_error": worst[1],
+        "tolerance": {
+            "position": task.tolerance.position,
+            "yaw": task.tolerance.yaw,
+            "bodies": task.tolerance.bodies,
+        },
+        "planning_time": _planning_time(results),
+        "events": _events(runs, results),
+        "bodies": bodies,
+        "stages": _stages(stages, runs, results),
+    }
+    cleaned: dict[str, Any] = plain(out)
+    return cleaned
+
+
+def _values(results: Sequence[Figures], name: str) -> list[float]:
+    values = (result.get(name) for result in results)
+    return [value for value in values if value is not None]
+
+
+def _combined(results: Sequence[Figures]) -> dict[str, Any]:
+    """Return the figures that several stages have together."""
+    out: dict[str, Any] = {}
+    ways: tuple[tuple[tuple[str, ...], Callable[[list[float]], float]], ...] = (
+        (SUMS, math.fsum),
+        (LARGEST, max),
+        (LEAST, min),
+    )
+    for names, combine in ways:
+        for name in names:
+            values = _values(results, name)
+            out[name] = combine(values) if values else None
+    for name in ROOT_MEAN_SQUARES:
+        mean = _mean(results, name, 2.0)
+        out[name] = None if mean is None else math.sqrt(mean)
+    for name in SHARES:
+        out[name] = _mean(results, name, 1.0)
+    for name in LISTS:
+        out[name] = [
+            {**entry, "stage": number}
+            for number, result in enumerate(results)
+            for entry in result.get(name) or ()
+        ]
+    for result in results:
+        if result.get("clearance_driven") == out["clearance_driven"]:
+            out["clearance_pair"] = result.get("clearance_pair")
+            break
+    wall_time = out["wall_time"]
+    out["realtime_factor"] = out["duration"] / wall_time if wall_time else None
+    return out
+
+
+def _mean(results: Sequence[Figures], name: str, power: float) -> float | None:
+    """Return the mean of a figure's ``power`` over the time in contact."""
+    pairs = [
+        (result[name], result["motion_duration"])
+        for result in results
+        if result.get(name) is not None and result["motion_duration"]
+    ]
+    whole = sum(weight for _, weight in pairs)
+    if not whole:
+        return None
+    mean: float = sum(weight * value**power for value, weight in pairs) / whole
+    return mean
+
+
+def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
+    """Return final pose and displacement of every body, and of those with a goal the
+    last one and the errors there.
+    """
+    goals = {goal.body: goal.pose for goal in task.goals}
+    first = {**start_poses(task), OBJECT: task.true_start}
+    out = {}
+    for body, X in final_poses(runs[-1]).items():
+        entry: dict[str, Any] = {
+            "final_pose": [X.x, X.y, wrap_angle(X.yaw)],
+            "displacement": math.dist(X.position, first[body].position),
+        }
+        if body in goals:
+            goal = goals[body]
+            position, yaw = _errors(X, goal)
+            entry["goal"] = [goal.x, goal.y, goal.yaw]
+            entry["position_error"] = position
+            entry["yaw_error"] = yaw
+        out[body] = entry
+    return out
+
+
+def _errors(X: Pose2, goal: Pose2) -> tuple[float, float]:
+    return math.dist(X.position, goal.position), abs(wrap_angle(X.yaw - goal.yaw))
+
+
+def _worst(task: Task, bodies: Mapping[str, Figures]) -> tuple[float, float]:
+    """Return the largest position and yaw errors of the bodies that have a goal."""
+    aimed = [bodies[body] for body in dict.fromkeys(g.body for g in task.goals)]
+    position = max(entry["position_error"] for entry in aimed)
+    return position, max(entry["yaw_error"] for entry in aimed)
+
+
+def _ending(
+    task: Task,
+    runs: Sequence[StageRun],
+    results: Sequence[Figures],
+    bodies: Mapping[str, Figures],
+    lacking: Ending | None,
+) -> Ending:
+    """Return why the whole run ended, and whether it is a success."""
+    if lacking is not None:
+        return lacking
+    for number, (run, result) in enumerate(zip(runs, results, strict=True)):
+        code = result["reason"]["code"]
+        # where other bodies end is judged at the end; one put aside may be anywhere
+        judged_later = {"goal_reached", "body_moved"}
+        if run.stage.aside:
+            judged_later.add("goal_missed")
+        if code not in judged_later or not run.reached:
+            text = f"stage {number + 1}, {run.stage.body!r}: {result['reason']['text']}"
+            return Ending(code, text)
+    may_move = {obstacle.name for obstacle in task.obstacles if obstacle.may_move}
+    place = "; ".join(_place(name, entry) for name, entry in bodies.items())
+    for body, entry in bodies.items():
+        if "goal" in entry and not _within(entry, task.tolerance):
+            return Ending("goal_missed", f"{body!r} is not at its goal; {place}")
+        allowed = task.tolerance.bodies
+        stays = "goal" not in entry and body not in may_move
+        if stays and entry["displacement"] > allowed:
+            text = (
+                f"{body!r} was moved by {entry['displacement'] * 1e3:.1f} mm, "
+                f"tolerance.bodies is {allowed * 1e3:g} mm"
+            )
+            return Ending("body_moved", text)
+    return Ending("goal_reached", place)
+
+
+def _within(entry: Figures, tolerance: Tolerance) -> bool:
+    near: bool = entry["position_error"] <= tolerance.position
+    turned: bool = entry["yaw_error"] <= tolerance.yaw
+    return near and turned
+
+
+def _place(name: str, entry: Figures) -> str:
+    if "goal" not in entry:
+        return f"{name!r} was moved by {entry['displacement'] * 1e3:.1f} mm"
+    return (
+        f"{name!r} ended {entry['position_error'] * 1e3:.1f} mm and "
+        f"{math.degrees(entry['yaw_error']):.2f} deg from its goal"
+    )
+
+
+def _planning_time(results: Sequence[Figures]) -> dict[str, float]:
+    """Return the planning time [s] by what it was spent on, of all stages."""
+    out: dict[str, float] = {}
+    for result in results:
+        for name, time in (result["planning_time"] or {}).items():
+            out[name] = out.get(name, 0.0) + time
+    return out
+
+
+def _events(
+    runs: Sequence[StageRun], results: Sequence[Figures]
+) -> list[dict[str, Any]]:
+    return [
+        {**event, "time": run.began + event["time"], "stage": number}
+        for number, (run, result) in enumerate(zip(runs, results, strict=True))
+        for event in result["events"]
+    ]
+
+
+def _stages(
+    stages: Sequence[Stage], runs: Sequence[StageRun], results: Sequence[Figures]
+) -> list[dict[str, Any]]:
+    """Return what each stage was to do and did; those that were not begun without
+    figures.
+    """
+    out = []
+    for number, stage in enumerate(stages):
+        entry: dict[str, Any] = {
+            "body": stage.body,
+            "goal": [stage.goal.x, stage.goal.y, stage.goal.yaw],
+            "aside": stage.aside,
+            "modes": [],
+            "time": None,
+            "reached": False,
+            "position_error": None,
+            "yaw_error": None,
+            "planned_anew": False,
+        }
+        if number < len(runs):
+            run = runs[number]
+            entry["modes"] = list(results[number]["modes"])
+            entry["time"] = [run.began, run.began + run.duration]
+            entry["reached"] = run.reached
+            entry["planned_anew"] = run.anew
+            position, yaw = _errors(final_poses(run)[stage.body], stage.goal)
+            entry["position_error"] = position
+            entry["yaw_error"] = yaw
+        out.append(entry)
+    return out

@@ -1,0 +1,109 @@
+"""Whether a table carries an object all along its way, up to the edge of its top.
+
+Source: docs/mechanics.md, section 1.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.footprint import edge_depths
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.refusal import Refusal
+from pushpressslide.core.task import Task
+from pushpressslide.mechanics.pressing import resting_cop
+from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.swept import swept
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+ROUND_OFF = 1e-6  # [m]
+
+
+def edge_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
+    """Return where the object would tip over the edge of ``support.region`` on planned
+    segments, or None.
+
+    What the region carries of the base holds the object as long as the centre of
+    pressure is inside its convex hull, with a margin. Asked for are the centre of mass,
+    on which the load is where the arms let go, the centre of pressure of the press, and
+    that of the drag. Where the object begins nearer to the edge, it may be as near
+    there, and has its margin within ``margins.ARM.leaving`` [m] of way.
+    """
+    from shapely import Polygon
+
+    if task.support.region is None:
+        return None
+    region = Polygon(task.support.region)
+    first = None
+    for segment in segments:
+        poses = swept(task.object, [segment], task.motion.clearance)
+        first = first or poses[0]
+        refusal = _segment_refusal(task, segment, poses, first, region)
+        if refusal is not None:
+            return refusal
+    return None
+
+
+def _segment_refusal(
+    task: Task,
+    segment: Segment,
+    poses: Sequence[Pose2],
+    first: Pose2,
+    region: Polygon,
+) -> Refusal | None:
+    """Return where one of the segments that begin at ``first`` tips the object."""
+    shape = task.object.shape
+    margin = margins.EDGE_MARGIN * shape.half_width
+    begin = np.array([first.apply(task.object.center_of_mass)])
+    there = min(float(edge_depths(shape, [first], begin, region)[0]), margin)
+    far = np.array([moved(shape, first, X) for X in poses])
+    share = np.minimum(far / margins.ARM.leaving, 1.0)
+    allowed = there + (margin - there) * share - ROUND_OFF
+    for points in _loads(task, segment, poses):
+        depths = edge_depths(shape, poses, points, region)
+        worst = int((depths - allowed).argmin())
+        depth = float(depths[worst])
+        least = float(allowed[worst])
+        if depth < least:
+            X = poses[worst]
+            inside = "{figure:mm.0f} inside" if depth > 0.0 else "beyond"
+            text = (
+                "the object tips over the edge of support.region at "
+                f"({X.x:.3f}, {X.y:.3f}): the centre of pressure is {inside} it, "
+                "allowed from {allowed:mm.0f}"
+            )
+            return Refusal("edge", text, depth, least, "m")
+    return None
+
+
+def _loads(
+    task: Task, segment: Segment, poses: Sequence[Pose2]
+) -> tuple[Array, Array, Array]:
+    """Return where the load is at poses X_WG, (n, 2) [m] each: without a press, pressed
+    at rest, and dragged.
+
+    A drag mu_s N at a height h moves the load ahead by mu_s h; while the object turns,
+    less of the friction is a force.
+    """
+    X_GB = task.object.X_GB
+    bodies = [X.compose(X_GB) for X in poses]
+    presses = [contact for contact in segment.contacts if contact.kind == "top"]
+    cop = resting_cop(task.scene, presses)
+    alone = np.array([X.position for X in bodies])
+    pressed = np.array([X.apply(cop) for X in bodies])
+    steps = np.diff(pressed, axis=0, append=2.0 * pressed[-1:] - pressed[-2:-1])
+    turns = np.diff(np.unwrap([X.yaw for X in bodies]))
+    rho = segment.drive.rho or task.object.shape.inner_radius
+    turned = rho * np.append(turns, turns[-1:])
+    whole = np.maximum(np.sqrt((steps**2).sum(1) + turned**2), 1e-12)
+    height = max(contact.height for contact in segment.contacts)
+    ahead = task.scene.support.friction * height * steps / whole[:, None]
+    return alone, pressed, pressed + ahead

@@ -1,0 +1,143 @@
+"""Which bodies stand in the way of others, and where one may be put for a while."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pushpressslide.core.bodies import (
+    Poses,
+    Stage,
+    body_shape,
+    stage_task,
+)
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.selection.waypoints import free_space, reached
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+    from shapely.geometry.base import BaseGeometry
+
+RINGS = (2.5, 4.0, 6.0)  # distances about the body, in its circumradii
+AROUND = 12  # places on a ring
+PER_RING = 2  # places of each ring that are kept
+BASE_ROOM = 0.12  # [m] to a robot's base
+
+Goals = Mapping[str, tuple[Pose2, ...]]
+"""The goals that each body has left, X_WG in order, by its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """Where all bodies are between two stages, and where they have still to go."""
+
+    task: Task
+    poses: Poses
+    goals: Goals
+
+    def outline(self, body: str) -> Polygon:
+        """Return the footprint of a body where it is."""
+        return body_shape(self.task, body).placed(self.poses[body])
+
+    def goal_outlines(self, body: str) -> list[Polygon]:
+        """Return the footprints of a body at the goals that it has left."""
+        shape = body_shape(self.task, body)
+        return [shape.placed(goal) for goal in self.goals.get(body, ())]
+
+    def way(self, body: str) -> BaseGeometry:
+        """Return what a body sweeps that goes straight by the goals that it has left."""
+        from shapely import union_all
+
+        stations = [self.outline(body), *self.goal_outlines(body)]
+        return union_all([a.union(b).convex_hull for a, b in pairwise(stations)])
+
+
+def in_the_way(moment: Moment) -> list[str]:
+    """Return the bodies with goals that stand in another's goal, or within a tip's
+    width of its straight way, in the order of the task.
+    """
+    task = moment.task
+    room = 2.0 * max(robot.tip_radius for robot in task.robots)
+    ways = {
+        body: moment.way(body).buffer(room + task.motion.clearance)
+        for body, goals in moment.goals.items()
+        if goals
+    }
+    return [
+        body
+        for body in moment.goals
+        if any(
+            moment.outline(body).intersects(way)
+            for other, way in ways.items()
+            if other != body
+        )
+    ]
+
+
+def spots(moment: Moment, body: str) -> list[Pose2]:
+    """Return poses X_WG to which ``body`` may be put aside, the best first.
+
+    They are on rings about it, within the workspace and reach, and clear of all other
+    bodies and of the goals that the others have left. Those that also keep clear of the
+    others' straight ways come first, then those that are nearer.
+    """
+    stage = stage_task(moment.task, Stage(body, moment.poses[body]), moment.poses)
+    shape = stage.object.shape
+    others = [other for other in moment.goals if other != body]
+    ways = [moment.way(other) for other in others if moment.goals[other]]
+    kept = []
+    for number, ring in enumerate(RINGS):
+        ranked = []
+        for X in _free(stage, moment, body, ring * shape.circumradius):
+            outline = shape.placed(X).buffer(stage.motion.clearance)
+            blocked = sum(bool(outline.intersects(way)) for way in ways)
+            onward = sum(math.dist(X.position, g.position) for g in moment.goals[body])
+            ranked.append((blocked, number, round(onward, 6), X.x, X.y, X))
+        kept += sorted(ranked, key=lambda entry: entry[:-1])[:PER_RING]
+    return [entry[-1] for entry in sorted(kept, key=lambda entry: entry[:-1])]
+
+
+def _free(stage: Task, moment: Moment, body: str, distance: float) -> list[Pose2]:
+    """Return the poses on a ring about the body of a ``stage`` that are free and
+    reached.
+    """
+    here = stage.start
+    angles = [2.0 * math.pi * i / AROUND for i in range(AROUND)]
+    ring = [
+        Pose2(
+            here.x + distance * math.cos(a), here.y + distance * math.sin(a), here.yaw
+        )
+        for a in angles
+    ]
+    ring = [X for X in ring if _within(stage, X)]
+    if not ring:
+        return []
+    space = free_space(stage)
+    goals = [
+        outline
+        for other in moment.goals
+        if other != body
+        for outline in moment.goal_outlines(other)
+    ]
+    space = replace(space, others=(*space.others, *goals))
+    able = np.asarray(space.free(ring)) & reached(stage, ring)
+    return [X for X, fit in zip(ring, able, strict=True) if fit]
+
+
+def _within(task: Task, X: Pose2) -> bool:
+    """Return whether a pose is in the workspace and clear of the robots' bases."""
+    shape = task.object.shape
+    for x, y, height in task.scene.bases:
+        gap = shape.distance(X.unapply((x, y)))
+        if height < shape.height and gap < BASE_ROOM:
+            return False
+    if task.limits.workspace is None:
+        return True
+    x_min, x_max, y_min, y_max = task.limits.workspace
+    return x_min <= X.x <= x_max and y_min <= X.y <= y_max

@@ -1,0 +1,286 @@
+"""A task of several goals to stages: which body is moved when and where to, so that all
+are at their goals in the end.
+
+The order is found. A body goes whose goal is free; where none can go, one that stands
+in the way of another is put aside first. Orders with fewer stages are tried first, then
+those of the shorter ways. All stages are planned before anything moves, each from where
+the one before it ends, and what was planned of an order is kept for the next.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from pushpressslide.core import margins
+from pushpressslide.core.bodies import (
+    Poses,
+    Stage,
+    body_shape,
+    stage_task,
+    start_poses,
+)
+from pushpressslide.core.errors import InfeasibleTaskError
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task, Tolerance
+from pushpressslide.planning.free_way import moved
+from pushpressslide.selection.preparation import PlansAlone, Preparation
+from pushpressslide.selection.put_aside import Moment, in_the_way, spots
+from pushpressslide.selection.solve import Solution, solve
+
+ORDERS = 400  # with the same number of stages that are compared
+REFUSALS = 16  # of stages as one motion, after which no more are looked at
+SEARCHES = 3  # in vain for several motions that do a stage; each takes seconds
+SHARED = 1e-8  # [m^2] that two footprints may share and still count as touching
+
+
+@dataclass(frozen=True)
+class PlannedStage:
+    """A stage, how it is done, and what its arms need."""
+
+    stage: Stage
+    solution: Solution
+    preparation: Preparation
+
+
+def plan_stages(
+    task: Task,
+    preparation: Preparation | None = None,
+    enough: int = 1,
+    *,
+    force: bool = False,
+) -> list[PlannedStage]:
+    """Return the stages that bring all bodies of ``task`` to their goals, each planned
+    from where the one before it ends.
+
+    ``preparation`` is an empty one of the arms where they begin; by default no joint
+    paths are looked for. ``enough`` and ``force`` are those of ``solve``. Raises
+    InfeasibleTaskError, with the body and why it cannot go, where nothing leads there.
+    """
+    first = PlansAlone() if preparation is None else preparation
+    search = _OrderSearch(task, first, enough, force)
+    poses = start_poses(task)
+    moment = Moment(task, poses, goals_of(task))
+    bodies = len(moment.goals)
+    for asides in range(bodies + 1 if bodies > 1 else 1):
+        orders = list(islice(_orders(moment, asides), ORDERS))
+        orders.sort(key=lambda order: estimate(task, order))
+        for thorough in (False, True):
+            for order in orders:
+                planned = search.planned(order, thorough)
+                if planned is not None:
+                    return planned
+    raise search.refusal or InfeasibleTaskError(_shut_in(moment))
+
+
+def plan_stage(
+    task: Task,
+    stage: Stage,
+    poses: Poses,
+    preparation: Preparation,
+    enough: int,
+    *,
+    force: bool = False,
+) -> PlannedStage:
+    """Return one stage planned from where the bodies are, X_WG.
+
+    Raises InfeasibleTaskError where nothing leads to its goal.
+    """
+    solution = solve(preparation, stage_task(task, stage, poses), enough, force=force)
+    return PlannedStage(stage, solution, preparation)
+
+
+def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
+    """Return the goals of each body that has any, in their order."""
+    out: dict[str, tuple[Pose2, ...]] = {}
+    for goal in task.goals:
+        out[goal.body] = (*out.get(goal.body, ()), goal.pose)
+    return out
+
+
+def after(poses: Poses, stage: Stage) -> dict[str, Pose2]:
+    """Return where the bodies are after a stage that went as planned."""
+    return {**poses, stage.body: stage.goal}
+
+
+def is_there(X: Pose2, goal: Pose2, tolerance: Tolerance) -> bool:
+    """Return whether a pose is within the tolerance of a goal."""
+    turn = abs(math.remainder(X.yaw - goal.yaw, 2.0 * math.pi))
+    near = math.dist(X.position, goal.position) <= tolerance.position
+    return near and turn <= tolerance.yaw
+
+
+def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
+    """Return what orders are ranked by: the number of stages, and the time [s] that
+    straight ways and the arms' ways between them would take.
+    """
+    poses = start_poses(task)
+    time = 0.0
+    before: Pose2 | None = None
+    for stage in order:
+        here = poses[stage.body]
+        far = moved(body_shape(task, stage.body), here, stage.goal)
+        if before is not None:
+            far += math.dist(before.position, here.position)
+        time += far / task.motion.speed + margins.ARM.regrasp
+        before = stage.goal
+        poses = after(poses, stage)
+    return len(order), round(time, 6)
+
+
+def _orders(
+    moment: Moment, asides: int, done: tuple[Stage, ...] = ()
+) -> Iterator[tuple[Stage, ...]]:
+    """Yield orders that lead all bodies to their goals, with ``asides`` bodies put
+    aside on the way, each at most once.
+    """
+    moment = _visited(moment)
+    if _all_there(moment):
+        if asides == 0:
+            yield done
+        return
+    for body, goals in moment.goals.items():
+        if goals and _is_free(moment, body) and not _stays(moment, body):
+            stage = Stage(body, goals[0])
+            left = {**moment.goals, body: goals[1:]}
+            ahead = replace(moment, poses=after(moment.poses, stage), goals=left)
+            yield from _orders(ahead, asides, (*done, stage))
+    if asides == 0:
+        return
+    put = {stage.body for stage in done if stage.aside}
+    for body in in_the_way(moment):
+        if body in put:
+            continue
+        for X in spots(moment, body):
+            stage = Stage(body, X, aside=True)
+            ahead = replace(moment, poses=after(moment.poses, stage))
+            yield from _orders(ahead, asides - 1, (*done, stage))
+
+
+def _visited(moment: Moment) -> Moment:
+    """Return the moment without the goals at which a body is that has more."""
+    tolerance = moment.task.tolerance
+    left: dict[str, tuple[Pose2, ...]] = {}
+    for body, goals in moment.goals.items():
+        while len(goals) > 1 and is_there(moment.poses[body], goals[0], tolerance):
+            goals = goals[1:]
+        left[body] = goals
+    return replace(moment, goals=left)
+
+
+def _stays(moment: Moment, body: str) -> bool:
+    """Return whether a body is at the only goal that it has left."""
+    goals = moment.goals[body]
+    here = moment.poses[body]
+    return len(goals) == 1 and is_there(here, goals[0], moment.task.tolerance)
+
+
+def _all_there(moment: Moment) -> bool:
+    return all(not goals or _stays(moment, b) for b, goals in moment.goals.items())
+
+
+def _is_free(moment: Moment, body: str) -> bool:
+    """Return whether no other body stands in the next goal of ``body``."""
+    goal = moment.goal_outlines(body)[0]
+    others = (moment.outline(other) for other in moment.poses if other != body)
+    return all(goal.intersection(other).area <= SHARED for other in others)
+
+
+def _shut_in(moment: Moment) -> str:
+    """Return one line that says which body has no place to go to."""
+    task = moment.task
+    for body, goals in moment.goals.items():
+        if goals and not _is_free(moment, body):
+            standing = [
+                other
+                for other in moment.poses
+                if other != body
+                and moment.outline(other).intersects(moment.goal_outlines(body)[0])
+            ]
+            return (
+                f"{task.source or task.name}: {body!r} cannot go to its goal: "
+                f"{standing[0]!r} stands there, and can be put nowhere aside"
+            )
+    return f"{task.source or task.name}: no order brings all bodies to their goals"
+
+
+class _OrderSearch:
+    """Plans orders of stages; what two orders have in common is planned once.
+
+    At first each stage is to be one motion. Only where no order is done so, several
+    motions are searched for.
+    """
+
+    def __init__(
+        self, task: Task, first: Preparation, enough: int, force: bool
+    ) -> None:
+        self.task = task
+        self.enough = enough
+        self.force = force
+        self.first = first
+        self._refused: dict[bool, list[InfeasibleTaskError]] = {True: [], False: []}
+        self._known: dict[tuple[Stage, ...], PlannedStage] = {}
+        self._tried: set[tuple[bool, tuple[Stage, ...]]] = set()
+
+    @property
+    def refusal(self) -> InfeasibleTaskError | None:
+        """Why the first stage that was refused has no plan."""
+        refused = self._refused[True] or self._refused[False]
+        return refused[0] if refused else None
+
+    def planned(
+        self, order: Sequence[Stage], thorough: bool
+    ) -> list[PlannedStage] | None:
+        """Return the plans of all stages; None where one of them has none."""
+        out: list[PlannedStage] = []
+        poses: Poses = start_poses(self.task)
+        for number, stage in enumerate(order, start=1):
+            key = tuple(order[:number])
+            if key not in self._known:
+                before = out[-1].preparation if out else self.first
+                self._plan(key, poses, before.after(), thorough)
+            if key not in self._known:
+                return None
+            out.append(self._known[key])
+            poses = after(poses, stage)
+        return out
+
+    def _plan(
+        self,
+        key: tuple[Stage, ...],
+        poses: Poses,
+        preparation: Preparation,
+        thorough: bool,
+    ) -> None:
+        """Plan the last of some stages, unless that was tried or too many had no plan."""
+        refused = self._refused[thorough]
+        most = SEARCHES if thorough else REFUSALS
+        if (thorough, key) in self._tried or len(refused) >= most:
+            return
+        self._tried.add((thorough, key))
+        task = self.task
+        limits = task.limits if thorough else replace(task.limits, legs=1)
+        if thorough and limits.legs == 1:
+            return
+        try:
+            planned = plan_stage(
+                replace(task, limits=limits),
+                key[-1],
+                poses,
+                preparation,
+                self.enough,
+                force=self.force,
+            )
+        except InfeasibleTaskError as error:
+            refused.append(error)
+            return
+        self._known[key] = _within(planned, task)
+
+
+def _within(planned: PlannedStage, task: Task) -> PlannedStage:
+    """Return a planned stage with the limits of the task."""
+    plan = planned.solution.plan
+    plan = replace(plan, task=replace(plan.task, limits=task.limits))
+    return replace(planned, solution=replace(planned.solution, plan=plan))

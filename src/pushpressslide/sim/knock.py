@@ -1,0 +1,237 @@
+"""A ball that knocks the object in mid-contact, driven by a force.
+
+It touches nothing but the object, and waits out of sight. Once the object has come as
+far as the knock says, it flies beside it, pushes it aside at low height, and leaves.
+The object moves by its contact force alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from pydrake.common.value import Value
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, RigidBody, SpatialInertia
+from pydrake.systems.framework import Context, DiagramBuilder
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.knock import Knock
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Point, Pose2, wrap_angle
+from pushpressslide.planning.free_way import moved
+from pushpressslide.sim.surfaces import rigid_properties
+
+RADIUS = 0.02  # [m]
+MASS = 0.5  # [kg]
+ALOFT = 0.4  # [m] height at which the ball waits, before and after
+OFF = 0.2  # [m] before the object, where it does
+STANDOFF = 0.03  # [m] before the object, from where it pushes
+LOW = 0.04  # [m] height of the push at most, so that nothing tips
+FLIGHT = 1.0  # [m/s]
+SPEED = 0.1  # [m/s] of the push
+STIFFNESS = 2000.0  # [N/m] of the force about where the ball is led
+DAMPING = 63.0  # [N s/m], critical
+STRONGEST = 60.0  # [N]
+LONGEST = 3.0  # [s] of a push
+GYRATION = 0.3  # of the squared radius: about the squared radius of gyration
+EDGE = 0.01  # [m] of a side that is left at its ends
+NEAR = 0.01  # [m] of the ball, from where it is to be
+BESIDE = 0.7  # of a side's half length: the farthest from its middle
+FRICTION = 0.3
+NAME = "knocker"
+
+
+@dataclass(frozen=True)
+class Knocked:
+    """What came of a knock."""
+
+    time: float  # [s] when the ball touched
+    moved: float  # [m] of the object along the push, besides its own motion
+    turned: float  # [rad] the same
+
+
+class Knocker:
+    """The ball in a plant, and what it does."""
+
+    def __init__(self, plant: MultibodyPlant, knock: Knock, plan: Plan) -> None:
+        """Add the ball to a plant that is not finalized."""
+        self.knock = knock
+        self.plan = plan
+        self.knocked: Knocked | None = None
+        self._body = _add_ball(plant)
+        self._phase = "waiting"
+        self._since = 0.0  # [s] when the phase began
+        self._spot, self._inward = self._aim()
+        self._depth = -STANDOFF  # [m] beyond the spot
+        self._before: Pose2 | None = None  # of the object at the touch, X_WG
+        self._last: tuple[float, Pose2] | None = None  # a tick ago: time [s], X_WG
+        self._moves: tuple[Point, float] = ((0.0, 0.0), 0.0)  # [m/s], [rad/s] there
+        self._led = self._errand(plan.task.true_start)  # [m] where the force leads it
+        plant.SetDefaultFloatingBaseBodyPose(self._body, RigidTransform(self._led))
+
+    def touch_only(
+        self, plant: MultibodyPlant, graph: SceneGraph, moving: RigidBody
+    ) -> None:
+        """Let the ball touch nothing but the object."""
+        ball = GeometrySet(plant.GetCollisionGeometriesForBody(self._body))
+        others = GeometrySet()
+        for index in range(plant.num_bodies()):
+            body = plant.get_body(BodyIndex(index))
+            if body.index() not in (moving.index(), self._body.index()):
+                for geometry in plant.GetCollisionGeometriesForBody(body):
+                    others.Add(geometry)
+        graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeBetween(ball, others)
+        )
+
+    def connect(self, builder: DiagramBuilder, plant: MultibodyPlant) -> None:
+        """Export the port of the force."""
+        builder.ExportInput(plant.get_applied_spatial_force_input_port(), NAME)
+        self._start = self._body.floating_positions_start()
+        self._speed = (
+            plant.num_positions() + self._body.floating_velocities_start_in_v()
+        )
+
+    def step(
+        self, port: Any, context: Context, x: Array, pose: Pose2, t: float
+    ) -> None:
+        """Write the force for the next control period; ``x`` is the plant's state,
+        ``pose`` the object's X_WG.
+        """
+        place = x[self._start + 4 : self._start + 7]
+        velocity = x[self._speed + 3 : self._speed + 6]
+        dt = self.plan.task.motion.control_period
+        self._decide(place, pose, t)
+        self._last = (t, pose)
+        if self._phase == "pushing":
+            self._depth += SPEED * dt
+        ahead = self._errand(self._before or pose) - self._led
+        far = float(np.linalg.norm(ahead))
+        self._led = self._led + ahead * min(1.0, FLIGHT * dt / max(far, 1e-9))
+        force = STIFFNESS * (self._led - place) - DAMPING * velocity
+        force *= min(1.0, STRONGEST / max(float(np.linalg.norm(force)), 1e-9))
+        applied = ExternallyAppliedSpatialForce()
+        applied.body_index = self._body.index()
+        applied.F_Bq_W = SpatialForce(
+            np.zeros(3), force + np.array([0.0, 0.0, MASS * GRAVITY])
+        )
+        port.FixValue(context, Value[list[ExternallyAppliedSpatialForce]]([applied]))
+
+    def _decide(self, place: Array, pose: Pose2, t: float) -> None:
+        """Go on to the next phase where it is time."""
+        if self._phase == "waiting" and self._share(pose) >= self.knock.share:
+            self._begin("coming", t)
+        elif self._phase == "coming":
+            if float(np.linalg.norm(self._errand(pose) - place)) < NEAR:
+                self._begin("pushing", t)
+        elif self._phase == "pushing":
+            self._push(place, pose, t)
+
+    def _push(self, place: Array, pose: Pose2, t: float) -> None:
+        """Note the touch, and leave where the object has moved far enough."""
+        if self._before is None:
+            shape = self.plan.task.object.shape
+            gap = shape.placed(pose).distance(shapely.Point(place[:2])) - RADIUS
+            if gap > 0.0:
+                return
+            self._before = pose
+            self._since = t
+            self._moves = self._motion(pose, t)
+        before = self._before
+        (vx, vy), w = self._moves
+        dt = t - self._since
+        x, y = before.rotate(self._inward)
+        along = (pose.x - before.x - vx * dt) * x + (pose.y - before.y - vy * dt) * y
+        turned = abs(wrap_angle(pose.yaw - before.yaw - w * dt))
+        knock = self.knock
+        enough = along >= knock.moved or (
+            turned >= knock.turned and along >= 0.5 * knock.moved
+        )
+        if enough or t - self._since > LONGEST:
+            self.knocked = Knocked(self._since, along, turned)
+            self._begin("leaving", t)
+
+    def _motion(self, pose: Pose2, t: float) -> tuple[Point, float]:
+        """Return how the object moves without the ball, [m/s] and [rad/s]."""
+        if self._last is None:
+            return (0.0, 0.0), 0.0
+        before, last = self._last
+        dt = t - before
+        velocity = ((pose.x - last.x) / dt, (pose.y - last.y) / dt)
+        return velocity, wrap_angle(pose.yaw - last.yaw) / dt
+
+    def _begin(self, phase: str, t: float) -> None:
+        self._phase = phase
+        self._since = t
+
+    def _share(self, pose: Pose2) -> float:
+        """Return how much of the direct way the object has come."""
+        task = self.plan.task
+        shape = task.object.shape
+        whole = moved(shape, task.true_start, task.goal)
+        return moved(shape, task.true_start, pose) / whole
+
+    def _aim(self) -> tuple[Point, Point]:
+        """Return a spot in G [m] on the long side that is farthest from all contacts,
+        beside the centre of mass, and the side's inward normal.
+        """
+        task = self.plan.task
+        X_BG = task.X_GB.inverse()
+        contacts = [c.point for c in self.plan.contacts if c.kind == "side"]
+        outline = task.object.shape.placed(Pose2()).convex_hull
+        corners = shapely.get_coordinates(shapely.orient_polygons(outline))
+        sides = list(pairwise(corners))
+        longest = max(float(np.linalg.norm(b - a)) for a, b in sides)
+        a, b = max(
+            (side for side in sides if np.linalg.norm(side[1] - side[0]) > longest / 2),
+            key=lambda side: _apart(0.5 * (side[0] + side[1]), contacts, X_BG),
+        )
+        length = float(np.linalg.norm(b - a))
+        along = (b - a) / length
+        inward = np.array([-along[1], along[0]])
+        knock = self.knock
+        lever = knock.turned / knock.moved * GYRATION * task.object.radius**2
+        # the farther along the side, counter-clockwise, the more it turns to the right
+        beside = -knock.side * min(lever, BESIDE * 0.5 * length)
+        foot = float((np.array(task.object.center_of_mass) - a) @ along)
+        spot = a + min(max(foot + beside, EDGE), length - EDGE) * along
+        return (float(spot[0]), float(spot[1])), (float(inward[0]), float(inward[1]))
+
+    def _errand(self, pose: Pose2) -> Array:
+        """Return where the ball is to be [m], seen from the object at X_WG."""
+        height = min(LOW, 0.5 * self.plan.task.object.shape.height)
+        height = max(height, RADIUS + 0.002)
+        ahead = self._depth
+        if self._phase in ("waiting", "leaving"):
+            height = ALOFT
+            ahead = -OFF
+        px, py = pose.apply(self._spot)
+        x, y = pose.rotate(self._inward)
+        return np.array([px + (ahead - RADIUS) * x, py + (ahead - RADIUS) * y, height])
+
+
+def _add_ball(plant: MultibodyPlant) -> RigidBody:
+    instance = plant.AddModelInstance(NAME)
+    inertia = SpatialInertia.SolidSphereWithMass(MASS, RADIUS)
+    body = plant.AddRigidBody(NAME, instance, inertia)
+    ball = Sphere(RADIUS)
+    properties = rigid_properties(FRICTION, 0.3 * RADIUS)
+    plant.RegisterCollisionGeometry(body, RigidTransform(), ball, NAME, properties)
+    color = np.array([0.75, 0.15, 0.2, 1.0])
+    plant.RegisterVisualGeometry(body, RigidTransform(), ball, f"{NAME}_visual", color)
+    return body
+
+
+def _apart(middle: Array, contacts: list[Point], X_BG: Pose2) -> float:
+    """Return how far a side's middle [m] in G is from the nearest contact in B."""
+    here = X_BG.apply((float(middle[0]), float(middle[1])))
+    return min((math.dist(here, contact) for contact in contacts), default=0.0)

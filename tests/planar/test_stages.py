@@ -1,0 +1,157 @@
+"""Several bodies on the planar engine: stages one after the other without a reset."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.task import Task
+from pushpressslide.jobs.monitor import Output
+from pushpressslide.jobs.run import run_task
+from pushpressslide.jobs.stages import StageOptions, StageRunner
+from pushpressslide.report.files import load_run
+from pushpressslide.report.stage_files import is_staged, load_stages, stage_folder
+from pushpressslide.report.stages import StageRun
+from pushpressslide.taskfile.load import load_task
+
+SWAP = load_task("swap")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+    """Return the result of a run of the swap, and its folder."""
+    folder = tmp_path_factory.mktemp("swap")
+    return run_task(SWAP, engine="planar", out=Output(folder)), folder
+
+
+def stages_of(task: Task) -> tuple[StageRunner, list[StageRun]]:
+    runner = StageRunner(task, StageOptions("planar"))
+    return runner, list(runner.run())
+
+
+def test_every_body_ends_at_its_goal(finished: tuple[dict[str, Any], Path]) -> None:
+    result, _ = finished
+    assert result["success"]
+    assert result["reason"]["code"] == "goal_reached"
+    assert [stage["reached"] for stage in result["stages"]] == [True] * 3
+    worst = max(body["position_error"] for body in result["bodies"].values())
+    assert result["final_position_error"] == worst < 0.002
+    assert result["final_yaw_error"] < math.radians(0.5)
+    assert result["bodies"]["other-cube"]["displacement"] == pytest.approx(
+        0.2, abs=2e-3
+    )
+
+
+def test_nothing_jumps_from_a_stage_to_the_next(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    _, folder = finished
+    arrays = load_stages(folder).record.arrays
+    (last,) = np.nonzero(np.diff(arrays["stage"]))
+    assert len(last) == 2
+    for name in ("pose_object", "pose_other-cube", "tip_position"):
+        step = np.abs(arrays[name][last + 1] - arrays[name][last])
+        assert step.max() <= 1e-9, name
+    assert np.diff(arrays["time"]) == pytest.approx(0.004)
+
+
+def test_the_object_pose_is_that_of_the_body_of_the_stage(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    result, folder = finished
+    arrays = load_stages(folder).record.arrays
+    for number, stage in enumerate(result["stages"]):
+        own = arrays["stage"] == number
+        assert (
+            arrays["object_pose"][own] == arrays[f"pose_{stage['body']}"][own]
+        ).all()
+
+
+def test_times_of_the_stages_follow_each_other(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    result, _ = finished
+    times = [stage["time"] for stage in result["stages"]]
+    for (_, end), (begin, _) in pairwise(times):
+        assert begin == pytest.approx(end + 0.004)
+    spans = [end - begin for begin, end in times]
+    assert result["duration"] == pytest.approx(sum(spans))
+
+
+def test_a_stage_is_an_ordinary_run(finished: tuple[dict[str, Any], Path]) -> None:
+    result, folder = finished
+    assert is_staged(folder)
+    for index, stage in enumerate(result["stages"]):
+        run = load_run(stage_folder(folder, index))
+        assert run.result["success"]
+        assert run.result["modes"] == stage["modes"]
+        assert (stage_folder(folder, index) / "report.html").is_file()
+    with pytest.raises(PushPressSlideError, match="stages"):
+        load_run(folder)
+
+
+def test_a_run_comes_back_from_its_folder(
+    finished: tuple[dict[str, Any], Path],
+) -> None:
+    result, folder = finished
+    back = load_stages(folder)
+    assert back.result == result
+    assert back.task == SWAP
+    assert [run.stage for run in back.runs] == list(back.stages)
+    assert [run.reached for run in back.runs] == [True] * 3
+
+
+def test_the_page_shows_every_stage(finished: tuple[dict[str, Any], Path]) -> None:
+    _, folder = finished
+    page = (folder / "report.html").read_text("utf-8")
+    for number in (1, 2, 3):
+        assert f"Stage {number}: " in page
+        assert f"stages/{number}/report.html" in page
+    assert "other-cube" in page
+
+
+def test_the_same_run_gives_the_same_record() -> None:
+    first, second = (pps.run(SWAP, engine="planar") for _ in range(2))
+    for name, values in first.arrays.items():
+        if not name.startswith("tick_"):
+            assert np.array_equal(values, second.arrays[name], equal_nan=True), name
+
+
+def test_a_body_that_is_not_where_it_was_planned_is_planned_for_anew() -> None:
+    """The object starts off by more than the tolerance, and is moved second."""
+    off = replace(SWAP.start, x=0.012, y=0.0)
+    beyond = replace(SWAP.goals[1], pose=replace(SWAP.goals[1].pose, x=0.45, y=-0.25))
+    task = replace(SWAP, goals=(SWAP.goals[0], beyond), start_error=off)
+    runner, runs = stages_of(task)
+    assert runner.lacking is None
+    assert [run.stage.body for run in runs] == ["other-cube", "object"]
+    assert [run.anew for run in runs] == [False, True]
+    assert [run.reached for run in runs] == [True, True]
+
+
+def test_a_stage_that_fails_ends_the_run(tmp_path: Path) -> None:
+    """There is time for the first two stages only."""
+    task = replace(SWAP, limits=replace(SWAP.limits, time=17.0))
+    result = run_task(task, engine="planar", out=Output(tmp_path))
+    assert not result["success"]
+    assert result["reason"]["code"] == "time_limit"
+    assert [stage["reached"] for stage in result["stages"]] == [True, False, False]
+    assert result["stages"][2]["time"] is None
+    assert len(load_stages(tmp_path).runs) == 2
+
+
+def test_a_body_that_is_believed_otherwise_reaches_its_goal() -> None:
+    other = replace(SWAP.obstacles[0], believed_friction=0.2, believed_mass=0.6)
+    _, runs = stages_of(replace(SWAP, obstacles=(other,)))
+    own = next(run for run in runs if run.stage.body == "other-cube")
+    assert own.plan.task.told.support.friction == 0.2
+    assert own.plan.task.support.friction == 0.3
+    assert own.reached

@@ -1,0 +1,66 @@
+"""In which order presses are tried: firm ones before those that a creep turns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from pushpressslide.core import margins
+from pushpressslide.core.task import Task
+from pushpressslide.planning.pressed.placements import press_placements
+from pushpressslide.taskfile.load import load_task
+
+
+@pytest.fixture
+def task() -> Task:
+    """A light cylinder on a support nearly as rough as the tip: the safest press has 12
+    times its weight.
+    """
+    overrides = (
+        "object.shape={cylinder: {radius: 0.041, height: 0.073}}",
+        "object.mass=0.22",
+        "support.friction=0.48",
+        "contact.friction=0.74",
+        "motion.contacts=null",
+    )
+    return load_task("press-slide", overrides)
+
+
+def lever(task: Task, point: tuple[float, float], load: float) -> float:
+    """Return the distance [m] from the centre of pressure to a press, written out."""
+    weight = task.object.mass * 9.81
+    return math.hypot(*point) * weight / (weight + load)
+
+
+def test_firm_presses_come_first(task: Task) -> None:
+    groups = press_placements(task).turning(task.scene)
+    firm = [
+        all(
+            lever(task, press.point, press.load) >= margins.ARM.firm_lever
+            for press in group
+        )
+        for group in groups
+    ]
+    assert True in firm
+    assert False in firm
+    assert firm == sorted(firm, reverse=True)
+    loads = [
+        group[0].load for group, is_firm in zip(groups, firm, strict=True) if is_firm
+    ]
+    assert loads == sorted(loads, reverse=True)
+
+
+def test_no_press_is_left_out(task: Task) -> None:
+    placements = press_placements(task)
+    groups = placements.turning(task.scene)
+    presses = {(press.point, press.load) for group in groups for press in group}
+    assert len(presses) == len(placements.contacts) * len(placements.loads)
+
+
+def test_a_heavy_object_has_the_safest_press_first(task: Task) -> None:
+    heavy = replace(task, object=replace(task.object, mass=0.6))
+    rough = replace(heavy, contact_friction=1.2)
+    groups = press_placements(rough).turning(rough.scene)
+    assert groups[0][0].load == max(press_placements(rough).loads)
