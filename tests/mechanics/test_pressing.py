@@ -48,7 +48,7 @@ def test_a_tip_no_rougher_than_the_support_is_told_so() -> None:
     with pytest.raises(RefusedError, match="must exceed") as caught:
         press_loads(10.0, 0.4, 0.4, 60.0)
     refusal = caught.value.refusal
-    assert (refusal.code, refusal.figure, refusal.allowed) == ("friction", 0.4, 0.4)
+    assert (refusal.code, refusal.figure, refusal.allowed) == ("smooth_tip", 0.4, 0.4)
 
 
 @pytest.mark.parametrize(
