@@ -1,5 +1,7 @@
 """Joint references: continuous, inside their samples, and at rest at the end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -57,6 +59,21 @@ def test_beyond_its_ends_the_path_keeps_its_nearer_end(
     progress: float, row: int
 ) -> None:
     assert path_reference(PATH, progress) == pytest.approx(PATH.move[row])
+
+
+def test_beyond_the_end_of_the_path_the_arm_draws_back_as_planned() -> None:
+    drawn = np.array([[0.0, 0.0], [0.2, -0.4], [0.4, -0.4]])
+    path = replace(PATH, back=drawn, room=0.06)
+    for i in range(3):
+        assert path_reference(path, 0.4 + 0.03 * i) == pytest.approx(drawn[i])
+    assert path_reference(path, 0.415) == pytest.approx(drawn[:2].mean(axis=0))
+    assert path_reference(path, 9.0) == pytest.approx(drawn[-1])
+    assert path_reference(path, 0.1) == pytest.approx(PATH.move[1])
+
+
+def test_an_arm_that_cannot_draw_back_stays_at_the_end() -> None:
+    stuck = replace(PATH, back=PATH.move[-1:], room=0.0)
+    assert path_reference(stuck, 0.43) == pytest.approx(PATH.move[-1])
 
 
 def test_a_path_that_leads_nowhere_keeps_its_start() -> None:

@@ -18,6 +18,7 @@ from pushpressslide.control.limits import (
     ArmReading,
     Guard,
 )
+from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, JointCommand, TipCommand
 from pushpressslide.core.record import Ending
 
@@ -163,3 +164,26 @@ def test_a_joint_reference_may_go_no_farther_than_a_joint_could() -> None:
     assert ending is not None
     assert ending.code == "reference_jump"
     assert "joint 2" in ending.text
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_arm_that_draws_back_is_cramped_before_its_limit_is_broken(
+    side: float,
+) -> None:
+    judge = guard()
+    assert not judge.cramped([REST])
+    inside = margins.ARM.joint_buffer
+    assert inside > POSITION_MARGIN
+    for room, cramped in ((inside + 0.001, False), (inside - 0.001, True)):
+        near = ArmReading(np.array([0.0, side * (2.0 - room)]), np.zeros(2))
+        assert judge.cramped([near]) == cramped
+        assert judged(judge, reading=near) is None
+
+
+def test_an_arm_that_begins_to_draw_back_near_a_limit_may_go_on_if_not_nearer() -> None:
+    judge = guard()
+    for room, cramped in ((0.02, False), (0.025, False), (0.016, False), (0.014, True)):
+        near = ArmReading(np.array([1.0 - room, 0.0]), np.zeros(2))
+        assert judge.cramped([near]) == cramped
+    judge.begin()
+    assert not judge.cramped([ArmReading(np.array([0.986, 0.0]), np.zeros(2))])

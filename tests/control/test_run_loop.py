@@ -4,6 +4,7 @@ diary.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -14,10 +15,16 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.control import run_loop as module
 from pushpressslide.control.approach import TRAVEL_SPEED
-from pushpressslide.control.limits import MEAN_TIME, ArmLimits, ArmReading
+from pushpressslide.control.limits import (
+    MEAN_TIME,
+    POSITION_MARGIN,
+    ArmLimits,
+    ArmReading,
+)
 from pushpressslide.control.plant import PlantRow
 from pushpressslide.control.run_loop import PROGRESS_TICKS, RunOptions, run_loop
 from pushpressslide.control.state import tip_position
+from pushpressslide.core import margins
 from pushpressslide.core.control import (
     PHASES,
     Commands,
@@ -128,8 +135,17 @@ class Script:
 
     made: list[Script]
     failure: tuple[str, str] | None = None
+    phase = "move"
 
-    def __init__(self, plan: Plan, number: int = 0, gap: float | None = None) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        number: int = 0,
+        gap: float | None = None,
+        back: float = math.inf,
+    ) -> None:
+        self.back = back
+        self.halts: list[float] = []
         self.segments = plan.placements[number]
         self.arms = len(plan.task.robots)
         self.gap = gap
@@ -140,7 +156,7 @@ class Script:
 
     def init(self, measurement: Measurement, held: Commands) -> Line:
         self.held = held
-        return Line(reference=self.segments[0])
+        return Line(phase=self.phase, reference=self.segments[0])
 
     def normal_forces(self, state: Line, measurement: Measurement) -> list[float]:
         return [-tip.force[2] for tip in measurement.tips]
@@ -149,6 +165,10 @@ class Script:
         self, state: Line, measurement: Measurement, failure: tuple[str, str]
     ) -> Line:
         return replace(state, step=TICKS - STOP_TICKS, failure=failure)
+
+    def halted(self, state: Line, measurement: Measurement) -> Line:
+        self.halts.append(measurement.time)
+        return state
 
     def step(
         self, state: Line, measurement: Measurement
@@ -159,7 +179,7 @@ class Script:
         state = replace(
             state,
             step=state.step + 1,
-            phase="done" if last else "move",
+            phase="done" if last else self.phase,
             failure=state.failure or (self.failure if last else None),
         )
         return (PUSH,) * self.arms, log, state
@@ -206,6 +226,35 @@ def test_a_tick_measures_applies_advances_and_is_recorded(one, scripts) -> None:
     plant = Diary(arms=1)
     run_loop(plant, one)
     assert plant.asked == ["measure", "apply", "advance", "row"] * TICKS
+
+
+@pytest.mark.parametrize("phase", ["move", "release"])
+def test_tips_that_draw_back_stay_once_a_joint_is_near_its_limit(
+    one, scripts, monkeypatch, phase: str
+) -> None:
+    monkeypatch.setattr(Script, "phase", phase)
+    approaching = Diary(arms=1, joint_paths=(APPROACH,))
+    room = np.linspace(0.1, POSITION_MARGIN + 0.001, TICKS)
+
+    def readings() -> tuple[ArmReading, ...]:
+        seen = len(scripts[0].seen) if scripts else 0
+        q = np.array([0.0, 2.0 - room[min(seen, TICKS - 1)]])
+        return (ArmReading(q, np.zeros(2)),)
+
+    monkeypatch.setattr(approaching, "readings", readings)
+    record = run_loop(approaching, one)
+    assert record.reason == "goal_reached"
+    (script,) = scripts
+    first = int(np.argmax(room < margins.ARM.joint_buffer))
+    late = [measurement.time for measurement in script.seen[first:]]
+    assert script.halts == (late if phase == "release" else [])
+    assert late
+
+
+def test_the_controller_is_told_how_far_the_arms_can_draw_back(one, scripts) -> None:
+    run_loop(Diary(arms=1, joint_paths=(replace(APPROACH, room=0.02),)), one)
+    run_loop(Diary(arms=1), one)
+    assert [script.back for script in scripts] == [0.02, math.inf]
 
 
 def test_every_tick_is_recorded_once_and_at_its_own_time(one, scripts) -> None:

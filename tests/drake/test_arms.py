@@ -10,7 +10,7 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core import margins
 from pushpressslide.core.errors import InfeasibleTaskError
-from pushpressslide.core.plan import Plan
+from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import (
     Belief,
@@ -21,13 +21,32 @@ from pushpressslide.core.task import (
     Robot,
     Task,
 )
+from pushpressslide.jobs.sampling import random_task
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints import joint_path
+from pushpressslide.sim.joints.approach import FEELING_CONDITION, LEAST_GAP
 from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
 from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
 from pushpressslide.sim.joints.outline import Outline, least_distance
+
+
+def check_way_back(plan: Plan, arm: int, path: JointPath) -> None:
+    """Hold the way back from a contact to what is asked of it: as long as it says,
+    inside the joint limits, clear of the object and the rest.
+    """
+    if path.back is None:
+        return
+    np.testing.assert_allclose(path.back[0], path.move[-1], atol=1e-5)
+    kin = arm_kinematics(plan.task.robots[arm])
+    ends = kin.tip_pose(path.back[[0, -1]])[1]
+    assert math.dist(*ends) == pytest.approx(path.room, abs=1e-5)
+    assert path.room <= margins.ARM.retreat + 1e-9
+    assert (kin.joint_margin(path.back[1:]) >= margins.ARM.joint_buffer).all()
+    end = [plan.segments[-1].goal] * len(path.back)
+    clear, pair = ClearanceModel(plan, arm).least(path.back, end, touching=True)
+    assert clear >= CLEARANCE, pair
 
 
 def check(
@@ -49,6 +68,7 @@ def check(
         assert clear >= CLEARANCE, pair
         assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
         assert (np.diff(path.approach_time) > 0.0).all()
+        check_way_back(plan, arm, path)
 
 
 def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
@@ -63,6 +83,8 @@ def keep_apart(plan: Plan, paths: tuple[ArmPath, ...]) -> None:
     one, other = (Outline(robot, i) for i, robot in enumerate(plan.task.robots))
     assert least_distance(one, other, *ways, LOOK) > APART - 2e-3
     assert least_distance(one, other, left.move, right.move, LOOK) >= APART
+    if left.back is not None and right.back is not None:
+        assert least_distance(one, other, left.back, right.back, LOOK) >= APART
 
 
 def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
@@ -76,7 +98,7 @@ def turned(start: Pose2, point: Point, degrees: float) -> Pose2:
 def test_an_arm_goes_from_the_top_to_the_rear_face() -> None:
     press = pps.plan(pps.load_task("press-slide"))
     first = joint_paths(press)
-    postures = drawn_back(press, first)
+    postures = drawn_back(first)
     kin = arm_kinematics(press.task.robots[0])
     above, contact = (
         np.asarray(kin.tip_pose(q)[1]) for q in (postures[0], first[0][0].move[-1])
@@ -116,7 +138,7 @@ def test_an_arm_that_holds_keeps_its_posture_and_the_other_goes_round_it() -> No
         replace(there, name="on", start=there.goal, goal=turned(start, point, 50.0))
     )
     first = joint_paths(turn)
-    postures = drawn_back(turn, first, frozenset({0}))
+    postures = drawn_back(first, frozenset({0}))
     np.testing.assert_array_equal(postures[0], first[0][0].move[-1])
     paths = joint_paths(on, postures=postures, holding=frozenset({0}))
     held, _ = paths[0]
@@ -174,7 +196,31 @@ def test_two_arms_turn_a_large_box_and_push_it_into_a_slot(
             joint_paths(turn)
     first = joint_paths(turn)
     keep_apart(turn, first)
-    postures = drawn_back(turn, first)
+    postures = drawn_back(first)
     second = joint_paths(push, postures=postures)
     keep_apart(push, second)
     check(push, second, postures)
+
+
+def drawn(name: str, index: int, seed: int) -> Plan:
+    """Return the plan of a random task of one motion."""
+    task = random_task(pps.load_task(name, ["limits.legs=1"]), index, seed, "any")
+    return pps.plan(task)
+
+
+def test_tips_are_drawn_back_no_farther_than_the_arms_keep_apart() -> None:
+    plan = drawn("orthogonal-push", 60, 1203)
+    paths = joint_paths(plan)
+    assert all(path.room < margins.ARM.retreat for path, _ in paths)
+    check(plan, paths, tuple(path.approach[0] for path, _ in paths))
+    keep_apart(plan, paths)
+
+
+def test_an_arm_feels_for_its_contact_from_where_it_is_not_stretched() -> None:
+    plan = drawn("parallel-push", 170, 1202)
+    for arm, (path, _) in enumerate(joint_paths(plan)):
+        kin = arm_kinematics(plan.task.robots[arm])
+        assert path.touch is not None
+        conditions = np.linalg.cond(kin.jacobian(path.touch))
+        assert conditions.max() <= max(FEELING_CONDITION, conditions[-1])
+        assert LEAST_GAP <= path.gap <= plan.task.motion.approach_distance

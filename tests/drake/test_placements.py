@@ -34,7 +34,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Plan]:
         plans.append(plan)
         return ((PATH, UPRIGHT),)
 
-    def drawn_back(plan, paths, holding):
+    def drawn_back(paths, holding):
         return (STILL[0],)
 
     monkeypatch.setattr(placements, "joint_paths", joint_paths)

@@ -9,6 +9,9 @@ import pytest
 import pushpressslide as pps
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Belief, Robot, Task
+from pushpressslide.core.twist_path import moved
+from pushpressslide.identification.online import AxleState
+from pushpressslide.modes import MODES
 from pushpressslide.planar.plant import PlanarPlant
 from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.report.metrics import result
@@ -134,6 +137,45 @@ def test_a_wrong_rho_of_a_press_is_found_out_on_the_way(rho: float) -> None:
     found = run(task)
     assert found["final_position_error"] < 0.005
     assert found["final_yaw_error"] < math.radians(1.0)
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+def test_a_wrong_rho_of_a_push_is_found_out_on_the_way(share: float) -> None:
+    known = handled("rear-push-rear")
+    car = pps.plan(known).segments[0].drive.car
+    friction = (1.9 - share) * known.support.friction
+    task = replace(known, belief=Belief(rho=share * car.rho, support_friction=friction))
+    first = pps.plan(task).segments[0]
+    assert first.drive.car.rho == share * car.rho
+    record = pps.run(task, engine="planar")
+    assert record.reason == "goal_reached"
+    assert len(record.meta["events"]) <= 2
+
+
+def test_what_identifies_a_push_finds_the_rho_that_turns_it() -> None:
+    """Twists and forces of a push on an ellipsoid, with a rho that is twice the told."""
+    rho = 0.06
+    task = replace(handled("rear-push-rear"), belief=Belief(rho=0.5 * rho))
+    (segment,) = pps.plan(task).segments
+    identifier = MODES["rear_push"].identifier(task, segment)
+    assert identifier is not None
+    known = replace(task, belief=Belief())
+    assert MODES["rear_push"].identifier(known, segment) is None
+    car = replace(segment.drive.car, rho=rho)
+    X = Pose2()
+    state = AxleState()
+    dt = 0.004
+    for i in range(800):
+        steering = 0.3 * math.sin(2.0 * i * dt)
+        force = car.force(steering, 3.0)
+        state = identifier.step(state, i * dt, X, force)
+        lever = -car.lever * (car.axis[0] * force[1] - car.axis[1] * force[0])
+        twist = (0.03 * force[0], 0.03 * force[1], 0.03 * lever / rho**2)
+        X = moved(X, twist, dt)
+    found = identifier.identified(state)
+    assert found is not None
+    assert found.rho == pytest.approx(rho, rel=0.05)
+    assert found.axle == pytest.approx(rho**2 / car.lever, rel=0.1)
 
 
 @pytest.mark.parametrize("name", ["press-slide", "rear-push-rear"])

@@ -88,12 +88,20 @@ Step = tuple[Commands, ControlLog, ControllerState]
 class Controller:
     """Closed-form control of one placement of a plan; hold one per run of it."""
 
-    def __init__(self, plan: Plan, number: int = 0, gap: float | None = None) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        number: int = 0,
+        gap: float | None = None,
+        back: float = math.inf,
+    ) -> None:
         """Prepare everything that does not change from tick to tick.
 
         ``number`` is the placement's index in the plan; ``gap`` [m] is the free path
-        that the approach leaves before the touch (default: as the task asks for).
+        that the approach leaves before the touch (default: as the task asks for);
+        ``back`` [m] is how far the tips can be drawn back from the end.
         """
+        self.back = min(margins.ARM.retreat, back)
         placements = plan.placements
         self.segments = placements[number]
         self.planned = Timeline(self.segments)
@@ -181,9 +189,17 @@ class Controller:
         failure: tuple[ReasonCode, str],
     ) -> ControllerState:
         """Return the state that ends the run safely because of ``failure``: the tips
-        slow down, then draw back or hold.
+        slow down, then draw back or hold; tips that were drawing back stay.
         """
-        return begin(replace(state, failure=failure), "release", measurement)
+        drawn = 0.0 if state.phase == "release" else 1.0
+        failed = replace(state, failure=failure, drawn=drawn)
+        return begin(failed, "release", measurement)
+
+    def halted(
+        self, state: ControllerState, measurement: Measurement
+    ) -> ControllerState:
+        """Return the state in which tips that draw back stay where they are led now."""
+        return replace(state, drawn=min(state.drawn, _share_back(state, measurement)))
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was decided, and
@@ -748,10 +764,10 @@ class Controller:
         """
         failed = state.failure is not None
         holds = failed and not self.scene.carried(measurement.object_pose)
-        rest = margins.ARM.rest_time if failed else 0.0
+        rest = _rest(state)
         duration = ramp_time(margins.ARM.retreat)
         elapsed = measurement.time - state.since
-        share = smooth((elapsed - rest) / duration)
+        share = min(_share_back(state, measurement), state.drawn)
         contacts = state.binding.segment.contacts
         part = self.parts[state.binding.segment.leg]
         yaw = measurement.object_pose.yaw
@@ -764,7 +780,10 @@ class Controller:
             if holds or (contact.arm in self.lasting and not failed):
                 command = held_at(context, memory.start, push=touch.force)
             else:
-                off = share * room_before(part, contact, margins.ARM.retreat)
+                wanted = margins.ARM.retreat if failed else self.back
+                off = share * room_before(part, contact, wanted)
+                if not failed:
+                    context = replace(context, joint_progress=progress + off)
                 command = drawn_back(context, memory.start, off)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
@@ -774,6 +793,17 @@ class Controller:
         next_state = replace(state, phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
+
+
+def _rest(state: ControllerState) -> float:
+    """Return how long [s] the tips stand still before they draw back."""
+    return 0.0 if state.failure is None else margins.ARM.rest_time
+
+
+def _share_back(state: ControllerState, measurement: Measurement) -> float:
+    """Return the share of the way back that tips are led, if nothing halts them."""
+    elapsed = measurement.time - state.since - _rest(state)
+    return smooth(elapsed / ramp_time(margins.ARM.retreat))
 
 
 def _share_of_tolerance(task: Task, pose: Pose2) -> float:

@@ -28,8 +28,9 @@ def approach_reference(path: JointPath, elapsed: float) -> tuple[Array, Array]:
 
 def path_reference(path: JointPath, progress: float) -> Array:
     """Return joint positions (n,) [rad] at arc length ``progress`` [m] of the contact's
-    path, those of its nearer end beyond it; below zero those of a tip that has so much
-    left to its touch.
+    path; below zero those of a tip that has so much left to its touch, beyond the end
+    those of one that is drawn back so far; those of the nearer end where they are not
+    known.
     """
     touch = path.touch
     if progress < 0.0 and touch is not None and len(touch) > 1:
@@ -37,6 +38,12 @@ def path_reference(path: JointPath, progress: float) -> Array:
         i, share = _interval(way, progress)
         before: Array = touch[i] + share * (touch[i + 1] - touch[i])
         return before
+    beyond = progress - float(path.arc_length[-1])
+    if beyond > 0.0 and path.back is not None and len(path.back) > 1:
+        way = np.linspace(0.0, path.room, len(path.back))
+        i, share = _interval(way, beyond)
+        after: Array = path.back[i] + share * (path.back[i + 1] - path.back[i])
+        return after
     q = path.move
     if path.arc_length[-1] <= 0.0:  # the goal is the start
         start: Array = q[0]

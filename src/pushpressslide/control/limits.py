@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pushpressslide.core import margins
 from pushpressslide.core.control import Commands, JointCommand, TipCommand
 from pushpressslide.core.record import Ending
 
@@ -72,9 +73,12 @@ class Guard:
     # after a recovery: an arm that begins near a limit may move away from it
     anew: bool = False
     _memories: dict[int, _Memory] = field(default_factory=dict)
+    # [rad] or [m] that each arm's joints had when it was asked first whether it is cramped
+    _rooms: list[float] | None = None
 
     def begin(self) -> None:
         """Forget the references: a new placement begins, with references of its own."""
+        self._rooms = None
         for memory in self._memories.values():
             memory.reference = None
 
@@ -96,6 +100,21 @@ class Guard:
             found.append(self._torque(i, reading))
         found += [self._jump(i, command) for i, command in enumerate(commands)]
         return next((ending for ending in found if ending is not None), None)
+
+    def cramped(self, readings: Sequence[ArmReading]) -> bool:
+        """Return whether a joint has come as near to its limit as an arm that draws back
+        may bring it: to where it is held off, or nearer than it was at first.
+        """
+        rooms = [
+            float(np.minimum(reading.q - limits.lower, limits.upper - reading.q).min())
+            for limits, reading in zip(self.arms, readings, strict=True)
+        ]
+        if self._rooms is None:
+            self._rooms = rooms
+        return any(
+            room < min(margins.ARM.joint_buffer, first - POSITION_PLAY)
+            for room, first in zip(rooms, self._rooms, strict=True)
+        )
 
     def _memory(self, arm: int) -> _Memory:
         if arm not in self._memories:

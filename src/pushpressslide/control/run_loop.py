@@ -164,6 +164,8 @@ class _RunLoop:
             return self.approach.step(measurement.time)
         if self.state is None:
             self.state = self.controller.init(measurement, self.approach.held)
+        if self.state.phase == "release" and self.guard.cramped(self.plant.readings()):
+            self.state = self.controller.halted(self.state, measurement)
         commands, log, self.state = self.controller.step(self.state, measurement)
         return commands, log
 
@@ -200,13 +202,14 @@ class _RunLoop:
         task = placement.task
         paths = self.plant.joint_paths
         gap = before_contacts(task, placement.contacts)
+        back = min((path.room for path in paths), default=math.inf)
         if paths:  # what the approach really leaves
             self.approach: Approach = JointApproach(task.start, paths, held, time)
             gap = min(gap, *(path.gap for path in paths))
         else:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
-        self.controller = Controller(self.plan, self.number, gap)
+        self.controller = Controller(self.plan, self.number, gap, back)
         self.guard.begin()
         self.state = None
 

@@ -145,6 +145,7 @@ class ControllerState:
     X_WB: Pose2 | None = None
     twist: Twist = NO_TWIST  # that the object is led with, in B
     failure: tuple[ReasonCode, str] | None = None
+    drawn: float = 1.0  # share of the way back at which the tips stop, in a release
     ticks: tuple[float, float] = (0.0, 0.0)  # [s] wall time of track and allocate
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
@@ -254,3 +255,7 @@ class JointPath:
     gap: float  # [m] free way before the touch that the approach leaves
     # (g, n) [rad] along that way, evenly spaced, the last in contact; None: not known
     touch: NDArray[np.float64] | None = None
+    # (b, n) [rad] as the tip is drawn back from the end of the path, evenly spaced, the
+    # first in contact; None: not known
+    back: NDArray[np.float64] | None = None
+    room: float = math.inf  # [m] of that way

@@ -20,7 +20,12 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
-from pushpressslide.identification.online import window_of
+from pushpressslide.identification.online import (
+    OFF_RHO,
+    AxleIdentifier,
+    Identified,
+    window_of,
+)
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
@@ -145,6 +150,27 @@ class RearPush(Mode):
         law = rear_stanley(car.effective_wheelbase, bounds, task.motion.tracking_gain)
         return RearPushTracker(law, car, drive.X_BV, drive.max_friction)
 
+    def identifier(self, task: Task, segment: Segment) -> AxleIdentifier | None:
+        """Return what identifies the virtual axle on the way, where rho was told: the
+        shape's own is good enough.
+        """
+        if task.scene.rho is None:
+            return None
+        drive = segment.drive
+        assert isinstance(drive, RearSteerDrive)
+        car = drive.car
+        ex, ey = car.axis
+        cop = car.cop[0] * ex + car.cop[1] * ey
+        wheelbase = car.effective_wheelbase
+        return AxleIdentifier(
+            car.X_BV.yaw,
+            Identified(cop + wheelbase, wheelbase, drive.max_friction),
+            -car.lever,
+            cop=cop,
+            off=OFF_RHO,
+            window=window_of(task.sensing, segment.profile.speed, car.lever),
+        )
+
     def center_identifier(
         self, task: Task, segment: Segment, center: Point = (0.0, 0.0)
     ) -> CenterIdentifier:
@@ -192,8 +218,9 @@ class RearPush(Mode):
         return ()
 
     def course(self, task: Task, segment: Segment, measured: Measured) -> Course | None:
-        """Return the course by the true contact; the car keeps its own length, what
-        changes is its heading axis, from the true contact through the CoM as identified.
+        """Return the course by the true contact; the car keeps its own rho, unless one
+        was told, and its heading axis goes from the true contact through the CoM as
+        identified.
         """
         planned = segment.drive
         assert isinstance(planned, RearSteerDrive)
@@ -206,7 +233,8 @@ class RearPush(Mode):
         old = planned.car
         try:
             center = measured.findings.center
-            car = RearSteerCar(contact.point, contact.normal, center, old.rho, old.mu)
+            rho = task.scene.rho or old.rho
+            car = RearSteerCar(contact.point, contact.normal, center, rho, old.mu)
         except ValueError:
             return None
         low, high = car.curvature_limits

@@ -40,7 +40,7 @@ FLIGHT = 1.0  # [m/s]
 SPEED = 0.1  # [m/s] of the push
 STIFFNESS = 2000.0  # [N/m] of the force about where the ball is led
 DAMPING = 63.0  # [N s/m], critical
-STRONGEST = 60.0  # [N]
+STRENGTH = 3.0  # of the force at most, times the friction that holds the object
 LONGEST = 3.0  # [s] of a push
 GYRATION = 0.3  # of the squared radius: about the squared radius of gyration
 EDGE = 0.01  # [m] of a side that is left at its ends
@@ -68,6 +68,7 @@ class Knocker:
         self.plan = plan
         self.knocked: Knocked | None = None
         self._body = _add_ball(plant)
+        self._strongest = STRENGTH * _hold(plan)  # [N]
         self._phase = "waiting"
         self._since = 0.0  # [s] when the phase began
         self._spot, self._inward = self._aim()
@@ -118,7 +119,7 @@ class Knocker:
         far = float(np.linalg.norm(ahead))
         self._led = self._led + ahead * min(1.0, FLIGHT * dt / max(far, 1e-9))
         force = STIFFNESS * (self._led - place) - DAMPING * velocity
-        force *= min(1.0, STRONGEST / max(float(np.linalg.norm(force)), 1e-9))
+        force *= min(1.0, self._strongest / max(float(np.linalg.norm(force)), 1e-9))
         applied = ExternallyAppliedSpatialForce()
         applied.body_index = self._body.index()
         applied.F_Bq_W = SpatialForce(
@@ -217,6 +218,13 @@ class Knocker:
         px, py = pose.apply(self._spot)
         x, y = pose.rotate(self._inward)
         return np.array([px + (ahead - RADIUS) * x, py + (ahead - RADIUS) * y, height])
+
+
+def _hold(plan: Plan) -> float:
+    """Return the friction [N] of the support and of the tips on top, as planned."""
+    press = max(sum(c.load for c in piece.contacts) for piece in plan.segments)
+    scene = plan.task.scene
+    return scene.max_friction(press) + scene.contact_friction * press
 
 
 def _add_ball(plant: MultibodyPlant) -> RigidBody:

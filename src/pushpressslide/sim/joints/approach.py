@@ -21,7 +21,11 @@ from pushpressslide.robots.inverse import IkSearch, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.connect import Free, connect
-from pushpressslide.sim.joints.postures import Posture, TipPath, tool_attitude
+from pushpressslide.sim.joints.postures import (
+    Posture,
+    TipPath,
+    tool_attitude,
+)
 
 APPROACH_SPEED = 1.2  # [rad/s] of the fastest joint in free space
 SLIDE_SPEED = 0.4  # [m/s] of the fastest slide
@@ -37,6 +41,9 @@ DRAWN = 480  # random postures to begin with where the ready one is not free
 SPREAD = 1.2  # [rad] or [m] of these about the ready posture
 TURNS = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0)  # [rad] of a base, out of the way
 BACK = 11  # samples of the straight line from the contact to beside the object
+# condition number of the Jacobian up to which a tip follows its reference at the speed
+# of a touch: the spring of the tip moves the joints of a stretched arm by its square
+FEELING_CONDITION = 30.0
 LEAST_GAP = 0.015  # [m] of that line, where the arm cannot follow all of it
 
 
@@ -65,7 +72,7 @@ class Descent:
     @property
     def touch(self) -> Array:
         """Postures (k, n) from beside the object to the contact, evenly spaced."""
-        return self.retreat.q[: _reached(self.retreat)][::-1]
+        return self.retreat.q[: _touching(self.retreat)][::-1]
 
     def down(self, count: int) -> tuple[Array, float]:
         """Return the last ``count`` postures (count, n) down to beside the object, and
@@ -152,7 +159,7 @@ class Approach:
         wanted = self.before
         points = np.linspace(first, first - wanted * np.array(normal), BACK)
         retreat = self._follow(points, yaw, q, posture.attitude)
-        reached = _reached(retreat)
+        reached = _touching(retreat)
         gap = wanted * (reached - 1) / (BACK - 1)
         needed = 1 + math.ceil((BACK - 1) * min(1.0, least_gap / wanted))
         up = np.zeros((0, len(q)))
@@ -379,6 +386,16 @@ def _reached(path: Continuation) -> int:
     if path.failed_at is None:
         return len(path.q)
     return max(1, path.failed_at)
+
+
+def _touching(retreat: Continuation) -> int:
+    """Return the number of samples on which an arm can feel for its contact: those that
+    it can follow, and where it is not stretched more than at the contact itself.
+    """
+    count = _reached(retreat)
+    allowed = max(FEELING_CONDITION, retreat.conditions[0])
+    beyond = np.flatnonzero(retreat.conditions[:count] > allowed)
+    return count if len(beyond) == 0 else int(beyond[0])
 
 
 def _blend(count: int) -> Array:

@@ -5,7 +5,7 @@ Where only one of them has a contact, the other waits out of its way.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -17,8 +17,8 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.robots.continuation import continuation
-from pushpressslide.robots.kinematics import arm_kinematics
-from pushpressslide.sim.joints.arm_problem import ArmProblem
+from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
 from pushpressslide.sim.joints.clearance import LOOK
 from pushpressslide.sim.joints.joint_path import ArmPath, Solution, path_of_move, search
 from pushpressslide.sim.joints.outline import Outline, least_distance
@@ -75,35 +75,91 @@ def joint_paths(
         for arm, start in enumerate(starts)
     ]
     if len(problems) > 1:
-        return _TwoArms(plan, problems, force).paths()
-    solution = next(search(problems[0], force=force)).best(problems[0])
-    return ((solution.path, solution.move.posture.attitude),)
+        paths = _TwoArms(plan, problems, force).paths()
+    else:
+        solution = next(search(problems[0], force=force)).best(problems[0])
+        paths = ((solution.path, solution.move.posture.attitude),)
+    return _with_ways_back(problems, paths)
 
 
 def drawn_back(
-    plan: Plan, paths: tuple[ArmPath, ...], holding: frozenset[int] = frozenset()
+    paths: tuple[ArmPath, ...], holding: frozenset[int] = frozenset()
 ) -> tuple[Array, ...]:
-    """Return each arm's posture (n,) [rad] after a plan, its tip drawn back.
+    """Return each arm's posture (n,) [rad] after its path, its tip drawn back.
 
     The arms in ``holding`` keep their contact.
     """
-    last = plan.segments[-1]
-    X_WB = last.path.end.compose(last.X_BV.inverse())
-    contacts = {c.arm: c for c in plan.contacts if c.arm not in holding}
     out = []
-    for arm, (path, attitude) in enumerate(paths):
-        q = path.move[-1]
-        if arm in contacts:
-            kin = arm_kinematics(plan.task.robots[arm])
-            R, p = kin.tip_pose(q)
-            contact = contacts[arm]
-            room = room_before(plan.task, contact, margins.ARM.retreat)
-            away = p - room * np.array(contact.direction(X_WB))
-            back = np.linspace(p, away, RETREAT_SAMPLES)
-            yaws = np.full(len(back), attitude.yaw(R))
-            q = continuation(kin, back, yaws, q, attitude).q[-1]
-        out.append(q)
+    for arm, (path, _) in enumerate(paths):
+        drawn = path.back is not None and arm not in holding
+        out.append(path.back[-1] if drawn and path.back is not None else path.move[-1])
     return tuple(out)
+
+
+def _with_ways_back(
+    problems: Sequence[ArmProblem], paths: tuple[ArmPath, ...]
+) -> tuple[ArmPath, ...]:
+    """Return the paths with the ways back from their ends: as long as the arms can
+    follow, clear of everything.
+    """
+    ways = [
+        _way_back(problem, path, attitude)
+        for problem, (path, attitude) in zip(problems, paths, strict=True)
+    ]
+    count = min(len(way) for way, _ in ways)
+    if len(ways) > 1:
+        one, other = (Outline(problem.robot, problem.arm) for problem in problems)
+        (left, _), (right, _) = ways
+
+        def apart(i: int) -> bool:
+            near = least_distance(one, other, left[i : i + 1], right[i : i + 1], LOOK)
+            return near >= APART
+
+        count = _clear_count(apart, count)
+    out = []
+    for problem, (path, attitude), (way, step) in zip(
+        problems, paths, ways, strict=True
+    ):
+        if problem.along is not None:
+            path = replace(path, back=way[:count], room=step * (count - 1))
+        out.append((path, attitude))
+    return tuple(out)
+
+
+def _way_back(
+    problem: ArmProblem, path: JointPath, attitude: ToolAttitude
+) -> tuple[Array, float]:
+    """Return the postures (b, n) of an arm whose tip is drawn back from its contact, as
+    far as the arm can, and the way [m] from one to the next; of an arm that waits, the
+    same posture all the time.
+    """
+    q = path.move[-1]
+    along = problem.along
+    if along is None:
+        return np.repeat(q[None], RETREAT_SAMPLES, axis=0), 0.0
+    objects = problem.object_path
+    contact = along.contact
+    frame = problem.plan.task.support.frame
+    room = room_before(problem.plan.task, contact, margins.ARM.retreat)
+    R, p = problem.kin.tip_pose(q)
+    normal = np.array(frame.direction(contact.direction(objects.bodies[-1])))
+    points = np.linspace(p, p - room * normal, RETREAT_SAMPLES)
+    yaws = np.full(len(points), attitude.yaw(R))
+    way = continuation(problem.kin, points, yaws, q, attitude, margins.ARM.joint_buffer)
+    end = objects.shapes[-1:]
+
+    def clear(i: int) -> bool:
+        distance, _ = problem.clearance.least(way.q[i : i + 1], end, touching=True)
+        return distance >= CLEARANCE
+
+    reached = len(way.q) if way.failed_at is None else max(1, way.failed_at)
+    return way.q[: _clear_count(clear, reached)], room / (RETREAT_SAMPLES - 1)
+
+
+def _clear_count(clear: Callable[[int], bool], count: int) -> int:
+    """Return how many of ``count`` samples in turn are clear; the first is given."""
+    blocked = (i for i in range(1, count) if not clear(i))
+    return next(blocked, count)
 
 
 class _TwoArms:

@@ -260,7 +260,7 @@ def _approach_clearance(
 def _approach_miss(posture: Posture, descent: Descent, clear: float, pair: str) -> Miss:
     """Return why no approach is clear, or why there is none to judge."""
     if clear == -math.inf:
-        why = "no approach can be followed"
+        why = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:
             why = problem_text(descent.retreat, descent.points)
         lack = shortfall(descent.retreat, descent.needed)

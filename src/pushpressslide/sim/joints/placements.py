@@ -52,7 +52,7 @@ class PlacementPaths:
         if plans:
             last = plans[-1]
             holding = lasting_arms(last.segments, placement.segments)
-            postures = drawn_back(last, paths[-1], holding)
+            postures = drawn_back(paths[-1], holding)
         added = joint_paths(
             placement, force=self.force, postures=postures, holding=holding
         )
@@ -68,7 +68,7 @@ class PlacementPaths:
         """Return an empty preparation from where the arms are after all placements."""
         postures = self.postures
         if self.plans:
-            postures = drawn_back(self.plans[-1], self.paths[-1])
+            postures = drawn_back(self.paths[-1])
         return PlacementPaths(self.force, postures, self.within)
 
 
