@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.jobs.summary import summarise
+from pushpressslide.jobs.summary import interval, share, summarise
 from pushpressslide.studies.paper.documents import renewed
 
 DATA = Path("docs/data")
@@ -40,22 +40,28 @@ class Table:
     what: str
     task: str
     seed: int
-    attempts: int
+    attempts: int = 0
     sets: tuple[str, ...] = ()
     world: str = "known"
+    samples: int = 0  # where no attempts are asked for
+    vary: str = "tasks"
+    draw: str = "any"
 
     @property
     def refusals(self) -> int:
         """Refused samples that are checked."""
-        return REFUSALS if self.world == "known" else 0
+        return REFUSALS if self.world == "known" and self.attempts else 0
 
     @property
     def command(self) -> str:
         """The command that draws it."""
-        words = [
-            f"pps sweep {self.task} --vary tasks --draw any --attempts {self.attempts}",
-            f"--seed {self.seed} --sample-time {SAMPLE_TIME:g}",
-        ]
+        words = [f"pps sweep {self.task} --vary {self.vary}"]
+        if self.vary == "tasks":
+            words.append(f"--draw {self.draw}")
+        count = f"--attempts {self.attempts}"
+        if self.samples:
+            count = f"--samples {self.samples}"
+        words.append(f"{count} --seed {self.seed} --sample-time {SAMPLE_TIME:g}")
         if self.world != "known":
             words.append(f"--world {self.world}")
         if self.refusals:
@@ -78,17 +84,28 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1200 + i, attempts, ALONE)
+        Table(mode, f"`{mode}`", task, 1300 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1205, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1206, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1305, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1306, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1210 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1310 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
-TABLES = KNOWN + UNCERTAIN
+AMONG_OBSTACLES = (
+    Table("cluttered-one-arm", "a Panda", "post", 2000, samples=40, draw="cluttered"),
+    Table(
+        "cluttered-two-arms", "two iiwa7", "slot", 2001, samples=40, draw="cluttered"
+    ),
+    Table("push-t", "`push-t`, other starts", "push-t", 2000, samples=40, vary="start"),
+)
+KNOCKS = tuple(
+    Table(f"knocks-{task}", f"`{task}`", task, 2000, samples=10, vary="knocks")
+    for task in (*(task for _, task, _ in MODES), "pivot")
+)
+TABLES = KNOWN + UNCERTAIN + AMONG_OBSTACLES + KNOCKS
 
 
 def run(table: Table, jobs: int) -> None:
@@ -102,9 +119,10 @@ def run(table: Table, jobs: int) -> None:
     if not rows.exists() and table.rows.exists():
         rows.write_bytes(table.rows.read_bytes())
     options = SweepOptions(
+        samples=table.samples,
         attempts=table.attempts,
-        vary="tasks",
-        draw="any",
+        vary=table.vary,  # type: ignore[arg-type]
+        draw=table.draw,  # type: ignore[arg-type]
         world=table.world,  # type: ignore[arg-type]
         seed=table.seed,
         check_refusals=table.refusals,
@@ -133,7 +151,7 @@ def read(table: Table) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     counted = []
     attempted = 0
     for i in range(len(samples)):
-        if i not in samples or attempted == table.attempts:
+        if i not in samples or (table.attempts and attempted == table.attempts):
             break
         counted.append(samples[i])
         attempted += samples[i]["status"] != "refused"
@@ -201,6 +219,58 @@ def lines_of(tables: Iterable[Table]) -> list[str]:
     return out
 
 
+def lines_of_all(tables: Iterable[Table]) -> list[str]:
+    """Return the lines of a table of tables that count all tasks drawn; those that were
+    not begun are left out.
+    """
+    out = [
+        "| tasks for | seed | drawn | reached | of all drawn | refused | missed | failed "
+        "| with 1, 2, 3 and more motions | recoveries | planning time, median and 95th "
+        "percentile | median error | overlap of 0.95 |",
+        "|" + 13 * "---|",
+    ]
+    for table in tables:
+        counted, _ = read(table)
+        if not counted:
+            continue
+        summary = summarise(counted, ())
+        ran = [row for row in counted if row["status"] in ("reached", "missed")]
+        motions = Counter(min(3, row["legs"]) for row in ran)
+        number = f"{len(counted)}"
+        if len(counted) < table.samples:
+            number += f" of {table.samples} so far"
+        overlap = sum((row["overlap"] or 0.0) >= 0.95 for row in ran)
+        cells = (
+            table.what,
+            table.seed,
+            number,
+            summary["reached"],
+            percent(
+                share(summary["reached"], len(counted)),
+                interval(summary["reached"], len(counted)),
+            ),
+            summary["refused"],
+            summary["missed"],
+            summary["failed"],
+            ", ".join(str(motions[n]) for n in (1, 2, 3)),
+            sum(row["recoveries"] for row in ran),
+            spread_of([row["planning_time"] for row in ran]),
+            errors(summary, "median"),
+            percent(share(overlap, len(counted)), interval(overlap, len(counted))),
+        )
+        out.append("| " + " | ".join(map(str, cells)) + " |")
+    return out
+
+
+def spread_of(times: Sequence[float]) -> str:
+    """Return median and 95th percentile of times [s]."""
+    if not times:
+        return "-"
+    ordered = sorted(times)
+    last = ordered[int(0.95 * (len(ordered) - 1))]
+    return f"{ordered[len(ordered) // 2]:.1f} s, {last:.1f} s"
+
+
 def missed(tables: Iterable[Table]) -> list[str]:
     """Return a line for each attempted task that did not reach, and why."""
     out = []
@@ -241,6 +311,14 @@ def write() -> None:
         "### An uncertain world",
         "",
         *lines_of(UNCERTAIN),
+        "",
+        "### Among obstacles, from anywhere to anywhere",
+        "",
+        *lines_of_all(AMONG_OBSTACLES),
+        "",
+        "### With knocks",
+        "",
+        *lines_of_all(KNOCKS),
         "",
         "### What missed",
         "",

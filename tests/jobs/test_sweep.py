@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
+from pushpressslide.core.pose import Pose2
 from pushpressslide.jobs import sample as sample_module
 from pushpressslide.jobs import sweep as module
 from pushpressslide.jobs.rows import Row, Rows, key_of
@@ -258,3 +259,20 @@ def test_each_of_the_best_choices_can_be_forced() -> None:
     rows = [run_forced(TASK, options, 0, rank) for rank in range(2)]
     assert all(row["status"] in ("reached", "missed") for row in rows)
     assert rows[0]["choice"] != rows[1]["choice"]
+
+
+def test_a_row_holds_how_much_of_its_goal_the_object_covers() -> None:
+    row = run_forced(TASK, replace(OPTIONS, vary="tasks"), 0, 0)
+    width = math.sqrt(TASK.object.shape.placed(Pose2()).area)
+    assert row["overlap"] == pytest.approx(
+        1.0, abs=4.0 * (row["final_position_error"] / width + row["final_yaw_error"])
+    )
+
+
+def test_a_cube_that_is_a_tenth_of_its_side_aside_covers_nine_tenths() -> None:
+    goal = TASK.goal
+    side = math.sqrt(TASK.object.shape.placed(Pose2()).area)
+    aside = goal.compose(Pose2(0.1 * side, 0.0, 0.0))
+    ended = {"bodies": {"object": {"final_pose": [*aside.position, aside.yaw]}}}
+    assert sample_module._overlap(TASK, ended) == pytest.approx(0.9)
+    assert sample_module._overlap(TASK, {"bodies": {}}) is None

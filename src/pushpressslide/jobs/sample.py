@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from types import FrameType
@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
+from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.knock import Knock
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
@@ -154,9 +156,23 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
         "legs": max(1, len(plan.task.legs)),
         "planning_time": sum((measured["planning_time"] or {}).values()),
         "knocked": record.meta.get("knocked"),
+        "overlap": _overlap(sample, measured),
         "recoveries": sum(event["recovered"] for event in measured["events"]),
         **{name: measured[name] for name in FIGURES},
     }
+
+
+def _overlap(sample: Task, measured: Mapping[str, Any]) -> float | None:
+    """Return the share of the object's footprint at its goal that it covers in the end;
+    None where it was not recorded.
+    """
+    body = measured["bodies"].get("object")
+    if body is None or body["final_pose"] is None:
+        return None
+    shape = sample.object.shape
+    goal = sample.goal
+    covered = overlap_area(shape, Pose2(*body["final_pose"]), shape, goal)
+    return covered / overlap_area(shape, goal, shape, goal)
 
 
 @contextmanager
