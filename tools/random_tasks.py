@@ -84,14 +84,14 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1300 + i, attempts, ALONE)
+        Table(mode, f"`{mode}`", task, 1200 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1305, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1306, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1205, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1206, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1310 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1210 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 AMONG_OBSTACLES = (
@@ -298,28 +298,24 @@ def modes_chosen() -> list[str]:
     return [f"Where any mode was allowed, chosen were: {chosen}."]
 
 
+def section(title: str, lines: Sequence[str]) -> list[str]:
+    """Return a section with a table; where no table was begun, that none was."""
+    begun = len(lines) > 2  # the head and the rule below it
+    return [f"### {title}", "", *(lines if begun else ["Not drawn yet."]), ""]
+
+
 def write() -> None:
     """Renew the page."""
     sources = sorted({str(row["key"]) for t in TABLES for row in read(t)[0][-1:]})
     text = [
-        "### What is believed is true",
-        "",
-        *lines_of(KNOWN),
-        "",
+        *section("What is believed is true", lines_of(KNOWN)),
         *modes_chosen(),
         "",
-        "### An uncertain world",
-        "",
-        *lines_of(UNCERTAIN),
-        "",
-        "### Among obstacles, from anywhere to anywhere",
-        "",
-        *lines_of_all(AMONG_OBSTACLES),
-        "",
-        "### With knocks",
-        "",
-        *lines_of_all(KNOCKS),
-        "",
+        *section("An uncertain world", lines_of(UNCERTAIN)),
+        *section(
+            "Among obstacles, from anywhere to anywhere", lines_of_all(AMONG_OBSTACLES)
+        ),
+        *section("With knocks", lines_of_all(KNOCKS)),
         "### What missed",
         "",
         *missed(TABLES),
