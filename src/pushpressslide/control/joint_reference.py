@@ -34,23 +34,22 @@ def path_reference(path: JointPath, progress: float) -> Array:
     """
     touch = path.touch
     if progress < 0.0 and touch is not None and len(touch) > 1:
-        way = np.linspace(-path.gap, 0.0, len(touch))
-        i, share = _interval(way, progress)
-        before: Array = touch[i] + share * (touch[i + 1] - touch[i])
-        return before
+        return _between(np.linspace(-path.gap, 0.0, len(touch)), touch, progress)
     beyond = progress - float(path.arc_length[-1])
-    if beyond > 0.0 and path.back is not None and len(path.back) > 1:
-        way = np.linspace(0.0, path.room, len(path.back))
-        i, share = _interval(way, beyond)
-        after: Array = path.back[i] + share * (path.back[i + 1] - path.back[i])
-        return after
-    q = path.move
+    back = path.back
+    if beyond > 0.0 and back is not None and len(back) > 1:
+        return _between(np.linspace(0.0, path.room, len(back)), back, beyond)
     if path.arc_length[-1] <= 0.0:  # the goal is the start
-        start: Array = q[0]
+        start: Array = path.move[0]
         return start
-    i, share = _interval(path.arc_length, progress)
-    reference: Array = q[i] + share * (q[i + 1] - q[i])
-    return reference
+    return _between(path.arc_length, path.move, progress)
+
+
+def _between(grid: Array, rows: Array, value: float) -> Array:
+    """Return ``rows`` (k, n) at a rising ``grid`` (k,), interpolated at a value (n,)."""
+    i, share = _interval(grid, value)
+    out: Array = rows[i] + share * (rows[i + 1] - rows[i])
+    return out
 
 
 def _interval(grid: Array, value: float) -> tuple[int, float]:

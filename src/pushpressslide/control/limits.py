@@ -106,7 +106,7 @@ class Guard:
         may bring it: to where it is held off, or nearer than it was at first.
         """
         rooms = [
-            float(np.minimum(reading.q - limits.lower, limits.upper - reading.q).min())
+            float(_rooms(limits, reading).min())
             for limits, reading in zip(self.arms, readings, strict=True)
         ]
         if self._rooms is None:
@@ -141,7 +141,7 @@ class Guard:
         self, arm: int, limits: ArmLimits, reading: ArmReading
     ) -> Ending | None:
         memory = self._memory(arm)
-        left = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
+        left = _rooms(limits, reading)
         worst = int(np.argmin(left))
         room = float(left[worst])
         if memory.room is None:
@@ -202,6 +202,12 @@ class Guard:
             f"arm {arm}: the reference of joint {worst + 1} jumps by "
             f"{jumps[worst]:.3f} rad, allowed {allowed[worst]:.3f} rad",
         )
+
+
+def _rooms(limits: ArmLimits, reading: ArmReading) -> Array:
+    """Return how far each joint is from the nearer end of its range (n,)."""
+    out: Array = np.minimum(reading.q - limits.lower, limits.upper - reading.q)
+    return out
 
 
 def _speed(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:

@@ -91,8 +91,10 @@ def drawn_back(
     """
     out = []
     for arm, (path, _) in enumerate(paths):
-        drawn = path.back is not None and arm not in holding
-        out.append(path.back[-1] if drawn and path.back is not None else path.move[-1])
+        way = path.back
+        if way is None or arm in holding:
+            way = path.move
+        out.append(way[-1])
     return tuple(out)
 
 
