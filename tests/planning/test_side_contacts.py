@@ -91,12 +91,12 @@ def test_what_stands_against_a_push_is_told_with_the_number() -> None:
     assert "needs 58.9 N" in str(drag_refusal(heavy, (REAR,), 1, 0.09))
     tall = replace(TASK, object=replace(TASK.object, shape=Box((0.1, 0.4, 0.9))))
     rear = next(face for face in faces(tall.object, 0.01) if face.index == 3)
-    assert "allowed up to 141.7 mm" in str(drag_refusal(tall, (rear,), 1, 0.4))
+    assert "allowed up to 158.3 mm" in str(drag_refusal(tall, (rear,), 1, 0.4))
 
 
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
-    """A box of 50 g slides at 0.15 N; a contact is felt from 0.25 N on."""
-    light = replace(TASK, belief=replace(TASK.believed, mass=0.05))
+    """A box of 30 g slides at 0.09 N; a contact is felt from 0.15 N on."""
+    light = replace(TASK, belief=replace(TASK.believed, mass=0.03))
     refusal = drag_refusal(light, (REAR,), 1, 0.09)
     assert refusal is not None
     assert refusal.code == "light"

@@ -42,6 +42,11 @@ TIPPING_MARGIN = 0.15
 """That the centre of pressure stays inside the base's edge: the pressure's own
 uncertainty, and what a drag that is a tenth higher moves it by.
 """
+PUSH_TIPPING_MARGIN = 0.05
+"""Of the height at which a pushed object tips, that its contact stays below. What a push
+tips an object by is the friction times that height, and the pressure that it leaves
+still carries the object: the axle is read from the pressure as it is.
+"""
 SAFE_MARGIN = 0.5
 """Inside the base's edge from which on an object is driven at full speed: nearer to it
 the pressure, and with it the virtual axle, changes quickly.
@@ -246,7 +251,7 @@ class ArmMargins:
     """Of a pushed object: beyond it the tip slips where the steering jumps."""
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
     """Of a placement beside its motion: the way there, the touch, the release."""
-    felt_force: float = field(default=0.25, metadata={"unit": "N"})
+    felt_force: float = field(default=0.15, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Below it a contact is not felt for sure, and bounces."""

@@ -88,7 +88,7 @@ def drag_refusal(
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
     ahead = min(room_ahead(scene.body, face) for face in pushed)
-    share = 1.0 - margins.TIPPING_MARGIN
+    share = 1.0 - margins.PUSH_TIPPING_MARGIN
     highest = share * ahead / scene.support.friction
     if height > highest:
         text = (
