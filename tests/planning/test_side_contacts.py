@@ -95,12 +95,15 @@ def test_what_stands_against_a_push_is_told_with_the_number() -> None:
 
 
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
-    """A box of 30 g slides at 0.09 N; a contact is felt from 0.15 N on."""
+    """A box of 30 g slides at 0.09 N; a contact is felt from 0.2 N on."""
     light = replace(TASK, belief=replace(TASK.believed, mass=0.03))
     refusal = drag_refusal(light, (REAR,), 1, 0.09)
     assert refusal is not None
     assert refusal.code == "light"
     assert refusal.allowed == margins.ARM.felt_force
+    refusal = drag_refusal(light, (REAR,), 2, 0.09)
+    assert refusal is not None
+    assert refusal.allowed == margins.ARM.felt_friction
     noisy = replace(TASK, sensing=Sensing(force_noise=1.0))
     assert noisy.sensing.felt_force == pytest.approx(4.0)
     refusal = drag_refusal(noisy, (REAR,), 2, 0.09)

@@ -251,8 +251,10 @@ class ArmMargins:
     """Of a pushed object: beyond it the tip slips where the steering jumps."""
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
     """Of a placement beside its motion: the way there, the touch, the release."""
-    felt_force: float = field(default=0.15, metadata={"unit": "N"})
+    felt_force: float = field(default=0.2, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
+    felt_friction: float = field(default=0.5, metadata={"unit": "N"})
+    """Of an object that two tips push: below it one tip alone moves it off the other."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Below it a contact is not felt for sure, and bounces."""
     firm_lever: float = field(default=0.004, metadata={"unit": "m"})
