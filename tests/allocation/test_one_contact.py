@@ -98,6 +98,14 @@ def test_a_pull_is_infeasible_and_says_so():
     assert out.forces == ((0.0, 0.0),)
 
 
+@pytest.mark.parametrize("normal", [(0.0, 1.0), (0.0, -1.0), (-1.0, 0.0), (0.6, 0.8)])
+def test_a_pull_along_any_normal_is_infeasible(normal):
+    x, y = normal
+    allocate = one_contact_allocator((-0.07 * x, -0.07 * y), normal, 0.5, 0.05)
+    assert allocate(-x, -y, 0.0).status == "infeasible"
+    assert allocate(x, y, 0.0).normals == pytest.approx((1.0,))
+
+
 @pytest.mark.parametrize("rho", [0.02, 0.1, 0.5])
 def test_a_billionth_of_the_wrench_in_the_norm_of_the_surface_decides_what_is_ok(rho):
     point = (-0.2, 0.03)

@@ -1,5 +1,8 @@
 """Allocation to one top contact."""
 
+import math
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -54,3 +57,24 @@ def test_only_a_moment_that_the_force_has_about_the_centre_of_pressure_is_ok(
     assert allocate(fx, fy, tau).status == "ok"
     assert allocate(fx, fy, tau + off).status == "projected"
     assert allocate(fx, fy, tau - off).status == "projected"
+
+
+@given(
+    st.floats(-3.0, 3.0),
+    st.floats(-3.0, 3.0),
+    st.floats(-0.2, 0.2),
+    st.floats(0.1, 1.0),
+)
+def test_what_is_projected_is_the_nearest_in_the_norm_of_the_surface(
+    fx, fy, off, rho
+) -> None:
+    """Of a load so large that the disc does not matter: the least squares of
+    (f - F, (r x f - tau) / rho).
+    """
+    rx, ry = (0.12, -0.05)
+    tau = cross((rx, ry), (fx, fy)) + off
+    found = one_press_allocator((rx, ry), 50.0, 0.9, rho)(fx, fy, tau)
+    rows = np.array([[1.0, 0.0], [0.0, 1.0], [-ry / rho, rx / rho]])
+    nearest = np.linalg.lstsq(rows, np.array([fx, fy, tau / rho]), rcond=None)[0]
+    assert found.forces[0] == pytest.approx(tuple(nearest), abs=1e-9)
+    assert found.margin == pytest.approx(45.0 - math.hypot(*nearest))

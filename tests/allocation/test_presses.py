@@ -138,3 +138,9 @@ def test_a_contact_that_does_not_press_gives_nothing():
 def test_contacts_in_one_place_are_refused():
     with pytest.raises(ValueError, match="distinct"):
         two_press_allocator(((0.1, 0.0), (0.1, 0.0)), 0.6)
+
+
+def test_a_wrench_of_nothing_can_be_scaled_without_end():
+    assert largest_scale((0.0, 0.0, 0.0), (1.0, 2.0)) == math.inf
+    assert largest_scale((3.0, 0.0, 0.0), (1.0, 2.0)) == pytest.approx(1.0)
+    assert largest_scale((0.0, 1.0, 0.0), (1.0, 2.0)) == pytest.approx(1.0)

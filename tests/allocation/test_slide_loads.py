@@ -97,3 +97,24 @@ def test_on_a_wall_both_loads_are_the_same_and_hold_the_weight_whatever_the_moti
         assert left == right
         mu = margins.FRICTION_USES[-1] * wall.contact_friction + wall.support.friction
         assert mu * (left + right) > math.hypot(*wall.scene.weight_along)
+
+
+def test_the_centre_of_pressure_is_a_part_of_the_way_wherever_the_contacts_are() -> (
+    None
+):
+    """With loads that outweigh the object: nearly their own."""
+    points = ((0.12, 0.10), (0.02, -0.10))
+    contacts = [
+        Contact(i, "top", point, (0.0, 0.0), 0.1, load)
+        for i, (point, load) in enumerate(zip(points, (3000.0, 1000.0), strict=True))
+    ]
+    assert cop_fraction(SCENE, contacts) == pytest.approx(0.25, abs=0.01)
+
+
+def test_a_centre_of_pressure_that_cannot_be_is_told_what_can() -> None:
+    motion = replace(TASK.motion, cop=0.02)
+    with pytest.raises(RefusedError, match="allowed from 0") as caught:
+        slide_loads(SCENE, motion, 10.0, POINTS, path(0.2, 0.0, 0.0))
+    assert caught.value.refusal.code == "cop"
+    with pytest.raises(RefusedError, match="and so does any other"):
+        slide_loads(SCENE, motion, 0.5, POINTS, path(0.2, 0.0, 0.0))

@@ -4,10 +4,14 @@ import math
 
 import pytest
 
+from pushpressslide.core.pose import cross
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Shape
 from pushpressslide.mechanics.faces import faces, room_ahead
 
 TRIANGLE = Prism(((0.1, 0.0), (-0.05, 0.0866), (-0.05, -0.0866)), 0.12)
+ANGLE = Prism(
+    ((0.0, 0.0), (0.3, 0.0), (0.3, 0.08), (0.08, 0.08), (0.08, 0.3), (0.0, 0.3)), 0.1
+)
 SHAPES = [Box((0.4, 0.3, 0.2)), Cylinder(0.1, 0.12), TRIANGLE]
 
 
@@ -38,3 +42,21 @@ def test_behind_and_ahead_of_the_com_of_a_cylinder_together_are_its_diameter() -
     for face in round_it:
         assert face.depth + room_ahead(off_centre, face) == pytest.approx(0.2)
         assert math.hypot(*face.normal) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, ANGLE])
+def test_the_offset_of_a_face_is_how_far_its_point_is_to_the_left_of_the_com(
+    shape: Shape,
+) -> None:
+    found = faces(body(shape, (0.02, -0.02)), 0.01)
+    for face in found:
+        assert face.offset == pytest.approx(cross(face.normal, face.foot), abs=1e-12)
+
+
+def test_a_face_that_does_not_reach_beside_the_com_is_off_to_a_side() -> None:
+    """The inner side of the upright leg of an L: its nearest place to the CoM is its
+    end, 70 mm in front, which is to the right of who pushes back.
+    """
+    inner = faces(body(ANGLE, (0.2, 0.04)), 0.01, 0.02)[3]
+    assert inner.normal == pytest.approx((-1.0, 0.0))
+    assert inner.offset == pytest.approx(-0.07, abs=1e-4)

@@ -96,3 +96,10 @@ def test_many_twists_have_the_wrenches_of_each(lift: float) -> None:
 def test_a_surface_needs_a_force_and_a_length(force: float, rho: float) -> None:
     with pytest.raises(ValueError, match="must be finite and > 0"):
         DraggedSurface(force, rho)
+
+
+def test_a_push_whose_height_is_not_told_is_along_the_support() -> None:
+    told = DraggedSurface(6.0, 0.1)
+    assert told == DraggedSurface(6.0, 0.1, 0.0, (0.0, 0.0))
+    twist = told.twist_direction(Wrench(1.0, 0.0, 0.2))
+    assert twist.vy == 0.0

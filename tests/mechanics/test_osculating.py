@@ -15,7 +15,7 @@ from pushpressslide.mechanics.osculating import (
     pressures,
     touching_ellipsoid,
 )
-from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.mechanics.pressure import polygon_pressure, rectangle_pressure
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
 
 MU = 0.3
@@ -84,6 +84,16 @@ def test_its_rho_is_the_pressures_deviation_for_straight_sliding_and_the_mean_di
     assert touching_ellipsoid(samples, MU, Twist(0.0, 0.0, -2.0)).rho == pytest.approx(
         rho_pole(samples)
     )
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_straight_sliding_is_the_same_whichever_way_the_base_is_pointed(
+    side: float,
+) -> None:
+    corners = ((0.2, 0.0), (-0.1, 0.15), (-0.1, -0.15))
+    samples = polygon_pressure(tuple((side * x, side * y) for x, y in corners))
+    rho = touching_ellipsoid(samples, MU, Twist(1.0, 0.0, 0.0, samples.cop)).rho
+    assert rho == pytest.approx(rho_straight(samples, (1.0, 0.0)), rel=2e-3)
 
 
 def test_a_zero_twist_has_no_ellipsoid() -> None:

@@ -169,6 +169,12 @@ def test_a_shape_gives_its_pressure_about_the_centre_of_mass():
     )
 
 
+def test_the_centre_of_pressure_is_the_mean_of_where_the_loads_act():
+    assert center_of_pressure(2.0, (0.3, -0.1)) == pytest.approx((0.3, -0.1))
+    between = center_of_pressure(2.0, (0.3, -0.1), (6.0,), ((-0.1, 0.5),))
+    assert between == pytest.approx((0.0, 0.35))
+
+
 def test_presses_and_forces_at_a_height_move_the_centre_of_pressure():
     assert total_load(3.0, (8.0,)) == 11.0
     n_o = 2.943

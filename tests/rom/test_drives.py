@@ -14,6 +14,7 @@ from pushpressslide.rom.drives import (
     CarDrive,
     HeldDrive,
     PinnedDrive,
+    PressedDrive,
     RearSteerDrive,
     SpinDrive,
     TurnDrive,
@@ -121,3 +122,12 @@ def test_the_axle_of_a_pinned_object_stays_where_the_push_alone_would_turn_it() 
     assert moved == pytest.approx((0.0, 0.0), abs=1e-12)
     beside = (PINNED.axle[0] + 0.01, PINNED.axle[1])
     assert math.hypot(*velocity(PINNED.push_normal, PINNED.push, beside, PINNED)) > 1e-3
+
+
+@pytest.mark.parametrize("drive", [UNICYCLE, TURN, SPIN])
+def test_a_drive_further_on_is_tracked_further_on(drive: PressedDrive) -> None:
+    there = drive.shifted((0.03, -0.02))
+    x, y = drive.X_BV.position
+    assert there.X_BV.position == pytest.approx((x + 0.03, y - 0.02))
+    x, y = drive.center
+    assert there.center == pytest.approx((x + 0.03, y - 0.02))

@@ -281,3 +281,19 @@ def test_the_contact_of_a_unicycle_is_ahead_unless_it_is_driven_backward(car):
     assert (car.lever < 0.0) == car.backward
     ahead = (car.contact[0] - car.cop[0], car.contact[1] - car.cop[1])
     assert dot(car.axis, ahead) == pytest.approx(car.lever)
+
+
+@given(unicycles())
+def test_a_unicycle_further_on_has_all_that_it_had_further_on(car):
+    there = car.shifted((0.03, -0.02))
+    x, y = car.X_BV.position
+    assert there.X_BV.position == pytest.approx((x + 0.03, y - 0.02))
+    assert math.cos(there.X_BV.yaw - car.X_BV.yaw) == pytest.approx(1.0)
+    assert there.contact == pytest.approx(
+        (car.contact[0] + 0.03, car.contact[1] - 0.02)
+    )
+
+
+def test_a_differential_car_needs_a_length():
+    with pytest.raises(ValueError, match="must be > 0"):
+        DifferentialCar((0.0, 0.0), 0.5, 0.1, 0.05, 0.0)

@@ -57,3 +57,18 @@ def test_bounds_hold_and_are_told() -> None:
     assert law.curvature((0.0, 0.0, 0.0), 0.5, 0.0, 0.0) == (2.0, True)
     assert law.curvature((0.0, 0.0, 0.0), -0.5, 0.0, 0.0, grip=0.5) == (-1.0, True)
     assert law.curvature((0.0, 0.0, 0.0), 0.0, 0.0, 1.5) == (1.5, False)
+
+
+def test_a_curvature_that_is_its_bound_is_not_clipped() -> None:
+    law = LookAheadAlignment(0.1, 2.0)
+    for bound in (-2.0, 2.0):
+        assert law.curvature((0.0, 0.0, 0.0), 0.0, 0.0, bound) == (bound, False)
+
+
+def test_at_first_both_targets_ask_for_the_arc_through_them() -> None:
+    """4 y / ell^2 for a target y aside, in metres whatever the look-ahead."""
+    ell = 0.1
+    fixed = LookAheadAlignment(ell, 50.0, Pose2(0.0, 0.002, 0.0))
+    assert fixed.curvature((0.0, 0.0, 0.0), 0.0, 0.0, 0.0)[0] == pytest.approx(0.8)
+    sliding = LookAheadAlignment(ell, 50.0)
+    assert sliding.curvature((0.0, 0.0, 0.0), 0.002, 0.0, 0.0)[0] == pytest.approx(0.8)

@@ -83,3 +83,10 @@ def test_steering_is_clipped_and_says_so():
     assert bounded(0.0, 1.0, 0.0, 1.0) == (-0.1, True)
     assert bounded(0.0, -1.0, 0.0, 1.0) == (0.2, True)
     assert bounded(0.0, 0.05, 0.0, 1.0) == (-0.05, False)
+
+
+def test_the_gain_without_overshoot_is_what_nobody_asks_for():
+    errors = (0.01, 0.0, 0.0, 1.0)
+    default = rear_stanley(WHEELBASE, (-1.0, 1.0))(*errors)
+    assert default == rear_stanley(WHEELBASE, (-1.0, 1.0), gain=1.0)(*errors)
+    assert default[0] == pytest.approx(-math.atan(0.01 / (4.0 * WHEELBASE)))
