@@ -135,11 +135,13 @@ def test_an_object_at_rest_needs_only_the_presses_that_shift_its_load():
     assert loads.status == "ok"
 
 
-def test_between_two_edges_the_surplus_does_not_change_its_sign():
+@pytest.mark.parametrize("speed", [1.0, 1e-3])
+def test_between_two_edges_the_surplus_does_not_change_its_sign(speed):
     rng = random.Random(5)
     changes = 0
     for _ in range(200):
-        presses, fraction, twist = drawn(rng)
+        presses, fraction, (vx, vy, w, _) = drawn(rng)
+        twist = Twist(speed * vx, speed * vy, speed * w)
         line = ContactLine(presses.left, presses.right)
         frictions = (presses.support_friction, presses.contact_friction)
         friction = cop_friction(

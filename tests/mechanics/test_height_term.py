@@ -98,7 +98,7 @@ def test_a_surface_needs_a_force_and_a_length(force: float, rho: float) -> None:
         DraggedSurface(force, rho)
 
 
-def test_a_push_whose_height_is_not_told_is_along_the_support() -> None:
+def test_by_default_forces_act_at_the_support_and_the_centre_of_mass() -> None:
     told = DraggedSurface(6.0, 0.1)
     assert told == DraggedSurface(6.0, 0.1, 0.0, (0.0, 0.0))
     twist = told.twist_direction(Wrench(1.0, 0.0, 0.2))

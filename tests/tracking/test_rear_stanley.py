@@ -85,7 +85,7 @@ def test_steering_is_clipped_and_says_so():
     assert bounded(0.0, 0.05, 0.0, 1.0) == (-0.05, False)
 
 
-def test_the_gain_without_overshoot_is_what_nobody_asks_for():
+def test_by_default_the_gain_is_the_largest_without_overshoot():
     errors = (0.01, 0.0, 0.0, 1.0)
     default = rear_stanley(WHEELBASE, (-1.0, 1.0))(*errors)
     assert default == rear_stanley(WHEELBASE, (-1.0, 1.0), gain=1.0)(*errors)
