@@ -1,18 +1,26 @@
-"""What counts as a lost contact on the way."""
+"""What counts as a lost contact on the way, and how a tip is kept at its own."""
 
 from __future__ import annotations
 
 import pytest
 
+from pushpressslide.control.state import TipContext, TipMemory
 from pushpressslide.control.tip_motion import (
     HEIGHT_EASING,
     HEIGHT_SLACK,
     Felt,
+    TipHold,
+    TipMover,
+    TipTask,
     eased_height,
     missing,
 )
 from pushpressslide.core import margins
+from pushpressslide.core.control import TipState
 from pushpressslide.core.plan import Contact
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.wrench import Twist
+from pushpressslide.execution.normal_force import NormalForceRegulator
 
 SIDES = tuple(
     Contact(i, "side", (-0.1, y), (1.0, 0.0), 0.05) for i, y in enumerate((0.1, -0.1))
@@ -20,6 +28,7 @@ SIDES = tuple(
 TOPS = tuple(
     Contact(i, "top", (0.0, y), (0.0, 0.0), 0.1, 5.0) for i, y in enumerate((0.1, -0.1))
 )
+RADIUS = 0.02
 GONE = Felt(True, 0.0)
 THERE = Felt(False, 0.5)
 
@@ -51,6 +60,46 @@ def test_a_tip_that_sticks_off_its_height_is_left_there() -> None:
     for _ in range(round(5.0 * HEIGHT_EASING / dt)):
         height = eased_height(height, 0.0395, wanted, dt)
     assert height == pytest.approx(0.0395, abs=1e-5)
+
+
+def led(place: tuple[float, float], force: float) -> tuple[float, float]:
+    """Return the velocity [m/s] that one of two pushing tips at ``place`` [m] is led
+    with, in the axes of its contact, by an object that rests; it feels ``force`` [N].
+    """
+    contact = SIDES[0]
+    X_WB = Pose2(0.5, 0.1, 0.7)
+    tip, height = contact.tip_place(RADIUS)
+    x, y = X_WB.apply(place)
+    push = contact.direction(X_WB)
+    state = TipState(
+        (x, y, height), (0.0, 0.0, 0.0), (force * push[0], force * push[1], 0.0)
+    )
+    context = TipContext(contact, state, X_WB, 1.0, 0.004, 0.0, X_WB.yaw)
+    mover = TipMover(500.0, 0.7, 0.2, 0.0, NormalForceRegulator())
+    task = TipTask(Twist(0.0, 0.0, 0.0), tip, (0.5, 0.0), 0.5, None, TipHold(tip, 0.4))
+    command, _, _ = mover.step(TipMemory((x, y, height)), context, task)
+    vx, vy, _ = command.velocity
+    return X_WB.unrotate((vx, vy))
+
+
+def test_a_tip_that_parts_is_led_on_into_its_face() -> None:
+    tip, _ = SIDES[0].tip_place(RADIUS)
+    assert led(tip, 0.4) == pytest.approx((0.0, 0.0))
+    assert led(tip, 0.0) == pytest.approx((margins.ARM.led_back, 0.0))
+    on, across = led(tip, 0.2)
+    assert 0.0 < on < margins.ARM.led_back
+    assert across == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_tip_that_slides_is_led_back_along_its_face(side: float) -> None:
+    x, y = SIDES[0].tip_place(RADIUS)[0]
+    assert led((x, y + side * margins.ARM.slid_side), 1.0) == pytest.approx((0.0, 0.0))
+    on, along = led((x, y + side * 2.0 * margins.ARM.slid_side), 1.0)
+    assert on == pytest.approx(0.0)
+    assert along * side < 0.0
+    _, far = led((x, y + side * 0.05), 1.0)
+    assert abs(far) == pytest.approx(margins.ARM.led_back)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -51,6 +51,71 @@ def touched(
     return None, None
 
 
+def test_a_press_is_as_hard_as_its_contact_asks_for() -> None:
+    """Also where it is asked to press harder than when the touch was made ready."""
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    above = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.06, 7.5)
+    assert touch.force_of(above) == 7.5
+    assert touch.force_of(BEHIND) == 0.1
+
+
+def test_a_contact_that_fades_is_advanced_to_again() -> None:
+    """A touch is complete only while the object is felt; a tip that lost it goes on from
+    where it is, and its reference does not jump.
+    """
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    x, y, _ = BEHIND.direction(START)
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    tip = before
+    memory = TipMemory(before)
+    felt = lost = again = False
+    for i in range(2000):
+        time = i * DT
+        advance = (tip[0] - before[0]) * x + (tip[1] - before[1]) * y
+        lost = lost or (memory.felt is not None and time - memory.felt > 0.1)
+        there = GAP + 0.004 if lost else GAP  # it yields a little
+        force: Vector3 = (0.0, 0.0, 0.0)
+        if advance > there:
+            force = (0.4 * x, 0.4 * y, 0.0)
+        context = TipContext(
+            BEHIND, TipState(tip, (0.0, 0.0, 0.0), force), START, time, DT, 0.0, 0.4
+        )
+        step = touch.step(memory, context, time, 0.0)
+        assert math.dist(step.command.position, tip) < 0.003
+        felt = felt or step.memory.felt is not None
+        again = again or step.memory.resumed is not None
+        memory = step.memory
+        if step.done:
+            break
+        assert step.problem is None
+        tip = step.command.position
+    assert felt
+    assert lost
+    assert again
+    assert step.done
+    assert advance > GAP + 0.004
+
+
+def test_a_touch_that_never_lasts_ends_with_a_problem() -> None:
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    x, y, _ = BEHIND.direction(START)
+    before = tip_position(BEHIND, START, RADIUS, GAP)
+    memory = TipMemory(before)
+    for i in range(5000):
+        time = i * DT
+        felt = (time % 0.3) < 0.05 and time > 1.0
+        force: Vector3 = (0.4 * x, 0.4 * y, 0.0) if felt else (0.0, 0.0, 0.0)
+        state = TipState(before, (0.0, 0.0, 0.0), force)
+        context = TipContext(BEHIND, state, START, time, DT, 0.0, 0.4)
+        step = touch.step(memory, context, time, 0.0)
+        memory = step.memory
+        if step.problem is not None:
+            break
+        assert not step.done
+    assert step.problem is not None
+    assert "lost again" in step.problem
+
+
 def pushed(advance: float) -> Pose2:
     """Return where a tip that is ``advance`` [m] on has an object that weighs nothing."""
     x, y, _ = BEHIND.direction(START)

@@ -7,16 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.twist_path import screw
+from pushpressslide.core.twist_path import TwistPath, screw
 from pushpressslide.planning.in_cone import (
+    Inside,
     describe_cone_margin,
     least_cone_margin,
-    path_in_cone,
+    path_onward,
+    paths_in_cone,
 )
 
 RADIUS = 0.15
 LEAST = 0.05
+INSIDE = Inside(LEAST, LEAST, LEAST)
 
 
 class RoundCone:
@@ -43,13 +47,20 @@ class RoundCone:
 CONE = RoundCone(math.radians(30.0))
 
 
+def shortest(
+    start: Pose2, goal: Pose2, longest: float, inside: Inside = INSIDE
+) -> TwistPath | None:
+    """Return the shortest path in CONE."""
+    return next(paths_in_cone(start, goal, CONE, inside, RADIUS, longest), None)
+
+
 @given(x=st.floats(0.05, 0.5), y=st.floats(-0.4, 0.4), yaw=st.floats(-1.0, 1.0))
 def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowed(
     x, y, yaw
 ) -> None:
     start = Pose2(0.3, -0.2, 0.7)
     goal = start.compose(Pose2(x, y, yaw))
-    path = path_in_cone(start, goal, CONE, LEAST, RADIUS, 0.8)
+    path = shortest(start, goal, 0.8)
     if path is None:
         assert CONE.cone_margin(*screw(start, goal)) < LEAST or math.hypot(x, y) > 0.5
         return
@@ -63,7 +74,7 @@ def test_a_path_leads_to_the_goal_keeps_to_the_cone_and_is_no_longer_than_allowe
 
 
 def test_what_one_twist_can_do_is_done_by_one() -> None:
-    path = path_in_cone(Pose2(), Pose2(0.3, 0.1, 0.2), CONE, LEAST, RADIUS, 1.0)
+    path = shortest(Pose2(), Pose2(0.3, 0.1, 0.2), 1.0)
     assert path is not None
     assert len(path.pieces) == 1
 
@@ -71,7 +82,7 @@ def test_what_one_twist_can_do_is_done_by_one() -> None:
 def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
     goal = Pose2(0.45, 0.30, 0.0)  # 34 degrees off, the cone has 30
     assert CONE.cone_margin(*screw(Pose2(), goal)) < 0.0
-    path = path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 1.0)
+    path = shortest(Pose2(), goal, 1.0)
     assert path is not None
     assert len(path.pieces) > 1
     assert path.pose(0.3 * path.length).yaw > 0.02
@@ -81,13 +92,47 @@ def test_a_goal_beside_the_cone_is_reached_by_turning_the_cone() -> None:
     "goal", [Pose2(-0.2, 0.0, 0.0), Pose2(0.0, 0.0, 1.0), Pose2(0.0, 0.3, 0.0)]
 )
 def test_back_on_the_spot_and_sideways_there_is_no_path(goal: Pose2) -> None:
-    assert path_in_cone(Pose2(), goal, CONE, LEAST, RADIUS, 3.0) is None
+    assert shortest(Pose2(), goal, 3.0) is None
 
 
 def test_a_path_longer_than_allowed_is_not_taken() -> None:
-    assert (
-        path_in_cone(Pose2(), Pose2(0.5, 0.0, 0.0), CONE, LEAST, RADIUS, 0.49) is None
-    )
+    assert shortest(Pose2(), Pose2(0.5, 0.0, 0.0), 0.49) is None
+
+
+def test_the_first_piece_may_be_nearer_the_edge_than_the_rest() -> None:
+    goal = Pose2(0.45, 0.24, 0.0)
+    inside = Inside(0.4, 0.05, 0.2)
+    path = shortest(Pose2(), goal, 1.2, inside)
+    assert path is not None
+    assert len(path.pieces) > 1
+    first, *rest = (CONE.cone_margin(*rate) for rate, _ in path.pieces)
+    assert first >= 0.05 - 1e-9
+    assert min(rest) >= 0.2 - 1e-9
+    assert shortest(Pose2(), goal, 1.2, Inside(0.4, 0.2, 0.2)) is None or first < 0.2
+
+
+@pytest.mark.parametrize("goal", [Pose2(0.45, 0.24, 0.0), Pose2(0.45, 0.30, 0.0)])
+def test_as_many_pieces_as_allowed(goal: Pose2) -> None:
+    path = shortest(Pose2(), goal, 1.2, Inside(LEAST, LEAST, LEAST, 2))
+    assert path is None or len(path.pieces) <= 2
+
+
+def test_the_rest_of_a_way_goes_well_inside_the_cone_where_it_can() -> None:
+    goal = Pose2(0.45, 0.20, 0.0)  # 24 degrees off: 6 inside
+    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.0)
+    assert path is not None
+    assert len(path.pieces) == 1
+    goal = Pose2(0.45, 0.225, 0.0)  # 26.6 off
+    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.0)
+    assert path is not None
+    assert len(path.pieces) > 1
+    last, _ = path.pieces[-1]
+    assert CONE.cone_margin(*last) >= margins.BENT_MARGIN - 1e-9
+    # with no room for a bend it takes what there is
+    direct = math.hypot(0.45, 0.225)
+    path = path_onward(Pose2(), goal, CONE, RADIUS, 1.001 * direct)
+    assert path is not None
+    assert least_cone_margin(path, CONE) >= margins.REPLAN_MARGIN - 1e-9
 
 
 def test_the_words_say_inside_or_outside_and_what_is_needed() -> None:

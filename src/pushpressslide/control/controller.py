@@ -29,6 +29,7 @@ from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, entry
 from pushpressslide.control.state import (
     Binding,
     ControllerState,
+    Losses,
     Still,
     TipContext,
     TipMemory,
@@ -46,7 +47,13 @@ from pushpressslide.control.state import (
     smooth,
 )
 from pushpressslide.control.timeline import Timeline
-from pushpressslide.control.tip_motion import TipMover, TipTask, drag_ratio, missing
+from pushpressslide.control.tip_motion import (
+    TipHold,
+    TipMover,
+    TipTask,
+    drag_ratio,
+    missing,
+)
 from pushpressslide.control.touch import TipTouch, drawn_back, held_at
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
@@ -72,6 +79,7 @@ POSE_NOISE = 2e-4
 YAW_NOISE = math.radians(0.08)
 LEAST_GAIN = 0.1
 RETOUCHES = 3
+LOSSES = 6  # of contact at one place, above which the attempt ends
 GRIP_FALL = 4.0  # [1/s] of the share of the steering that may be used
 GRIP_RISE = 0.5  # [1/s]
 GRIP_LEAST = 0.3
@@ -123,12 +131,12 @@ class Controller:
             TipTouch(
                 self.robots[contact.arm].tip_radius,
                 motion.approach_distance if gap is None else gap,
-                force,
+                _touch_push(first),
                 threshold,
                 task.sensing.seen_motion,
                 regulator,
             )
-            for contact, force in zip(first.contacts, _touch_forces(first), strict=True)
+            for contact in first.contacts
         )
         # the servo and what adds to it; an experiment without them gives the force alone
         self.drives_on = motion.velocity_servo and motion.force_gain is None
@@ -473,15 +481,33 @@ class Controller:
         speeds: list[float | None] = [None] * len(starts)
         if self.entry is not None:
             speeds = self.entry.speeds(measurement, starts)
+        holds = self._holds(state, allocation)
         return [
-            TipTask(guidance.twist, center, (gain * fx, gain * fy), load, speed)
-            for center, (fx, fy), load, speed in zip(
+            TipTask(guidance.twist, center, (gain * fx, gain * fy), load, speed, hold)
+            for center, (fx, fy), load, speed, hold in zip(
                 state.binding.tip_points,
                 allocation.forces,
                 allocation.normals,
                 speeds,
+                holds,
                 strict=True,
             )
+        ]
+
+    def _holds(
+        self, state: ControllerState, allocation: Allocation
+    ) -> list[TipHold | None]:
+        """Return what keeps each of two pushing tips at its contact; None of others."""
+        contacts = state.binding.segment.contacts
+        sides = [contact.kind == "side" for contact in contacts]
+        if sum(sides) < 2 or not self.drives_on:
+            return [None] * len(contacts)
+        least = margins.HELD_SHARE * math.fsum(allocation.normals)
+        least = max(least, self.mover.threshold)
+        planned = state.segment.contacts
+        return [
+            TipHold(c.tip_place(self.robots[c.arm].tip_radius)[0], least)
+            for c in planned
         ]
 
     def _effort(
@@ -539,7 +565,7 @@ class Controller:
                 return begin(state, "done" if self.holds else "release", measurement)
             return self._next_segment(state, ahead, measurement, X_WB)
         if state.lost is not None and time - state.lost > self.patience:
-            return replace(begin(state, "touch", measurement), align=False)
+            return self._touch_again(state, measurement, X_WB)
         touched = touched_points(self.object, segment, X_WB, measurement.tips)
         retouch = margins.ARM.retouch
         slid = side_slide(state.segment.contacts, touched) > retouch
@@ -560,12 +586,33 @@ class Controller:
         still = state.still
         if still is None or still.since < state.since:
             return Still(X_WB, time)
-        turned = self.object.radius * abs(wrap_angle(X_WB.yaw - still.pose.yaw))
-        way = math.dist(X_WB.position, still.pose.position) + turned
+        way = self._way(still.pose, X_WB)
         speed = state.binding.segment.profile.speed
         if way < margins.STALL * speed * margins.ARM.stall_time:
             return still
         return Still(X_WB, time)
+
+    def _touch_again(
+        self, state: ControllerState, measurement: Measurement, X_WB: Pose2
+    ) -> ControllerState:
+        """Touch where the tips are; stop where contact is lost again and again."""
+        losses = state.losses
+        way = math.inf
+        if losses is not None:
+            way = self._way(losses.pose, X_WB)
+        if losses is None or way > margins.ARM.retouch:
+            losses = Losses(X_WB, 0)
+        losses = Losses(losses.pose, losses.count + 1)
+        state = replace(state, losses=losses)
+        if losses.count > LOSSES:
+            text = f"contact lost {losses.count} times within {margins.ARM.retouch * 1e3:.0f} mm"
+            return self.stop(state, measurement, ("contact_lost", text))
+        return replace(begin(state, "touch", measurement), align=False)
+
+    def _way(self, pose: Pose2, X_WB: Pose2) -> float:
+        """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
+        turned = self.object.radius * abs(wrap_angle(X_WB.yaw - pose.yaw))
+        return math.dist(X_WB.position, pose.position) + turned
 
     def _touch_planned_place(
         self, state: ControllerState, measurement: Measurement, crept: bool
@@ -778,7 +825,7 @@ class Controller:
         ):
             context = self._context(state, measurement, X_WB, contact, yaw, progress)
             if holds or (contact.arm in self.lasting and not failed):
-                command = held_at(context, memory.start, push=touch.force)
+                command = held_at(context, memory.start, push=touch.force_of(contact))
             else:
                 wanted = margins.ARM.retreat if failed else self.back
                 off = share * room_before(part, contact, wanted)
@@ -834,9 +881,8 @@ def pose_gain(sensing: Sensing) -> float:
     return min(1.0, max(LEAST_GAIN, 1.0 / max(noise * noise, 1e-12)))
 
 
-def _touch_forces(segment: Segment) -> list[float]:
-    """Return what each tip presses with before the motion begins [N]."""
-    contacts = segment.contacts
-    sides = sum(contact.kind == "side" for contact in contacts)
+def _touch_push(segment: Segment) -> float:
+    """Return what each pushing tip presses with before the motion begins [N]."""
+    sides = sum(contact.kind == "side" for contact in segment.contacts)
     push = margins.TOUCH_SHARE * segment.drive.max_friction / max(sides, 1)
-    return [c.load if c.kind == "top" else max(0.6, push) for c in contacts]
+    return max(0.6, push)

@@ -87,6 +87,8 @@ class TipMemory:
     start: Vector3  # [m] where it was when the phase began
     found: Pose2 | None = None  # X_WB when the tip began to advance in this touch
     felt: float | None = None  # [s] since when contact is felt in this touch
+    absent: float | None = None  # [s] since when it is felt no more
+    resumed: float | None = None  # [s] when the tip advanced anew since it was
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
@@ -102,6 +104,14 @@ class Still:
 
     pose: Pose2  # X_WB
     since: float  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Losses:
+    """How often contact was lost about one place."""
+
+    pose: Pose2  # X_WB at the first of them
+    count: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +137,7 @@ class ControllerState:
     # whether the touch begins with lining up, or goes on from where the tips are
     align: bool = True
     lost: float | None = None  # [s] since when contact is missing
+    losses: Losses | None = None
     still: Still | None = None  # where the object was when it last moved
     replanned: float = 0.0  # [s] of the last replan on the way
     retouches: int = 0

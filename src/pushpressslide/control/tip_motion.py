@@ -33,6 +33,7 @@ HEIGHT_EASING = 0.5  # [s] in which the spring along the height relaxes
 HEIGHT_SLACK = 0.002  # [m] from the contact's height, within which it does
 # [N s/m] of a pressing tip along its normal, which is force controlled
 PRESS_DAMPING = 150.0
+RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is led back
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
 
@@ -44,6 +45,13 @@ class Felt(NamedTuple):
     friction_utilisation: float
 
 
+class TipHold(NamedTuple):
+    """What keeps a pushing tip at its contact beside another one."""
+
+    place: Point  # [m] of the tip's centre, as planned, in B
+    least: float  # [N] of normal force that it is led on to feel
+
+
 class TipTask(NamedTuple):
     """What a tip is to do at a tick."""
 
@@ -52,6 +60,8 @@ class TipTask(NamedTuple):
     force: Point  # [N] along the support, in B
     load: float  # [N] that a press is to have
     entry_speed: float | None = None  # [m/s] of a press whose object enters an opening
+    # where one of several pushing tips is led back to if it slides or parts
+    hold: TipHold | None = None
 
 
 class _Normal(NamedTuple):
@@ -106,10 +116,15 @@ class TipMover:
         if task.entry_speed is not None:  # nothing but the damper holds it back
             felt = Felt(False, 0.0)
             force = _within(force, self.friction * max(normal_force, 0.0))
+        vx, vy = velocity
+        if task.hold is not None:
+            back_x, back_y = _led_back(context, task.hold, normal_force)
+            vx += back_x
+            vy += back_y
         command = TipCommand(
             force=(force[0], force[1], -normal.push),
             position=(tip.position[0], tip.position[1], normal.height),
-            velocity=(velocity[0], velocity[1], 0.0),
+            velocity=(vx, vy, 0.0),
             stiffness=(0.0, 0.0, normal.stiffness),
             damping=(self.damping, self.damping, normal.damping),
             normal_yaw=contact_yaw(contact, X_WB),
@@ -183,6 +198,26 @@ class TipMover:
         ax = (velocity[0] - before[0]) / dt
         ay = (velocity[1] - before[1]) / dt
         return velocity, (ax, ay)
+
+
+def _led_back(context: TipContext, hold: TipHold, normal_force: float) -> Point:
+    """Return the velocity [m/s], along the support, that leads a pushing tip back to its
+    contact: along the face to where it is planned, and on into a face that it feels
+    less of than ``hold.least``; ``normal_force`` [N] is what it feels.
+
+    Its servo follows the twist that is wanted. Where the object turns otherwise, the
+    friction of a lightly loaded tip cannot hold it against the servo.
+    """
+    nx, ny, _ = context.contact.direction(context.X_WB)
+    x, y = context.X_WB.apply(hold.place)
+    px, py, _ = context.tip.position
+    slid = (x - px) * -ny + (y - py) * nx
+    beyond = max(0.0, abs(slid) - margins.ARM.slid_side)
+    most = margins.ARM.led_back
+    along = math.copysign(min(most, RETURN_RATE * beyond), slid)
+    lacking = min(max(1.0 - normal_force / hold.least, 0.0), 1.0)
+    on = most * lacking
+    return (on * nx - along * ny, on * ny + along * nx)
 
 
 def eased_height(height: float | None, tip: float, wanted: float, dt: float) -> float:

@@ -29,6 +29,8 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 
+KEPT = 0.5  # of the force that tells of a contact, which tells that it is still there
+
 
 class TouchStep(NamedTuple):
     """What the touch of one tip comes to at a tick."""
@@ -45,7 +47,7 @@ class TipTouch:
 
     radius: float  # [m] of the tip
     gap: float  # [m] free path before the object
-    force: float  # [N] that it presses with in the end
+    push: float  # [N] that it presses a side face with in the end
     threshold: float  # [N] that counts as contact
     seen: float  # [m] that an object has moved by if it is seen to
     regulator: NormalForceRegulator
@@ -78,24 +80,33 @@ class TipTouch:
         memory = replace(memory, found=found)
         n = contact.direction(found)
         before = tip_position(contact, found, self.radius, self.gap)
-        depth = margins.ARM.touch_speed * (elapsed - aligned)
+        advanced = elapsed - aligned
+        resumed = aligned == 0.0
+        if memory.resumed is not None:
+            advanced = context.time - memory.resumed
+            resumed = True
+        depth = margins.ARM.touch_speed * advanced
         origin = before
-        if aligned == 0.0:  # go on from where the tip was when contact was lost
+        if resumed:  # go on from where the tip was when contact was lost
             start = memory.start
             ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
             origin = _ahead(start, n, -ahead)
-            depth += min(max(ahead, 0.0), self.gap)
-        here = pressed(context.tip.force, n) > self.threshold
-        here = here or self._pushes(context, found)
-        memory = _felt(memory, here, context.time, depth)
+            depth += min(ahead, self.gap)
+        least = self.threshold
+        if memory.felt is not None:
+            least *= KEPT
+        here = pressed(context.tip.force, n) > least or self._pushes(context, found)
+        memory = _felt(memory, here, context, depth)
+        if memory.resumed == context.time:
+            return TouchStep(held_at(context, context.tip.position), memory, False)
         if begins:
             left = self.gap - (depth if memory.felt is None else memory.touch_depth)
             context = replace(context, joint_progress=-max(left, 0.0))
         felt = memory.felt
         if felt is not None and context.time - felt >= margins.ARM.felt_time:
             place = _ahead(origin, n, memory.touch_depth)
-            return self._pressed(memory, context, place, context.time - felt)
-        problem = None
+            return self._pressed(memory, context, place, context.time - felt, here)
+        problem = self._too_long(elapsed - aligned)
         if depth > self.gap + margins.ARM.touch_depth:
             problem = (
                 f"no contact felt {margins.ARM.touch_depth * 1e3:.0f} mm beyond where "
@@ -107,23 +118,41 @@ class TipTouch:
         memory = replace(memory, regulator=NormalForceState())
         return TouchStep(command, memory, False, problem)
 
+    def force_of(self, contact: Contact) -> float:
+        """Return what the tip presses ``contact`` with in the end [N]."""
+        if contact.kind == "top":
+            return contact.load
+        return self.push
+
     def _pressed(
-        self, memory: TipMemory, context: TipContext, place: Vector3, duration: float
+        self,
+        memory: TipMemory,
+        context: TipContext,
+        place: Vector3,
+        duration: float,
+        here: bool,
     ) -> TouchStep:
-        """Press at ``place`` [m] with more and more force; contact has been felt for
-        ``duration`` [s].
+        """Press at ``place`` [m] with more and more force; contact was felt
+        ``duration`` [s] ago, and is if the object is still ``here``.
         """
         normal = context.contact.direction(context.X_WB)
+        force = self.force_of(context.contact)
         push, state = self.regulator.step(
-            memory.regulator,
-            self.force,
-            pressed(context.tip.force, normal),
-            context.dt,
+            memory.regulator, force, pressed(context.tip.force, normal), context.dt
         )
         arm = margins.ARM
-        settled = arm.felt_time + arm.settle_time + self.force / self.regulator.ramp
+        settled = arm.felt_time + arm.settle_time + force / self.regulator.ramp
         command = held_at(context, place, push=push)
-        return TouchStep(command, replace(memory, regulator=state), duration > settled)
+        memory = replace(memory, regulator=state)
+        return TouchStep(command, memory, duration > settled and here)
+
+    def _too_long(self, duration: float) -> str | None:
+        """Return what is wrong with a touch whose advance began ``duration`` [s] ago."""
+        arm = margins.ARM
+        most = (self.gap + arm.touch_depth) / arm.touch_speed + arm.longest_touch
+        if duration < most:
+            return None
+        return f"contact felt and lost again for {most:.1f} s"
 
     def _pushes(self, context: TipContext, found: Pose2) -> bool:
         """Whether the tip is seen to push the object from the side: it has moved on from
@@ -142,15 +171,34 @@ class TipTouch:
         return moved > self.seen and apart < self.seen
 
 
-def _felt(memory: TipMemory, here: bool, time: float, depth: float) -> TipMemory:
-    """Return since when, and at which depth [m], the object is felt to be ``here``."""
+def _felt(
+    memory: TipMemory, here: bool, context: TipContext, depth: float
+) -> TipMemory:
+    """Return since when, and at which depth [m], the object is felt to be ``here``; a
+    tip that lost it advances again from where it is.
+    """
     felt = memory.felt
+    time = context.time
     if here:
         if felt is None:
-            return replace(memory, felt=time, touch_depth=depth)
-    elif felt is not None and time - felt < margins.ARM.felt_time:
+            return replace(memory, felt=time, touch_depth=depth, absent=None)
+        return replace(memory, absent=None)
+    if felt is None:
+        return memory
+    if time - felt < margins.ARM.felt_time:
         return replace(memory, felt=None)  # a knock, not the object
-    return memory
+    if memory.absent is None:
+        return replace(memory, absent=time)
+    if time - memory.absent < margins.ARM.push_loss_time:
+        return memory
+    return replace(
+        memory,
+        start=context.tip.position,
+        found=context.X_WB,
+        felt=None,
+        absent=None,
+        resumed=time,
+    )
 
 
 def held_at(

@@ -93,6 +93,10 @@ CONE_MARGIN = math.radians(6.0)
 """That a planned twist stays inside its motion cone: the limit surface's own error, and
 room for corrections.
 """
+BENT_MARGIN = math.radians(12.0)
+"""The same of every piece of a way of several twists, where there is such a way: the
+shortest goes along the cone's edge, where a correction to the outside has no room.
+"""
 REPLAN_MARGIN = math.radians(2.0)
 """The same of a plan made under way, from a pose and contacts that were seen."""
 AMPLE_MARGIN = math.radians(30.0)
@@ -200,6 +204,10 @@ LOSS_SHARE = 0.6
 """Of its planned load, below which a press counts as lost."""
 LEAST_SHARE = 0.2
 """Of its planned force, below which a push counts as lost."""
+HELD_SHARE = 0.1
+"""Of what two tips push with, that each of them is led on to feel: one that feels less
+parts from its face as soon as the object turns a little more than planned.
+"""
 FELT_SIGMAS = 4.0
 """Standard deviations of a force sensor's noise, from which on a contact is felt."""
 LOSS_SIGMAS = 6.0
@@ -327,6 +335,12 @@ class ArmMargins:
     """Of slid contact, and of path left, above which a tip lets go and touches the
     planned place again: what a touch costs is the arm's.
     """
+    slid_side: float = field(default=0.003, metadata={"unit": "m"})
+    """Off its contact along the face, above which one of two pushing tips is led back:
+    what touching it leaves.
+    """
+    led_back: float = field(default=0.01, metadata={"unit": "m/s"})
+    """At most, of one of two pushing tips on the way back to its contact."""
     off_axle: float = field(default=0.015, metadata={"unit": "m"})
     """Of the virtual axle from where it is planned: what noisy poses tell apart."""
     least_left: float = field(default=0.02, metadata={"unit": "m"})
@@ -337,6 +351,8 @@ class ArmMargins:
     """Of normal force, before a touch is believed."""
     settle_time: float = field(default=0.2, metadata={"unit": "s"})
     """That the force of a touch must hold."""
+    longest_touch: float = field(default=2.0, metadata={"unit": "s"})
+    """Beyond the way to a contact, that a tip which loses it again may go on trying."""
     push_loss_time: float = field(default=0.12, metadata={"unit": "s"})
     """Without contact force before a pushing tip goes back to touch: it rides over a
     gap.

@@ -27,6 +27,29 @@ TRIED = 4  # paths in the cone that are looked at exactly
 SHARES = (0.15, 0.3, 0.5, 0.75)
 
 
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """How far inside a cone the twists of a way have to be [rad]."""
+
+    straight: float  # of a way of one twist
+    first: float  # of the first of several
+    rest: float  # of each after it
+    pieces: int = 3  # that there may be
+
+
+# The preferred first. Under way the rest is planned anew from where the body is, so that
+# a last piece with room makes up for a first one along the cone's edge; three pieces
+# along the edge seldom end at the goal.
+PLANNED = (
+    Inside(margins.CONE_MARGIN, margins.BENT_MARGIN, margins.BENT_MARGIN),
+    Inside(margins.CONE_MARGIN, margins.CONE_MARGIN, margins.BENT_MARGIN, 2),
+    Inside(margins.CONE_MARGIN, margins.CONE_MARGIN, margins.CONE_MARGIN, 2),
+)
+UNDER_WAY = (
+    *PLANNED,
+    Inside(margins.REPLAN_MARGIN, margins.REPLAN_MARGIN, margins.REPLAN_MARGIN),
+)
+
 Margin = Callable[[TwistRate], float]
 
 
@@ -76,14 +99,14 @@ class ConeGoal:
         ``exact``: the margin [rad] of a twist by the limit surface at that very twist,
         where that of ``cone`` is one at the direct way.
         """
-        least = margins.CONE_MARGIN
-        paths = paths_in_cone(
-            self.start, self.goal, cone, least, self.radius, self.longest
-        )
-        for path in islice(paths, TRIED):
-            direct = len(path.pieces) == 1
-            if exact is None or direct or _inside(path, exact):
-                return path
+        for inside in PLANNED:
+            paths = paths_in_cone(
+                self.start, self.goal, cone, inside, self.radius, self.longest
+            )
+            for path in islice(paths, TRIED):
+                direct = len(path.pieces) == 1
+                if exact is None or direct or _inside(path, exact):
+                    return path
         return None
 
 
@@ -91,18 +114,30 @@ def _inside(path: TwistPath, exact: Margin) -> bool:
     return all(exact(rate) >= margins.REPLAN_MARGIN for rate, _ in path.pieces)
 
 
-def path_in_cone(
-    start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
+def path_onward(
+    start: Pose2, goal: Pose2, cone: Cone, radius: float, longest: float
 ) -> TwistPath | None:
-    """Return the shortest of ``paths_in_cone``; None where there is none."""
-    return next(paths_in_cone(start, goal, cone, least, radius, longest), None)
+    """Return the shortest of ``paths_in_cone`` as far inside as a plan has to be, else
+    as far as the rest of one may; None where there is none.
+    """
+    for inside in UNDER_WAY:
+        paths = paths_in_cone(start, goal, cone, inside, radius, longest)
+        path = next(paths, None)
+        if path is not None:
+            return path
+    return None
 
 
 def paths_in_cone(
-    start: Pose2, goal: Pose2, cone: Cone, least: float, radius: float, longest: float
+    start: Pose2,
+    goal: Pose2,
+    cone: Cone,
+    inside: Inside,
+    radius: float,
+    longest: float,
 ) -> Iterator[TwistPath]:
     """Yield paths from ``start`` to ``goal``, the shortest first, whose twists are all
-    ``least`` [rad] inside ``cone``.
+    ``inside`` the ``cone``.
 
     A screw; or one with a piece along a ray of the cone before it, after it, or both.
     Lengths are measured with ``radius`` [m]. Deterministic; nothing of more than
@@ -112,31 +147,44 @@ def paths_in_cone(
     whole = _size(direct, radius)
     if whole > longest:
         return
-    if cone.cone_margin(*direct) >= least:
+    if cone.cone_margin(*direct) >= inside.straight:
         yield TwistPath.between((start, goal), radius)
         return
     scale = np.array([1.0, 1.0, radius])
-    rays = np.array(cone.rays(least)).reshape(-1, 3)
-    rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
-    ends = np.concatenate([[0.0], np.repeat(SHARES, len(rays))]) * whole
-    twists = ends[:, None] * np.concatenate(
-        [np.zeros((1, 3)), np.tile(rays, (len(SHARES), 1))]
-    )
-    firsts = reached(start, twists)
-    lasts = reached(goal, -twists)
+    first_twists, first_lengths = _edge_pieces(cone, inside.first, whole, scale)
+    last_twists, last_lengths = _edge_pieces(cone, inside.rest, whole, scale)
+    firsts = reached(start, first_twists)
+    lasts = reached(goal, -last_twists)
     middles = screws(firsts, lasts)
-    lengths = np.linalg.norm(middles * scale, axis=-1) + ends[:, None] + ends
-    lengths = np.where(
-        cone.cone_margins(middles.reshape(-1, 3)).reshape(lengths.shape) >= least,
-        lengths,
-        math.inf,
-    )
+    lengths = np.linalg.norm(middles * scale, axis=-1)
+    lengths += first_lengths[:, None] + last_lengths
+    needed = np.full(lengths.shape, inside.rest)
+    needed[0, 1:] = inside.first
+    found = cone.cone_margins(middles.reshape(-1, 3)).reshape(lengths.shape)
+    lengths[found < needed] = math.inf
+    if inside.pieces < 3:
+        lengths[1:, 1:] = math.inf
     for best in np.argsort(lengths, axis=None, kind="stable"):
-        i, j = divmod(int(best), len(ends))
+        i, j = divmod(int(best), len(lasts))
         if not lengths[i, j] < longest:
             return
         middle = (Pose2(*firsts[i].tolist()), Pose2(*lasts[j].tolist()))
         yield TwistPath.between((start, *middle, goal), radius)
+
+
+def _edge_pieces(
+    cone: Cone, least: float, whole: float, scale: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return twists (k, 3) of pieces along the rays of ``cone`` that are ``least`` [rad]
+    inside, and their lengths (k,) [m]; first that of no piece.
+
+    Lengths are shares of ``whole`` [m], by the norm of a twist times ``scale`` (3,).
+    """
+    rays = np.array(cone.rays(least)).reshape(-1, 3)
+    rays /= np.linalg.norm(rays * scale, axis=1, keepdims=True)
+    along = np.repeat(SHARES, len(rays)) * whole
+    twists = along[:, None] * np.tile(rays, (len(SHARES), 1))
+    return np.concatenate([np.zeros((1, 3)), twists]), np.append(0.0, along)
 
 
 def least_cone_margin(path: TwistPath, cone: Cone) -> float:

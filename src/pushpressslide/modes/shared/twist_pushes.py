@@ -20,7 +20,7 @@ from pushpressslide.planning.in_cone import (
     Margin,
     describe_cone_margin,
     least_cone_margin,
-    path_in_cone,
+    path_onward,
 )
 from pushpressslide.planning.segments import ends_onward, run_time, segment
 from pushpressslide.planning.side_contacts import assignments
@@ -49,9 +49,7 @@ class TwistPushes(Mode):
         contacts = measured.contacts
         cone = TwistCone(contacts, task.scene.contact_friction, drive.surface)
         start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
-        path = path_in_cone(
-            start, goal, cone, margins.REPLAN_MARGIN, drive.radius, measured.longest
-        )
+        path = path_onward(start, goal, cone, drive.radius, measured.longest)
         return None if path is None else Course(contacts, drive, path)
 
 

@@ -147,7 +147,10 @@ def _way_back(
     normal = np.array(frame.direction(contact.direction(objects.bodies[-1])))
     points = np.linspace(p, p - room * normal, RETREAT_SAMPLES)
     yaws = np.full(len(points), attitude.yaw(R))
-    way = continuation(problem.kin, points, yaws, q, attitude, margins.ARM.joint_buffer)
+    # an arm that ends near a limit goes nearer by half of what is left, or not at all
+    room_left = 0.5 * float(problem.kin.joint_margin(q))
+    least = min(margins.ARM.joint_buffer, room_left)
+    way = continuation(problem.kin, points, yaws, q, attitude, least)
     end = objects.shapes[-1:]
 
     def clear(i: int) -> bool:
@@ -192,7 +195,7 @@ class _TwoArms:
 
     def _attempts(self) -> Iterator[tuple[ArmPath, ...] | Conflict]:
         """Yield both paths, or their conflict: each arm's best path first, then all
-        pairs, the best of the lesser joint margins first.
+        pairs, the best of the lesser scores first.
         """
         searches = [search(problem, force=self.force) for problem in self.problems]
         results = []
@@ -217,7 +220,7 @@ class _TwoArms:
             *_, complete = [result, *stream]
             options.append(complete.solutions)
         apart = []
-        for pair in sorted(product(*options), key=_joint_margin, reverse=True):
+        for pair in sorted(product(*options), key=_score, reverse=True):
             along = self._along(pair)
             if along < APART:
                 yield Conflict(0, "along the contacts", along)
@@ -331,8 +334,8 @@ class _TwoArms:
         )
 
 
-def _joint_margin(pair: Pair) -> float:
-    return min(solution.move.margin for solution in pair)
+def _score(pair: Pair) -> float:
+    return min(solution.move.score for solution in pair)
 
 
 def _after(path: JointPath, delay: float) -> JointPath:

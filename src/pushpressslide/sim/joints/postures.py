@@ -106,10 +106,10 @@ class Move:
 
     @property
     def score(self) -> float:
-        """Figure of merit: joint margin and distance from singularity, each saturated,
-        less penalties for tilt and for distance from home.
+        """Figure of merit: joint margin, saturated, less penalties for nearness to a
+        singularity, for tilt and for distance from home.
         """
-        safe = min(self.margin, 0.4) - 0.01 * min(self.condition, 40.0)
+        safe = min(self.margin, 0.4) - 0.01 * self.condition
         return safe - 0.15 * self.posture.attitude.tilt - 0.05 * self.turn
 
 
