@@ -103,7 +103,7 @@ def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
     assert refusal.allowed == margins.ARM.felt_force
     refusal = drag_refusal(light, (REAR,), 2, 0.09)
     assert refusal is not None
-    assert refusal.allowed == margins.ARM.felt_friction
+    assert refusal.allowed == margins.ARM.least_friction
     noisy = replace(TASK, sensing=Sensing(force_noise=1.0))
     assert noisy.sensing.felt_force == pytest.approx(4.0)
     refusal = drag_refusal(noisy, (REAR,), 2, 0.09)

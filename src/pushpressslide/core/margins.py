@@ -43,9 +43,9 @@ TIPPING_MARGIN = 0.15
 uncertainty, and what a drag that is a tenth higher moves it by.
 """
 PUSH_TIPPING_MARGIN = 0.05
-"""Of the height at which a pushed object tips, that its contact stays below. What a push
-tips an object by is the friction times that height, and the pressure that it leaves
-still carries the object: the axle is read from the pressure as it is.
+"""Of the height at which a pushed object tips, that its contact stays below. Up to there
+pushes reach their goals as they do lower down: the axle is read from the pressure as
+the push leaves it.
 """
 SAFE_MARGIN = 0.5
 """Inside the base's edge from which on an object is driven at full speed: nearer to it
@@ -261,7 +261,7 @@ class ArmMargins:
     """Of a placement beside its motion: the way there, the touch, the release."""
     felt_force: float = field(default=0.2, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
-    felt_friction: float = field(default=0.5, metadata={"unit": "N"})
+    least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Of an object that two tips push: below it one tip alone moves it off the other."""
     least_press: float = field(default=3.0, metadata={"unit": "N"})
     """Below it a contact is not felt for sure, and bounces."""

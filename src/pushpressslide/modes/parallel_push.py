@@ -173,7 +173,7 @@ class ParallelPush(TwistPushes):
         margin = cone.angle(*cone_goal.direct)
         text = (
             f"the direct way is {describe_cone_margin(margin)}; "
-            f"no three twists of {cone_goal.longest:.2f} m"
+            f"no bent way of {cone_goal.longest:.2f} m"
         )
         return choice.refused(
             Refusal("outside_cone", text, margin, margins.CONE_MARGIN, "rad")

@@ -99,7 +99,7 @@ def drag_refusal(
     max_friction = scene.max_friction()
     felt = contacts * task.sensing.felt_force
     if contacts > 1:
-        felt = max(felt, margins.ARM.felt_friction)
+        felt = max(felt, margins.ARM.least_friction)
     if max_friction < felt:
         text = (
             "the object slides at {figure:N.2f}, before the contacts are felt: allowed "
