@@ -498,13 +498,12 @@ class Controller:
         self, state: ControllerState, allocation: Allocation
     ) -> list[TipHold | None]:
         """Return what keeps each of two pushing tips at its contact; None of others."""
-        contacts = state.binding.segment.contacts
-        sides = [contact.kind == "side" for contact in contacts]
-        if sum(sides) < 2 or not self.drives_on:
-            return [None] * len(contacts)
+        planned = state.segment.contacts
+        sides = sum(contact.kind == "side" for contact in planned)
+        if sides < 2 or not self.drives_on:
+            return [None] * len(planned)
         least = margins.HELD_SHARE * math.fsum(allocation.normals)
         least = max(least, self.mover.threshold)
-        planned = state.segment.contacts
         return [
             TipHold(c.tip_place(self.robots[c.arm].tip_radius)[0], least)
             for c in planned
@@ -596,16 +595,14 @@ class Controller:
         self, state: ControllerState, measurement: Measurement, X_WB: Pose2
     ) -> ControllerState:
         """Touch where the tips are; stop where contact is lost again and again."""
-        losses = state.losses
-        way = math.inf
-        if losses is not None:
-            way = self._way(losses.pose, X_WB)
-        if losses is None or way > margins.ARM.retouch:
-            losses = Losses(X_WB, 0)
-        losses = Losses(losses.pose, losses.count + 1)
+        within = margins.ARM.retouch
+        losses = Losses(X_WB, 1)
+        before = state.losses
+        if before is not None and self._way(before.pose, X_WB) <= within:
+            losses = Losses(before.pose, before.count + 1)
         state = replace(state, losses=losses)
         if losses.count > LOSSES:
-            text = f"contact lost {losses.count} times within {margins.ARM.retouch * 1e3:.0f} mm"
+            text = f"contact lost {losses.count} times within {within * 1e3:.0f} mm"
             return self.stop(state, measurement, ("contact_lost", text))
         return replace(begin(state, "touch", measurement), align=False)
 

@@ -91,7 +91,10 @@ class TipMover:
         """Return over how many measurements the normal force is averaged before a loss
         is judged: their mean is margins.LOSS_SIGMAS surer than the drop that counts as loss.
         """
-        drop = max(0.5 * self.threshold, (1.0 - margins.LOSS_SHARE) * contact.load)
+        drop = max(
+            margins.KEPT_SHARE * self.threshold,
+            (1.0 - margins.LOSS_SHARE) * contact.load,
+        )
         return max(1, math.ceil((margins.LOSS_SIGMAS * self.noise / drop) ** 2))
 
     def step(
@@ -167,7 +170,9 @@ class TipMover:
 
     def _least(self, contact: Contact) -> float:
         """Return the normal force [N] below which a contact counts as lost."""
-        return max(0.5 * self.threshold, margins.LOSS_SHARE * contact.load)
+        return max(
+            margins.KEPT_SHARE * self.threshold, margins.LOSS_SHARE * contact.load
+        )
 
     def _utilisation(
         self, force: Vector3, normal: Vector3, normal_force: float

@@ -29,8 +29,6 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 
-KEPT = 0.5  # of the force that tells of a contact, which tells that it is still there
-
 
 class TouchStep(NamedTuple):
     """What the touch of one tip comes to at a tick."""
@@ -79,22 +77,10 @@ class TipTouch:
         found = memory.found or context.X_WB
         memory = replace(memory, found=found)
         n = contact.direction(found)
-        before = tip_position(contact, found, self.radius, self.gap)
-        advanced = elapsed - aligned
-        resumed = aligned == 0.0
-        if memory.resumed is not None:
-            advanced = context.time - memory.resumed
-            resumed = True
-        depth = margins.ARM.touch_speed * advanced
-        origin = before
-        if resumed:  # go on from where the tip was when contact was lost
-            start = memory.start
-            ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
-            origin = _ahead(start, n, -ahead)
-            depth += min(ahead, self.gap)
+        origin, depth = self._advance(memory, context, found, elapsed, aligned)
         least = self.threshold
         if memory.felt is not None:
-            least *= KEPT
+            least *= margins.KEPT_SHARE
         here = pressed(context.tip.force, n) > least or self._pushes(context, found)
         memory = _felt(memory, here, context, depth)
         if memory.resumed == context.time:
@@ -117,6 +103,31 @@ class TipTouch:
         command = held_at(context, _ahead(origin, n, depth), velocity)
         memory = replace(memory, regulator=NormalForceState())
         return TouchStep(command, memory, False, problem)
+
+    def _advance(
+        self,
+        memory: TipMemory,
+        context: TipContext,
+        found: Pose2,
+        elapsed: float,
+        aligned: float,
+    ) -> tuple[Vector3, float]:
+        """Return where the tip's advance counts from [m], and how far it is led [m]: from
+        the free path before the object that was ``found``, X_WB, or from where the tip
+        was when it lost its contact.
+        """
+        contact = context.contact
+        before = tip_position(contact, found, self.radius, self.gap)
+        duration = elapsed - aligned
+        if memory.resumed is not None:
+            duration = context.time - memory.resumed
+        depth = margins.ARM.touch_speed * duration
+        if aligned > 0.0 and memory.resumed is None:
+            return before, depth
+        n = contact.direction(found)
+        start = memory.start
+        ahead = sum((s - b) * d for s, b, d in zip(start, before, n, strict=True))
+        return _ahead(start, n, -ahead), depth + min(ahead, self.gap)
 
     def force_of(self, contact: Contact) -> float:
         """Return what the tip presses ``contact`` with in the end [N]."""

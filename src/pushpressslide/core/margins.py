@@ -202,6 +202,8 @@ TOUCH_SHARE = 0.4
 """Of the force that would move the object, pressed before the motion."""
 LOSS_SHARE = 0.6
 """Of its planned load, below which a press counts as lost."""
+KEPT_SHARE = 0.5
+"""Of the force that tells of a contact, which tells that it is still there."""
 LEAST_SHARE = 0.2
 """Of its planned force, below which a push counts as lost."""
 HELD_SHARE = 0.1

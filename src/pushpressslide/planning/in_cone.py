@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from typing import Protocol
 
 import numpy as np
@@ -120,12 +120,11 @@ def path_onward(
     """Return the shortest of ``paths_in_cone`` as far inside as a plan has to be, else
     as far as the rest of one may; None where there is none.
     """
-    for inside in UNDER_WAY:
-        paths = paths_in_cone(start, goal, cone, inside, radius, longest)
-        path = next(paths, None)
-        if path is not None:
-            return path
-    return None
+    paths = chain.from_iterable(
+        paths_in_cone(start, goal, cone, inside, radius, longest)
+        for inside in UNDER_WAY
+    )
+    return next(paths, None)
 
 
 def paths_in_cone(

@@ -147,9 +147,8 @@ def _way_back(
     normal = np.array(frame.direction(contact.direction(objects.bodies[-1])))
     points = np.linspace(p, p - room * normal, RETREAT_SAMPLES)
     yaws = np.full(len(points), attitude.yaw(R))
-    # an arm that ends near a limit goes nearer by half of what is left, or not at all
-    room_left = 0.5 * float(problem.kin.joint_margin(q))
-    least = min(margins.ARM.joint_buffer, room_left)
+    # an arm that ends inside the buffer may use half of what is left to the limit
+    least = min(margins.ARM.joint_buffer, 0.5 * float(problem.kin.joint_margin(q)))
     way = continuation(problem.kin, points, yaws, q, attitude, least)
     end = objects.shapes[-1:]
 
