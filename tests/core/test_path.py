@@ -1,5 +1,6 @@
 """Laws of arc paths and speed profiles."""
 
+import itertools
 import math
 
 import pytest
@@ -46,6 +47,36 @@ def test_past_the_end_the_path_goes_on_straight(path):
     assert abs(left) < 1e-9
     assert curvature == 0.0
     assert abs(math.remainder(heading - path.end.yaw, 2.0 * math.pi)) < 1e-9
+
+
+@given(paths, st.floats(0.001, 0.1))
+def test_an_eased_path_turns_as_much_without_jumps_of_its_curvature(path, half):
+    n = 4000
+    step = path.length / n
+    turning = 0.0
+    largest = 0.0
+    before = path.pieces[0][0]
+    for i in range(n):
+        s = (i + 0.5) * step
+        curvature = path.curvature(s) + path.eased(s, half)[1]
+        turning += curvature * step
+        largest = max(largest, abs(curvature - before))
+        before = curvature
+    jumps = [abs(b - a) for (a, _), (b, _) in itertools.pairwise(path.pieces)]
+    windows = [min(half, s, path.length - s) for s, _ in path.starts[1:-1]]
+    steepest = sum(j / (2.0 * w) for j, w in zip(jumps, windows, strict=True))
+    assert abs(turning - path.turning) < 3.0 * sum(jumps) * step + 1e-9
+    assert largest <= steepest * step + 1e-9
+
+
+@given(paths, st.floats(0.001, 0.1), st.floats(0.0, 1.0))
+def test_the_heading_of_an_eased_path_belongs_to_its_curvature(path, half, share):
+    s = share * path.length
+    step = 1e-6
+    turned = path.eased(s + step, half)[0] - path.eased(s - step, half)[0]
+    bent = path.eased(s, half)[1]
+    if all(abs(s - bend) > 2.0 * step for bend, _ in path.starts):
+        assert turned / (2.0 * step) == pytest.approx(bent, abs=0.05)
 
 
 @given(poses, curvatures, lengths, lengths)

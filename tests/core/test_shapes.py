@@ -62,7 +62,8 @@ def test_depth_is_the_largest_margin_that_is_held(
 def test_a_point_is_inside_or_at_a_distance(shape: Shape, x: float, y: float) -> None:
     depth = shape.depth((x, y))
     distance = shape.distance((x, y))
-    assert (distance > 0.0) == (depth < 0.0)
+    assert distance == 0.0 or depth < 0.0
+    assert distance > 0.0 or depth > -1e-12  # on the outline rounding decides
     assert distance >= -depth - 1e-12
 
 

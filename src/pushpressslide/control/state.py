@@ -92,6 +92,7 @@ class TipMemory:
     touch_depth: float = 0.0  # [m] advance at which contact was felt
     regulator: NormalForceState = NormalForceState()
     velocity: Point | None = None  # [m/s] world, as last commanded in this phase
+    turn: float = 0.0  # [rad/s] of the tool, the same
     mean_force: float | None = None  # [N] of the last measurements, in this phase
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
     # of a tip that comes into this placement with the contact it has

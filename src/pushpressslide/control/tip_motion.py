@@ -35,7 +35,8 @@ HEIGHT_SLACK = 0.002  # [m] from the contact's height, within which it does
 PRESS_DAMPING = 150.0
 RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is led back
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
-TIP_ACCELERATION = {"side": 5.0, "top": 1.0}
+TIP_ACCELERATION = {"side": 0.5, "top": 1.0}
+TOOL_ACCELERATION = 5.0  # [rad/s^2] the same of the tool's turning
 
 
 class Felt(NamedTuple):
@@ -115,6 +116,7 @@ class TipMover:
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
+        turn, spin = _turning(memory.turn, task.twist.w, context.dt)
         normal, memory = self._along_height(memory, context, task, normal_force)
         if task.entry_speed is not None:  # nothing but the damper holds it back
             felt = Felt(False, 0.0)
@@ -132,12 +134,14 @@ class TipMover:
             damping=(self.damping, self.damping, normal.damping),
             normal_yaw=contact_yaw(contact, X_WB),
             tool_yaw=context.tool_yaw,
-            tool_yaw_rate=task.twist.w,
+            tool_yaw_rate=turn,
             servo_cap=max(SERVO_CAP, normal.push),  # the damper of an entry bears it
             progress=context.joint_progress,
             acceleration=(ax, ay, normal.acceleration),
+            tool_yaw_acceleration=spin,
         )
-        return command, replace(memory, velocity=velocity, mean_force=mean), felt
+        memory = replace(memory, velocity=velocity, turn=turn, mean_force=mean)
+        return command, memory, felt
 
     def _along_height(
         self,
@@ -203,6 +207,15 @@ class TipMover:
         ax = (velocity[0] - before[0]) / dt
         ay = (velocity[1] - before[1]) / dt
         return velocity, (ax, ay)
+
+
+def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
+    """Return rate [rad/s] and acceleration [rad/s^2] of the tool's reference after a
+    tick of ``dt`` [s], from the rate ``before`` to the ``wanted`` one.
+    """
+    most = TOOL_ACCELERATION * dt
+    turn = min(max(wanted, before - most), before + most)
+    return turn, (turn - before) / dt if dt > 0.0 else 0.0
 
 
 def _led_back(context: TipContext, hold: TipHold, normal_force: float) -> Point:

@@ -259,6 +259,10 @@ class ArmMargins:
     """The same as ``response`` of an object that tips hold from above."""
     turn_rate: float = field(default=0.8, metadata={"unit": "1/s"})
     """Of a pushed object: beyond it the tip slips where the steering jumps."""
+    steering_time: float = field(default=0.4, metadata={"unit": "s"})
+    """In which the steering of a push goes from one arc to the next: a tip that is led
+    aside at once slides along the face of a light object, and hammers it.
+    """
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
     """Of a placement beside its motion: the way there, the touch, the release."""
     felt_force: float = field(default=0.2, metadata={"unit": "N"})

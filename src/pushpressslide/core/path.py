@@ -99,6 +99,37 @@ class ArcPath:
         return self.pieces[self._piece(s)][0]
 
     @cached_property
+    def _bends(self) -> tuple[tuple[float, float, float], ...]:
+        """Where the curvature changes: arc length [m], by how much [1/m], and how far the
+        nearer end of the path is [m].
+        """
+        out = []
+        for i in range(1, len(self.pieces)):
+            s = self.starts[i][0]
+            change = self.pieces[i][0] - self.pieces[i - 1][0]
+            out.append((s, change, min(s, self.length - s)))
+        return tuple(out)
+
+    def eased(self, s: float, half: float) -> tuple[float, float]:
+        """Return what is added at arc length ``s`` [m] to heading [rad] and curvature
+        [1/m] where the path is averaged over ``half`` [m] before and behind.
+
+        Its curvature then has no jumps; the path itself moves by ``half`` squared times
+        the jump over 12, at most.
+        """
+        heading = 0.0
+        curvature = 0.0
+        for bend, change, room in self._bends:
+            off = s - bend
+            near = min(half, room)
+            left = near - abs(off)
+            if left > 0.0:
+                heading += 0.25 * change * left * left / near
+                share = 0.5 * left / near
+                curvature += change * (share if off < 0.0 else -share)
+        return heading, curvature
+
+    @cached_property
     def _projections(self) -> tuple[tuple[float, ...], ...]:
         """Rows for ``nearest``, one per piece and one for the straight line after the
         end.

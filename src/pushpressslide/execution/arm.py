@@ -47,6 +47,8 @@ class ArmState:
     J: Array  # (6, n) rows [angular; linear]
     M: Array  # (n, n) mass matrix
     bias: Array  # (n,) [N m] gravity and Coriolis compensation
+    # (6,) [rad/s^2; m/s^2] of a tip whose joints turn at constant rates
+    drift: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,11 +105,10 @@ class ArmExecutor:
         posture = POSTURE_STIFFNESS * error + POSTURE_DAMPING * (v_ref - arm.v)
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
-        if any(command.acceleration):
-            acceleration = frame.direction(command.acceleration)
-            tau += inertia_torque(
-                arm.J, arm.M, np.array((0.0, 0.0, 0.0, *acceleration))
-            )
+        spin = command.tool_yaw_acceleration * np.array(frame.spin_axis)
+        moved = frame.direction(command.acceleration)
+        acceleration = np.concatenate([spin, moved])
+        tau += inertia_torque(arm.J, arm.M, acceleration - arm.drift)
         if self.joint_stiffness > 0.0:
             damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - damping * arm.v

@@ -95,7 +95,8 @@ def _forceless(J: Array, torque: Array) -> Array:
 def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
     """Return the torque tau (n,) for the acceleration of the tip's reference.
 
-    ``acceleration`` (6,) [rad/s^2; m/s^2] is in world axes. J^T Lambda a with the
+    ``acceleration`` (6,) [rad/s^2; m/s^2] is in world axes, less that which the tip has
+    where the joints turn at constant rates: that one needs no torque. J^T Lambda a with the
     task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
     along the support also presses on it or lifts off, by the inertia's coupling. ``M``
     (n, n) mass matrix.

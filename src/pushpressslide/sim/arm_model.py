@@ -23,7 +23,14 @@ class ArmModel:
         self._plant = plant
         self._context = plant.CreateDefaultContext()
         self._tip = self.instance.tip_frame
-        self._world = plant.world_frame()
+        world = plant.world_frame()
+        self._at_tip = (
+            JacobianWrtVariable.kV,
+            self._tip,
+            np.zeros(3),
+            world,
+            world,
+        )
         self.size = plant.num_positions(self.instance.model_instance)
 
     def state(self, q: Array, v: Array) -> ArmState:
@@ -33,14 +40,8 @@ class ArmModel:
         plant = self._plant
         context = self._context
         plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
-        J = plant.CalcJacobianSpatialVelocity(
-            context,
-            JacobianWrtVariable.kV,
-            self._tip,
-            np.zeros(3),
-            self._world,
-            self._world,
-        )
+        J = plant.CalcJacobianSpatialVelocity(context, *self._at_tip)
+        drift = plant.CalcBiasSpatialAcceleration(context, *self._at_tip)
         X = self._tip.CalcPoseInWorld(context)
         M = plant.CalcMassMatrix(context)
         bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
@@ -56,4 +57,5 @@ class ArmModel:
             J,
             M,
             bias,
+            drift.get_coeffs(),
         )

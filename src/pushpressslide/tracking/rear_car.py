@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from math import cos, remainder, sin, sqrt, tan
 
+from pushpressslide.core import margins
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
@@ -14,6 +15,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
+
+EASING = 0.5 * margins.ARM.steering_time  # [s]
 
 new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
@@ -60,7 +63,9 @@ class RearPushTracker:
         progress, left, heading, curvature = path.nearest(
             X_WB.x + reach * cos(ahead), X_WB.y + reach * sin(ahead), progress
         )
-        heading_error = remainder(heading - yaw, TURN)
+        turned, bent = path.eased(progress, EASING * speed)
+        curvature += bent
+        heading_error = remainder(heading + turned - yaw, TURN)
         delta, saturated = self._steer(left, heading_error, curvature, grip)
         k = tan(delta)
         # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
