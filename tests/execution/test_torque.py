@@ -1,10 +1,15 @@
-"""Laws of what keeps joints inside their limits."""
+"""Laws of what keeps joints inside their limits, and of the tip's inertia."""
 
 import numpy as np
 import pytest
 
 from pushpressslide.core import margins
-from pushpressslide.execution.torque import kept_inside, task_torque
+from pushpressslide.execution.torque import (
+    LEAST_MOBILITY,
+    inertia_torque,
+    kept_inside,
+    task_torque,
+)
 
 N = 7
 LOWER = np.full(N, -2.0)
@@ -81,3 +86,20 @@ def test_where_the_arm_can_hardly_turn_the_tool_the_posture_holds_the_joints() -
     against = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
     tau = task_torque(J, np.zeros(3), np.zeros(3), against, np.zeros(N))
     assert tau @ against > 0.9 * (against @ against)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_nearer_a_singularity_the_less_the_arm_is_driven_out_of_it(
+    seed: int,
+) -> None:
+    J = jacobian(seed)
+    u, s, vt = np.linalg.svd(J, full_matrices=False)
+    forces = []
+    # of a mass matrix of ones the mobility along an axis is its singular value squared
+    for share in (1.0, 0.1, 0.01, 0.0):
+        s[5] = np.sqrt(share * LEAST_MOBILITY)
+        along = vt[5] @ inertia_torque((u * s) @ vt, np.eye(N), u[:, 5])
+        forces.append(along)
+    assert forces == sorted(forces, reverse=True)
+    assert forces[0] == pytest.approx(0.5 / np.sqrt(LEAST_MOBILITY))
+    assert forces[-1] == pytest.approx(0.0, abs=1e-6)

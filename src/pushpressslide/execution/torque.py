@@ -17,6 +17,8 @@ LIMIT_DAMPING = 10.0
 # squares of the singular values below which the tool's rotation, and the tip's motion,
 # are left to the posture
 SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
+# [1/kg], [1/(kg m^2)]: an arm that weighs more at its tip is hardly driven there
+LEAST_MOBILITY = 0.003
 FULL_RANK = 1e-6  # added to those squares, so that a singular posture has an inverse
 
 
@@ -99,11 +101,12 @@ def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
     where the joints turn at constant rates: that one needs no torque. J^T Lambda a with the
     task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
     along the support also presses on it or lifts off, by the inertia's coupling. ``M``
-    (n, n) mass matrix.
+    (n, n) mass matrix. Near a singularity, where Lambda grows without bound, the arm is
+    not driven along what it can hardly move: damped least squares, by ``LEAST_MOBILITY``.
     """
-    mobility = J @ np.linalg.solve(M, J.T)
-    mobility.flat[::7] += 1e-4  # [1/kg] bounds the torque near a singularity
-    out: Array = J.T @ np.linalg.solve(mobility, acceleration)
+    mobility, axes = np.linalg.eigh(J @ np.linalg.solve(M, J.T))
+    inertia = mobility / (mobility * mobility + LEAST_MOBILITY**2)
+    out: Array = J.T @ (axes @ (inertia * (axes.T @ acceleration)))
     return out
 
 
