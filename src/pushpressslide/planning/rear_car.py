@@ -20,6 +20,7 @@ from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Motion, Task
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
+from pushpressslide.mechanics.top import rooms_inside
 from pushpressslide.mechanics.virtual_axle import turned
 from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
@@ -28,6 +29,7 @@ from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 RESOLUTION = 6  # of the base
+ANGLES = 4  # of the force, at which a push is looked at
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited
 # curvature that the path uses, and on the speed. Near the cone's edge the contact's
@@ -52,26 +54,39 @@ class Route(NamedTuple):
     speed: float  # [m/s]
 
 
-def planned_angles(scene: Scene, motion: Motion) -> tuple[float, float]:
-    """Force angles [rad]: at which the path turns, and at the cone's edge."""
+def planned_angles(scene: Scene, motion: Motion) -> Array:
+    """Return force angles (4,) [rad] from the one at which the path turns to the cone's
+    edge.
+    """
     edge = math.atan(scene.contact_friction)
-    return motion.curvature_margin * edge, edge
+    return np.linspace(motion.curvature_margin * edge, edge, ANGLES)
 
 
 def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
-    """Return the twists (n, 2, 3) of the CoM that pushes on n faces drive at
-    ``planned_angles``; NaN where the object tips.
+    """Return the twists (n, 4, 3) of the CoM that pushes on n faces drive at
+    ``planned_angles``; NaN from that angle on at which the object tips, to the left or
+    to the right.
     """
-    feet = np.repeat([face.foot for face in pushed], 2, axis=0)
-    axes = [
-        turned(_towards_center(face), angle)
-        for face in pushed
-        for angle in planned_angles(scene, motion)
-    ]
+    angles = planned_angles(scene, motion)
+    feet = np.repeat([face.foot for face in pushed], 2 * ANGLES, axis=0)
+    axes = np.array(
+        [
+            turned(_towards_center(face), side * angle)
+            for face in pushed
+            for side in (1.0, -1.0)
+            for angle in angles
+        ]
+    )
     lift = contact_height(scene, motion) * scene.support.friction
     base = DraggedBase(scene.body, lift, RESOLUTION)
-    slid = base.slide(np.zeros_like(feet), feet, np.array(axes))
-    return slid.twists.reshape(-1, 2, 3)
+    slid = base.slide(np.zeros_like(feet), feet, axes)
+    shifts = lift * slid.shares[:, None] * axes
+    shifts /= 1.0 - margins.PUSH_TIPPING_MARGIN
+    tips = np.isnan(slid.shares) | (rooms_inside(scene.body, shifts) < 0.0)
+    left = slid.twists.reshape(-1, 2, ANGLES, 3)[:, 0]
+    tipped = tips.reshape(-1, 2, ANGLES).any(axis=1)
+    left[np.logical_or.accumulate(tipped, axis=1)] = math.nan
+    return left
 
 
 def _towards_center(face: Face) -> Point:
@@ -110,17 +125,18 @@ def fitted_car(
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
     those of the angle at which the path turns, the first of ``twists`` (from
-    ``push_twists``); its friction is lowered by the wheelbase's growth up to the cone's
-    edge, so that its tightest curve is the object's. Raises RefusedError where the
-    object tips.
+    ``push_twists``); its friction is lowered by the wheelbase's growth up to the
+    largest angle, so that its tightest curve is the object's. That angle is the cone's
+    edge, or less where the object would tip. Raises RefusedError where it tips at the
+    planned one.
     """
     mu = scene.contact_friction
     height = contact_height(scene, motion)
     shift = height * scene.support.friction
     if scene.rho is not None:
         return RearSteerCar(face.foot, face.normal, ORIGIN, scene.rho, mu), shift
-    if np.isnan(twists).any():
-        text = "a push at {figure:mm.0f} tips the object"
+    if np.isnan(twists[0]).any():
+        text = "a push at {figure:mm.0f} tips the object where it turns"
         raise RefusedError(Refusal("tipping", text, height, unit="m"))
     lever = math.hypot(*face.foot)
     ex = -face.foot[0] / lever
@@ -134,10 +150,11 @@ def fitted_car(
         # an ellipsoid about the shifted CoP has both equal; the longer one is stable
         return axle, max(wheelbase, axle - shift)
 
-    planned_angle, edge = planned_angles(scene, motion)
-    axle, wheelbase = car_like(twists[0], planned_angle)
-    _, tightest = car_like(twists[1], edge)
-    friction = mu * min(1.0, wheelbase / tightest)
+    last = int(np.count_nonzero(~np.isnan(twists[:, 0]))) - 1
+    angles = planned_angles(scene, motion)
+    axle, wheelbase = car_like(twists[0], angles[0])
+    _, tightest = car_like(twists[last], angles[last])
+    friction = math.tan(angles[last]) * min(1.0, wheelbase / tightest)
     rho = math.sqrt(lever * wheelbase)
     car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, friction)
     return car, axle - wheelbase
