@@ -6,8 +6,8 @@ import pytest
 from pushpressslide.core import margins
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
-    inertia_torque,
     kept_inside,
+    task_inertia,
     task_torque,
 )
 
@@ -98,7 +98,8 @@ def test_the_nearer_a_singularity_the_less_the_arm_is_driven_out_of_it(
     # of a mass matrix of ones the mobility along an axis is its singular value squared
     for share in (1.0, 0.1, 0.01, 0.0):
         s[5] = np.sqrt(share * LEAST_MOBILITY)
-        along = vt[5] @ inertia_torque((u * s) @ vt, np.eye(N), u[:, 5])
+        J = (u * s) @ vt
+        along = vt[5] @ J.T @ task_inertia(J, np.eye(N)) @ u[:, 5]
         forces.append(along)
     assert forces == sorted(forces, reverse=True)
     assert forces[0] == pytest.approx(0.5 / np.sqrt(LEAST_MOBILITY))

@@ -16,10 +16,10 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
 from pushpressslide.execution.torque import (
     LimitedTorque,
-    inertia_torque,
     joint_torque,
     kept_inside,
     limited,
+    task_inertia,
     task_torque,
 )
 
@@ -32,6 +32,9 @@ POSTURE_DAMPING = 14.0
 # arm and rotor. Less lets the spring bounce the tip off the face
 JOINT_DAMPING = 1.0
 FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
+# [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
+# that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
+SERVO_TIME = 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,11 +108,48 @@ class ArmExecutor:
         posture = POSTURE_STIFFNESS * error + POSTURE_DAMPING * (v_ref - arm.v)
         tau = task_torque(arm.J, moment, force, posture, arm.bias)
         tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
-        spin = command.tool_yaw_acceleration * np.array(frame.spin_axis)
-        moved = frame.direction(command.acceleration)
-        acceleration = np.concatenate([spin, moved])
-        tau += inertia_torque(arm.J, arm.M, acceleration - arm.drift)
+        tau += arm.J.T @ self._inertial(arm, command, velocity)
         if self.joint_stiffness > 0.0:
             damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - damping * arm.v
         return limited(tau, previous, self.effort, self.rate, self.dt)
+
+    def _inertial(self, arm: ArmState, command: TipCommand, velocity: Vector3) -> Array:
+        """Return the wrench (6,), world axes, that moves the arm's own inertia as the
+        command asks; ``velocity`` [m/s] of the tip, in the support's frame.
+
+        Lambda times the acceleration of the reference: without it an arm that is
+        accelerated along the support also presses on it or lifts off, by the inertia's
+        coupling. Less what the tip accelerates by where its joints turn at constant
+        rates: that needs no torque.
+        """
+        frame = self.frame
+        spin = command.tool_yaw_acceleration * np.array(frame.spin_axis)
+        moved = frame.direction(command.acceleration)
+        inertia = task_inertia(arm.J, arm.M)
+        wrench: Array = inertia @ (np.concatenate([spin, moved]) - arm.drift)
+        return wrench + self._caught_up(inertia, command, velocity)
+
+    def _caught_up(
+        self, inertia: Array, command: TipCommand, velocity: Vector3
+    ) -> Array:
+        """Return the wrench (6,), world axes, by which a tip of ``inertia`` (6, 6) comes
+        to its reference's velocity within ``SERVO_TIME``, beside its damper's force and
+        with it inside the servo's cap; ``velocity`` [m/s] is its own.
+
+        Nothing along an axis on which the damper alone is as quick.
+        """
+        damping = min(command.damping[:2])
+        if damping == 0.0:
+            return np.zeros(6)
+        plane = np.array(self.frame.axes)[:, :2]
+        mass, axes = np.linalg.eigh(plane.T @ inertia[3:, 3:] @ plane)
+        slow = np.maximum(0.0, 1.0 - damping * SERVO_TIME / mass)
+        error = np.subtract(command.velocity[:2], velocity[:2])
+        caught = axes @ (slow * (axes.T @ error)) / SERVO_TIME
+        wrench: Array = inertia[:, 3:] @ (plane @ caught)
+        size = float(np.linalg.norm(wrench[3:]))
+        left = command.servo_cap - damping * float(np.linalg.norm(error))
+        if size > left:
+            wrench *= max(0.0, left) / size
+        return wrench

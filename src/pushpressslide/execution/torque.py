@@ -94,19 +94,16 @@ def _forceless(J: Array, torque: Array) -> Array:
     return out
 
 
-def inertia_torque(J: Array, M: Array, acceleration: Array) -> Array:
-    """Return the torque tau (n,) for the acceleration of the tip's reference.
+def task_inertia(J: Array, M: Array) -> Array:
+    """Return Lambda = (J M^-1 J^T)^-1 (6, 6), the inertia that the arm has at its tip.
 
-    ``acceleration`` (6,) [rad/s^2; m/s^2] is in world axes, less that which the tip has
-    where the joints turn at constant rates: that one needs no torque. J^T Lambda a with the
-    task-space inertia Lambda = (J M^-1 J^T)^-1: without it an arm that is accelerated
-    along the support also presses on it or lifts off, by the inertia's coupling. ``M``
-    (n, n) mass matrix. Near a singularity, where Lambda grows without bound, the arm is
-    not driven along what it can hardly move: damped least squares, by ``LEAST_MOBILITY``.
+    ``J`` (6, n) as in ``task_torque``; ``M`` (n, n) mass matrix. Near a singularity,
+    where it grows without bound, the arm is not to be driven along what it can hardly
+    move: damped least squares, by ``LEAST_MOBILITY``.
     """
     mobility, axes = np.linalg.eigh(J @ np.linalg.solve(M, J.T))
     inertia = mobility / (mobility * mobility + LEAST_MOBILITY**2)
-    out: Array = J.T @ (axes @ (inertia * (axes.T @ acceleration)))
+    out: Array = (axes * inertia) @ axes.T
     return out
 
 

@@ -1,0 +1,110 @@
+"""An arm that is nearly stretched weighs much at its tip, and follows its reference's
+velocity all the same.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.control import TipCommand
+from pushpressslide.execution.arm import SERVO_TIME, ArmExecutor, ArmState
+from pushpressslide.execution.torque import LEAST_MOBILITY, task_inertia
+from pushpressslide.sim.arm_model import ArmModel
+
+NONE = (0.0, 0.0, 0.0)
+DAMPING = 1000.0  # [N s/m]
+CAP = 25.0  # [N]
+BENT = np.array([0.0, 0.4, 0.0, -2.0, 0.0, 2.3, 0.6])
+STRETCHED = np.array([0.0, 1.2, 0.0, -1.0, 0.0, 1.6, 0.6])
+
+
+@pytest.fixture(scope="module")
+def arm() -> ArmModel:
+    return ArmModel(pps.load_task("rear-push-rear").robots[0])
+
+
+def torque(arm: ArmModel, state: ArmState, error: np.ndarray) -> np.ndarray:
+    """Return the torque (n,) beside gravity's where the tip lacks ``error`` [m/s]."""
+    facts = arm.instance.facts
+    free = np.full(7, np.inf)
+    executor = ArmExecutor(
+        facts.lower,
+        facts.upper,
+        free,
+        free,
+        lambda yaw: state.rotation,
+        0.0,
+        0.0,
+        0.004,
+    )
+    asked = TipCommand(
+        force=NONE,
+        position=state.position,
+        velocity=(float(error[0]), float(error[1]), 0.0),
+        stiffness=NONE,
+        damping=(DAMPING, DAMPING, DAMPING),
+        normal_yaw=0.0,
+        tool_yaw=0.0,
+        tool_yaw_rate=0.0,
+        servo_cap=CAP,
+        progress=0.0,
+    )
+    limited = executor.contact(state, asked, state.q, state.v, state.bias)
+    return limited.torque - state.bias
+
+
+def radial(state: ArmState) -> tuple[np.ndarray, float]:
+    """Return the direction along the table in which the tip weighs most, and how much
+    it does [kg].
+    """
+    inertia = task_inertia(state.J, state.M)[3:5, 3:5]
+    mass, axes = np.linalg.eigh(inertia)
+    return axes[:, -1], float(mass[-1])
+
+
+def test_beside_the_damper_a_heavy_tip_is_moved_as_one_body_in_the_servos_time(
+    arm: ArmModel,
+) -> None:
+    state = arm.state(STRETCHED, np.zeros(7))
+    axis, mass = radial(state)
+    quick = DAMPING * SERVO_TIME  # [kg] that the damper alone moves in that time
+    assert mass > 2.0 * quick
+    error = 1e-4
+    damper = np.concatenate([np.zeros(3), DAMPING * error * axis, [0.0]])
+    beside = torque(arm, state, error * axis) - state.J.T @ damper
+    moved = state.J @ np.linalg.solve(state.M, beside)
+    wanted = (1.0 - quick / mass) * error / SERVO_TIME
+    # what the damped inverse leaves out along the axis of least mobility
+    mobility = np.linalg.eigvalsh(state.J @ np.linalg.solve(state.M, state.J.T))[0]
+    bound = (LEAST_MOBILITY / mobility) ** 2 * wanted
+    assert bound < 0.15 * wanted
+    expected = np.concatenate([np.zeros(3), wanted * axis, [0.0]])
+    assert moved == pytest.approx(expected, abs=bound)
+
+
+def test_a_light_tip_feels_its_damper_alone(arm: ArmModel) -> None:
+    state = arm.state(BENT, np.zeros(7))
+    _, mass = radial(state)
+    assert mass < DAMPING * SERVO_TIME
+    error = np.array([1e-3, 2e-3])
+    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
+    assert torque(arm, state, error) == pytest.approx(state.J.T @ force, abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.03, 0.1, 1.0])
+def test_the_servos_force_stays_below_its_cap_however_heavy_the_arm(
+    arm: ArmModel, speed: float
+) -> None:
+    state = arm.state(STRETCHED, np.zeros(7))
+    axis, _ = radial(state)
+    tau = torque(arm, state, speed * axis)
+    wrench = np.linalg.lstsq(state.J.T, tau, rcond=None)[0]
+    assert np.linalg.norm(wrench[3:5]) <= CAP + 1e-9
+
+
+def test_a_tip_that_is_as_fast_as_its_reference_feels_nothing(arm: ArmModel) -> None:
+    state = arm.state(STRETCHED, np.zeros(7))
+    still = replace(state, velocity=NONE)
+    assert torque(arm, still, np.zeros(2)) == pytest.approx(np.zeros(7), abs=1e-9)
