@@ -28,6 +28,7 @@ SIDES = tuple(
 TOPS = tuple(
     Contact(i, "top", (0.0, y), (0.0, 0.0), 0.1, 5.0) for i, y in enumerate((0.1, -0.1))
 )
+SPEED = 0.05  # [m/s]
 RADIUS = 0.02
 GONE = Felt(True, 0.0)
 THERE = Felt(False, 0.5)
@@ -62,9 +63,12 @@ def test_a_tip_that_sticks_off_its_height_is_left_there() -> None:
     assert height == pytest.approx(0.0395, abs=1e-5)
 
 
-def led(place: tuple[float, float], force: float) -> tuple[float, float]:
+def led(
+    place: tuple[float, float], force: float, speed: float = SPEED
+) -> tuple[float, float]:
     """Return the velocity [m/s] that one of two pushing tips at ``place`` [m] is led
-    with, in the axes of its contact, by an object that rests; it feels ``force`` [N].
+    with beside its ``speed`` [m/s] ahead, in the axes of its contact; it feels
+    ``force`` [N].
     """
     contact = SIDES[0]
     X_WB = Pose2(0.5, 0.1, 0.7)
@@ -76,18 +80,21 @@ def led(place: tuple[float, float], force: float) -> tuple[float, float]:
     )
     context = TipContext(contact, state, X_WB, 1.0, 0.004, 0.0, X_WB.yaw)
     mover = TipMover(500.0, 0.7, 0.2, 0.0, NormalForceRegulator())
-    task = TipTask(Twist(0.0, 0.0, 0.0), tip, (0.5, 0.0), 0.5, None, TipHold(tip, 0.4))
-    command, _, _ = mover.step(TipMemory((x, y, height)), context, task)
+    ahead = Twist(speed, 0.0, 0.0)
+    task = TipTask(ahead, tip, (0.5, 0.0), 0.5, None, TipHold(tip, 0.4))
+    memory = TipMemory((x, y, height), velocity=X_WB.rotate((speed, 0.0)))
+    command, _, _ = mover.step(memory, context, task)
     vx, vy, _ = command.velocity
-    return X_WB.unrotate((vx, vy))
+    on, along = X_WB.unrotate((vx, vy))
+    return (on - speed, along)
 
 
 def test_a_tip_that_parts_is_led_on_into_its_face() -> None:
     tip, _ = SIDES[0].tip_place(RADIUS)
     assert led(tip, 0.4) == pytest.approx((0.0, 0.0))
-    assert led(tip, 0.0) == pytest.approx((margins.ARM.led_back, 0.0))
+    assert led(tip, 0.0) == pytest.approx((margins.ARM.led_on, 0.0))
     on, across = led(tip, 0.2)
-    assert 0.0 < on < margins.ARM.led_back
+    assert 0.0 < on < margins.ARM.led_on
     assert across == pytest.approx(0.0)
 
 
@@ -98,8 +105,17 @@ def test_a_tip_that_slides_is_led_back_along_its_face(side: float) -> None:
     on, along = led((x, y + side * 2.0 * margins.ARM.slid_side), 1.0)
     assert on == pytest.approx(0.0)
     assert along * side < 0.0
-    _, far = led((x, y + side * 0.05), 1.0)
-    assert abs(far) == pytest.approx(margins.ARM.led_back)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("speed", [0.0, 0.005, SPEED])
+def test_a_tip_is_led_back_by_a_share_of_its_speed_and_not_where_it_stands(
+    side: float, speed: float
+) -> None:
+    x, y = SIDES[0].tip_place(RADIUS)[0]
+    on, along = led((x, y + side * 0.05), 1.0, speed)
+    assert on == pytest.approx(0.0)
+    assert abs(along) == pytest.approx(margins.ARM.return_share * speed)
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

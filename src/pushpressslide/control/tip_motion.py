@@ -123,7 +123,8 @@ class TipMover:
             force = _within(force, self.friction * max(normal_force, 0.0))
         vx, vy = velocity
         if task.hold is not None:
-            back_x, back_y = _led_back(context, task.hold, normal_force)
+            speed = math.hypot(vx, vy)
+            back_x, back_y = _led_back(context, task.hold, normal_force, speed)
             vx += back_x
             vy += back_y
         command = TipCommand(
@@ -218,23 +219,27 @@ def _turning(before: float, wanted: float, dt: float) -> tuple[float, float]:
     return turn, (turn - before) / dt if dt > 0.0 else 0.0
 
 
-def _led_back(context: TipContext, hold: TipHold, normal_force: float) -> Point:
+def _led_back(
+    context: TipContext, hold: TipHold, normal_force: float, speed: float
+) -> Point:
     """Return the velocity [m/s], along the support, that leads a pushing tip back to its
     contact: along the face to where it is planned, and on into a face that it feels
-    less of than ``hold.least``; ``normal_force`` [N] is what it feels.
+    less of than ``hold.least``; ``normal_force`` [N] is what it feels, ``speed`` [m/s]
+    at which it moves else.
 
     Its servo follows the twist that is wanted. Where the object turns otherwise, the
-    friction of a lightly loaded tip cannot hold it against the servo.
+    friction of a lightly loaded tip cannot hold it against the servo. A tip that sticks
+    turns the object on its way back: hence only by a share of its speed.
     """
     nx, ny, _ = context.contact.direction(context.X_WB)
     x, y = context.X_WB.apply(hold.place)
     px, py, _ = context.tip.position
     slid = (x - px) * -ny + (y - py) * nx
     beyond = max(0.0, abs(slid) - margins.ARM.slid_side)
-    most = margins.ARM.led_back
-    along = math.copysign(min(most, RETURN_RATE * beyond), slid)
+    back = min(RETURN_RATE * beyond, margins.ARM.return_share * speed)
+    along = math.copysign(back, slid)
     lacking = min(max(1.0 - normal_force / hold.least, 0.0), 1.0)
-    on = most * lacking
+    on = margins.ARM.led_on * lacking
     return (on * nx - along * ny, on * ny + along * nx)
 
 

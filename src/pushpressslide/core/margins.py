@@ -345,8 +345,12 @@ class ArmMargins:
     """Off its contact along the face, above which one of two pushing tips is led back:
     what touching it leaves.
     """
-    led_back: float = field(default=0.01, metadata={"unit": "m/s"})
-    """At most, of one of two pushing tips on the way back to its contact."""
+    return_share: float = field(default=0.1, metadata={"unit": "1"})
+    """Of its speed, at most, at which one of two pushing tips is led back along the face:
+    more of it turned objects by degrees while they crawled up to the goal.
+    """
+    led_on: float = field(default=0.01, metadata={"unit": "m/s"})
+    """At most, of one of two pushing tips that is led on into a face it hardly feels."""
     off_axle: float = field(default=0.015, metadata={"unit": "m"})
     """Of the virtual axle from where it is planned: what noisy poses tell apart."""
     least_left: float = field(default=0.02, metadata={"unit": "m"})
