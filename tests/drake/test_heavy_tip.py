@@ -25,8 +25,12 @@ def arm() -> ArmModel:
     return ArmModel(pps.load_task("rear-push-rear").robots[0])
 
 
-def torque(arm: ArmModel, state: ArmState, error: np.ndarray) -> np.ndarray:
-    """Return the torque (n,) beside gravity's where the tip lacks ``error`` [m/s]."""
+def torque(
+    arm: ArmModel, state: ArmState, error: np.ndarray, stiffness: float = 0.0
+) -> np.ndarray:
+    """Return the torque (n,) beside gravity's where the tip lacks ``error`` [m/s], held
+    by a spring of ``stiffness`` [N/m] where it is.
+    """
     facts = arm.instance.facts
     free = np.full(7, np.inf)
     executor = ArmExecutor(
@@ -43,7 +47,7 @@ def torque(arm: ArmModel, state: ArmState, error: np.ndarray) -> np.ndarray:
         force=NONE,
         position=state.position,
         velocity=(float(error[0]), float(error[1]), 0.0),
-        stiffness=NONE,
+        stiffness=(stiffness, stiffness, 0.0),
         damping=(DAMPING, DAMPING, DAMPING),
         normal_yaw=0.0,
         tool_yaw=0.0,
@@ -108,3 +112,13 @@ def test_a_tip_that_is_as_fast_as_its_reference_feels_nothing(arm: ArmModel) -> 
     state = arm.state(STRETCHED, np.zeros(7))
     still = replace(state, velocity=NONE)
     assert torque(arm, still, np.zeros(2)) == pytest.approx(np.zeros(7), abs=1e-9)
+
+
+def test_a_tip_that_a_spring_leads_feels_spring_and_damper_alone(arm: ArmModel) -> None:
+    """Its reference may move while its velocity is said to be zero, as on the way back
+    from a contact."""
+    state = arm.state(STRETCHED, np.zeros(7))
+    error = np.array([1e-3, 2e-3])
+    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
+    led = torque(arm, state, error, stiffness=1500.0)
+    assert led == pytest.approx(state.J.T @ force, abs=1e-9)

@@ -137,10 +137,11 @@ class ArmExecutor:
         to its reference's velocity within ``SERVO_TIME``, beside its damper's force and
         with it inside the servo's cap; ``velocity`` [m/s] is its own.
 
-        Nothing along an axis on which the damper alone is as quick.
+        Nothing along an axis on which the damper alone is as quick, and nothing where a
+        spring leads the tip.
         """
         damping = min(command.damping[:2])
-        if damping == 0.0:
+        if damping == 0.0 or any(command.stiffness[:2]):
             return np.zeros(6)
         plane = np.array(self.frame.axes)[:, :2]
         mass, axes = np.linalg.eigh(plane.T @ inertia[3:, 3:] @ plane)
