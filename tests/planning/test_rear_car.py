@@ -7,13 +7,21 @@ import numpy as np
 import pytest
 
 from pushpressslide import load_task
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.shapes import Prism
 from pushpressslide.core.task import ObjectModel
 from pushpressslide.mechanics.faces import Face
-from pushpressslide.planning.rear_car import fitted_car, planned_angles, push_twists
+from pushpressslide.planning.rear_car import (
+    fitted_car,
+    planned_angles,
+    push_twists,
+    route_onward,
+)
 from pushpressslide.planning.side_contacts import pushable
+from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
+from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 # long, narrow and tall: pushed along its length it tips over a side before it tips ahead
 TASK = load_task(
@@ -92,3 +100,20 @@ def test_a_push_that_tips_where_the_path_turns_is_refused() -> None:
     tipping = np.full_like(twists, math.nan)
     with pytest.raises(RefusedError, match="tips the object where it turns"):
         fitted_car(BASE, motion, NARROW, tipping)
+
+
+@pytest.mark.parametrize("ahead", [0.06, 0.1, 0.2])
+@pytest.mark.parametrize("left", [-0.003, 0.003])
+def test_a_push_that_is_a_little_off_has_a_way_on_to_its_goal(
+    ahead: float, left: float
+) -> None:
+    """Also where less is left than the planned run-in: the turns need room."""
+    car = RearSteerCar((-0.06, 0.0), (1.0, 0.0), ORIGIN, 0.045, 0.4)
+    drive = RearSteerDrive(car, 3.0, 0.0, curvature_share=0.55, run_in=0.16)
+    start = Pose2(0.0, 0.0, 0.0)
+    goal = Pose2(ahead, left, math.copysign(math.radians(1.0), left))
+    path = route_onward((start, goal), drive, 1.15 * ahead, 0.0)
+    assert path is not None
+    end = path.pose(path.length)
+    assert (end.x, end.y, end.yaw) == pytest.approx((goal.x, goal.y, goal.yaw))
+    assert path.pieces[-1][0] == 0.0
