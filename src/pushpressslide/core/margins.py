@@ -185,6 +185,10 @@ may be elsewhere.
 """
 CAR_RUN_INS = (1.0, 0.5, 0.25)
 """Of ``motion.run_in``: the straight ends of a pushed car that are tried."""
+RUN_INS_ONWARD = (1.0, 0.5, 0.25, 0.125)
+"""Of the planned straight end of a rear push, on a path made under way: what is left of
+the old one is no room for the turns to a new one.
+"""
 REST_TO_REST = 1.2
 """Times speed over acceleration: what a turn that begins and ends at rest takes
 besides.

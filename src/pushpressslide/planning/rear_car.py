@@ -44,10 +44,6 @@ COMFORT = (
     (0.0, 1.35, 0.5),
 )
 
-# Of the planned run-in, on a path from where the object is: what is left of the old one
-# is no room for the turns to a new one
-RUN_INS_ONWARD = (1.0, 0.5, 0.25, 0.125)
-
 
 class Route(NamedTuple):
     """One path of the virtual front axle."""
@@ -212,7 +208,7 @@ def route_onward(
     low, high = drive.car.curvature_limits
     planned = drive.curvature_share
     for share in (planned, 0.5 * (1.0 + planned)):
-        for kept in RUN_INS_ONWARD:
+        for kept in margins.RUN_INS_ONWARD:
             run_in = kept * drive.run_in
             path = with_run_in(ends, share * high, -share * low, run_in, turning)
             if path.length <= longest and abs(path.turning - turning) <= math.pi:
