@@ -135,7 +135,18 @@ def run(table: Table, jobs: int) -> None:
     finally:
         table.rows.parent.mkdir(parents=True, exist_ok=True)
         if rows.exists():
-            table.rows.write_bytes(rows.read_bytes())
+            publish(rows, table.rows)
+
+
+def publish(rows: Path, published: Path) -> None:
+    """Write the rows of the last sweep in ``rows`` to ``published``: those of earlier
+    sources stand behind no table any more.
+    """
+    lines = rows.read_text().splitlines(keepends=True)
+    key = json.loads(lines[-1])["key"]
+    published.write_text(
+        "".join(line for line in lines if json.loads(line)["key"] == key)
+    )
 
 
 def read(table: Table) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:

@@ -47,7 +47,6 @@ from pushpressslide.planning.segments import (
 )
 from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
-from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
 
@@ -234,7 +233,9 @@ class RearPush(Mode):
         try:
             center = measured.findings.center
             rho = task.scene.rho or old.rho
-            car = RearSteerCar(contact.point, contact.normal, center, rho, old.mu)
+            car = replace(
+                old, contact=contact.point, normal=contact.normal, cop=center, rho=rho
+            )
         except ValueError:
             return None
         low, high = car.curvature_limits

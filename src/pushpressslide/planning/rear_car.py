@@ -29,7 +29,10 @@ from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
 RESOLUTION = 6  # of the base
-ANGLES = 4  # of the force, at which a push is looked at
+# of the force at which a push is looked at, up to the one that the object must stand,
+# and on to the cone's edge
+ANGLES = (5, 3)
+SIDES = (1.0, -1.0)  # left and right of the heading axis
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited
 # curvature that the path uses, and on the speed. Near the cone's edge the contact's
@@ -54,26 +57,35 @@ class Route(NamedTuple):
     speed: float  # [m/s]
 
 
-def planned_angles(scene: Scene, motion: Motion) -> Array:
-    """Return force angles (4,) [rad] from the one at which the path turns to the cone's
+def looked_at(scene: Scene, motion: Motion) -> Array:
+    """Return the force angles (8,) [rad] at which a push is looked at, up to the cone's
     edge.
     """
     edge = math.atan(scene.contact_friction)
-    return np.linspace(motion.curvature_margin * edge, edge, ANGLES)
+    below, above = ANGLES
+    planned = motion.curvature_margin
+    shares = np.concatenate(
+        [
+            planned * np.arange(1, below + 1) / below,
+            np.linspace(planned, 1.0, above + 1)[1:],
+        ]
+    )
+    return shares * edge
 
 
 def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
-    """Return the twists (n, 4, 3) of the CoM that pushes on n faces drive at
-    ``planned_angles``; NaN from that angle on at which the object tips, to the left or
-    to the right.
+    """Return the twists (n, 2, 8, 3) of the CoM that pushes on n faces drive at the
+    angles ``looked_at``, to the left and to the right; NaN from that angle on at which
+    the object tips to either side.
     """
-    angles = planned_angles(scene, motion)
-    feet = np.repeat([face.foot for face in pushed], 2 * ANGLES, axis=0)
+    angles = looked_at(scene, motion)
+    count = len(angles)
+    feet = np.repeat([face.foot for face in pushed], 2 * count, axis=0)
     axes = np.array(
         [
             turned(_towards_center(face), side * angle)
             for face in pushed
-            for side in (1.0, -1.0)
+            for side in SIDES
             for angle in angles
         ]
     )
@@ -83,10 +95,9 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     shifts = lift * slid.shares[:, None] * axes
     shifts /= 1.0 - margins.PUSH_TIPPING_MARGIN
     tips = np.isnan(slid.shares) | (rooms_inside(scene.body, shifts) < 0.0)
-    left = slid.twists.reshape(-1, 2, ANGLES, 3)[:, 0]
-    tipped = tips.reshape(-1, 2, ANGLES).any(axis=1)
-    left[np.logical_or.accumulate(tipped, axis=1)] = math.nan
-    return left
+    twists = slid.twists.reshape(-1, 2, count, 3)
+    tipped = np.logical_or.accumulate(tips.reshape(-1, 2, count).any(axis=1), axis=1)
+    return np.where(tipped[:, None, :, None], math.nan, twists)
 
 
 def _towards_center(face: Face) -> Point:
@@ -124,39 +135,41 @@ def fitted_car(
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angle at which the path turns, the first of ``twists`` (from
-    ``push_twists``); its friction is lowered by the wheelbase's growth up to the
-    largest angle, so that its tightest curve is the object's. That angle is the cone's
-    edge, or less where the object would tip. Raises RefusedError where it tips at the
-    planned one.
+    those of the angle at which the path turns, the means of both sides: its curvature is
+    the planned share of the tightest among ``twists`` (from ``push_twists``), and the
+    car is steered to no tighter curve. A thin bar that is pushed across its length turns
+    nearly as tightly at 8 degrees as at the cone's edge, and a thinner one less tightly
+    beyond. Raises RefusedError where the object tips at the planned share of the edge.
     """
     mu = scene.contact_friction
     height = contact_height(scene, motion)
     shift = height * scene.support.friction
     if scene.rho is not None:
         return RearSteerCar(face.foot, face.normal, ORIGIN, scene.rho, mu), shift
-    if np.isnan(twists[0]).any():
+    if np.isnan(twists[:, : ANGLES[0]]).any():
         text = "a push at {figure:mm.0f} tips the object where it turns"
         raise RefusedError(Refusal("tipping", text, height, unit="m"))
     lever = math.hypot(*face.foot)
     ex = -face.foot[0] / lever
     ey = -face.foot[1] / lever
-
-    def car_like(twist: Array, angle: float) -> tuple[float, float]:
-        """Distance of the axle from the CoM, and the effective wheelbase [m]."""
-        vx, vy, w = (float(part) for part in twist)
-        axle = (ey * vx - ex * vy) / w
-        wheelbase = -math.tan(angle) * (vx * ex + vy * ey) / w
-        # an ellipsoid about the shifted CoP has both equal; the longer one is stable
-        return axle, max(wheelbase, axle - shift)
-
-    last = int(np.count_nonzero(~np.isnan(twists[:, 0]))) - 1
-    angles = planned_angles(scene, motion)
-    axle, wheelbase = car_like(twists[0], angles[0])
-    _, tightest = car_like(twists[last], angles[last])
-    friction = math.tan(angles[last]) * min(1.0, wheelbase / tightest)
+    standing = ~np.isnan(twists[0, :, 0])
+    vx, vy, w = np.moveaxis(twists[:, standing], -1, 0)
+    left, right = -w / (vx * ex + vy * ey)
+    tangents = np.tan(looked_at(scene, motion)[standing])
+    wheelbases = 2.0 * tangents / (left - right)
+    across = ey * vx - ex * vy
+    axles = (across[0] - across[1]) / (w[0] - w[1])
+    # an ellipsoid about the shifted CoP has both equal; the longer one is stable
+    wheelbases = np.maximum(wheelbases, axles - shift)
+    turns = tangents / wheelbases
+    tightest = float(turns.max())
+    turning = motion.curvature_margin * tightest
+    first = int(np.argmax(turns >= turning))
+    rising = slice(max(first - 1, 0), first + 1)
+    axle = float(np.interp(turning, turns[rising], axles[rising]))
+    wheelbase = float(np.interp(turning, turns[rising], wheelbases[rising]))
     rho = math.sqrt(lever * wheelbase)
-    car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, friction)
+    car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, mu, tightest)
     return car, axle - wheelbase
 
 
