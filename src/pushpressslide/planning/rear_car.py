@@ -46,6 +46,7 @@ COMFORT = (
     (0.1, 1.35, 0.5),
     (0.0, 1.35, 0.5),
 )
+HARDEST = max(harder for _, harder, _ in COMFORT)
 
 
 class Route(NamedTuple):
@@ -135,9 +136,11 @@ def fitted_car(
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angle at which the path turns, the means of both sides: its curvature is
-    the planned share of the tightest among ``twists`` (from ``push_twists``), and the
-    car is steered to no tighter curve. A thin bar that is pushed across its length turns
+    those of the angle at which the hardest path turns, the means of both sides: its
+    curvature is the planned share of the tightest among ``twists`` (from
+    ``push_twists``), and the car is steered to no tighter curve. A car with a longer
+    wheelbase than the object's is stable, one with a shorter one is not. A thin bar that
+    is pushed across its length turns
     nearly as tightly at 8 degrees as at the cone's edge, and a thinner one less tightly
     beyond. Raises RefusedError where the object tips at the planned share of the edge.
     """
@@ -163,7 +166,7 @@ def fitted_car(
     wheelbases = np.maximum(wheelbases, axles - shift)
     turns = tangents / wheelbases
     tightest = float(turns.max())
-    turning = motion.curvature_margin * tightest
+    turning = min(1.0, HARDEST * motion.curvature_margin) * tightest
     first = int(np.argmax(turns >= turning))
     rising = slice(max(first - 1, 0), first + 1)
     axle = float(np.interp(turning, turns[rising], axles[rising]))
