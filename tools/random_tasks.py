@@ -84,14 +84,14 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1500 + i, attempts, ALONE)
+        Table(mode, f"`{mode}`", task, 1600 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1505, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1506, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1605, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1606, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1510 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1610 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 AMONG_OBSTACLES = (

@@ -343,10 +343,12 @@ def test_on_the_path_the_forces_slide_the_object_on_the_exact_surface_as_the_tra
     mode: Mode,
 ) -> None:
     """No ellipsoid has a part in this. The drive's ellipsoid touches the exact surface
-    at the segment's main twist; on the short lead-ins it is 12 degrees off at most.
+    at the segment's main twist; on the short lead-ins, and where steering is led from
+    one arc to the next, it is 12 degrees and a tenth of the force off at most.
     """
     rng = random.Random(8)
     angles = []
+    excesses = []
     main = []
     for _, made in planned(mode, 12):
         for _ in range(4):
@@ -355,14 +357,18 @@ def test_on_the_path_the_forces_slide_the_object_on_the_exact_surface_as_the_tra
                 *guidance.wrench[:3]
             )
             level, twist, length = exact_motion(made, segment, allocation.forces)
-            assert level == pytest.approx(1.0, abs=0.04)
+            excesses.append(abs(level - 1.0))
             angles.append(angle_between(twist, guidance.twist, length))
             if on_main_twist(segment, guidance.progress):
                 main.append(angles[-1])
     main.sort()
+    excesses.sort()
+    assert excesses[-1] < 0.1
+    assert excesses[int(0.95 * len(excesses))] < 0.04
     assert max(angles) < 12.0
     assert len(main) > 0.5 * len(angles)
-    assert main[int(0.95 * len(main))] < 4.0
+    assert main[len(main) // 2] < 1.0
+    assert main[int(0.95 * len(main))] < 5.0
 
 
 @every_mode

@@ -10,17 +10,20 @@ from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.shapes import Prism
+from pushpressslide.core.shapes import Box, Prism
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.rear_car import (
     ANGLES,
+    HARDER,
     fitted_car,
     looked_at,
+    planned_share,
     push_twists,
     route_onward,
 )
-from pushpressslide.planning.side_contacts import pushable
+from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 
@@ -47,7 +50,8 @@ def car_angle(body: ObjectModel, face: Face, height: float) -> float:
     stands = ~np.isnan(twists[0, :, 0])
     if not stands[: ANGLES[0]].all():
         return math.nan
-    return float(looked_at(scene(body), motion)[np.count_nonzero(stands) - 1])
+    angles = looked_at(scene(body), motion, face)
+    return float(angles.mean(axis=0)[np.count_nonzero(stands) - 1])
 
 
 def test_the_higher_a_push_the_less_it_may_steer_and_then_it_tips() -> None:
@@ -88,9 +92,9 @@ def test_an_object_and_its_mirror_image_tip_alike(height: float) -> None:
 def test_a_car_that_is_not_to_tip_the_object_steers_less() -> None:
     motion = replace(TASK.motion, contact_height=0.05)
     twists = push_twists(BASE, motion, [NARROW])[0]
-    free, _ = fitted_car(BASE, motion, NARROW, twists)
+    free, _ = fitted_car(BASE, motion, NARROW, twists, 0.5)
     twists[:, ANGLES[0] :] = math.nan
-    tipping, _ = fitted_car(BASE, motion, NARROW, twists)
+    tipping, _ = fitted_car(BASE, motion, NARROW, twists, 0.5)
     assert max(tipping.curvature_limits) < 0.8 * max(free.curvature_limits)
 
 
@@ -99,7 +103,79 @@ def test_a_push_that_tips_where_the_path_turns_is_refused() -> None:
     twists = push_twists(BASE, motion, [NARROW])[0]
     tipping = np.full_like(twists, math.nan)
     with pytest.raises(RefusedError, match="tips the object where it turns"):
-        fitted_car(BASE, motion, NARROW, tipping)
+        fitted_car(BASE, motion, NARROW, tipping, 0.5)
+
+
+def exact_turn(pushed: Scene, face: Face, angle: float) -> tuple[float, float]:
+    """Return the curvature [1/m] of a push at a force ``angle`` [rad], and how far ahead
+    of the CoM the axle is [m], on the exact limit surface.
+    """
+    lift = contact_height(pushed, TASK.motion) * pushed.support.friction
+    heading = math.atan2(-face.foot[1], -face.foot[0])
+    push = np.array([[math.cos(heading + angle), math.sin(heading + angle)]])
+    slid = DraggedBase(pushed.body, lift, 16).slide(
+        np.zeros((1, 2)), np.array([face.foot]), push
+    )
+    vx, vy, w = slid.twists[0]
+    ahead = vx * math.cos(heading) + vy * math.sin(heading)
+    across = vy * math.cos(heading) - vx * math.sin(heading)
+    return w / ahead, -across / w
+
+
+def fitted_to(
+    pushed: Scene, face: Face, harder: float = 1.0
+) -> tuple[RearSteerCar, float]:
+    """Return the car of a path that is ``harder`` than planned, and its CoP's place."""
+    twists = push_twists(pushed, TASK.motion, [face])[0]
+    share = planned_share(TASK.motion, harder)
+    return fitted_car(pushed, TASK.motion, face, twists, share)
+
+
+@pytest.mark.parametrize(
+    "size", [(0.12, 0.12, 0.08), (0.1, 0.3, 0.08), (0.05, 0.4, 0.03)]
+)
+@pytest.mark.parametrize("harder", HARDER)
+def test_the_planned_turn_of_a_car_is_the_objects(
+    size: tuple[float, float, float], harder: float
+) -> None:
+    """On the exact limit surface, also of a thin bar pushed across its length."""
+    pushed = scene(replace(BASE.body, shape=Box(size)))
+    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    car, shift = fitted_to(pushed, face, harder)
+    assert car.bounds is not None
+    turn = planned_share(TASK.motion, harder) * car.bounds[1]
+    curvature, axle = exact_turn(pushed, face, car.steering(turn))
+    assert curvature == pytest.approx(turn, rel=0.06)
+    assert abs(axle - shift - car.effective_wheelbase) < 0.02 * size[1]
+
+
+def test_a_long_bar_pushed_at_its_end_turns_more_than_its_car_never_less() -> None:
+    """Its axle is farther ahead than its curvature says: the longer of both is stable."""
+    pushed = scene(replace(BASE.body, shape=Box((0.3, 0.06, 0.06))))
+    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    car, shift = fitted_to(pushed, face)
+    assert car.bounds is not None
+    turn = planned_share(TASK.motion, 1.0) * car.bounds[1]
+    curvature, axle = exact_turn(pushed, face, car.steering(turn))
+    assert curvature > 1.1 * turn
+    assert abs(axle - shift - car.effective_wheelbase) < 0.003
+
+
+def test_a_contact_beside_the_centre_of_mass_turns_farther_to_one_side() -> None:
+    """Each side is looked at up to its own edge of the cone."""
+    body = replace(BASE.body, shape=Box((0.12, 0.2, 0.08)), center_of_mass=(0.0, 0.02))
+    pushed = scene(body)
+    face = next(face for face in pushable(pushed) if face.normal[0] > 0.9)
+    face = replace(face, foot=(face.foot[0], -0.02), offset=-0.02)
+    car, _ = fitted_to(pushed, face)
+    right, left = car.bounds or (0.0, 0.0)
+    half = math.atan(pushed.contact_friction)
+    eta = math.atan2(0.02, face.depth)
+    assert car.eta == pytest.approx(eta)
+    assert car.steering_limits[0] < -half
+    assert left > -1.5 * right
+    exact = [exact_turn(pushed, face, angle)[0] for angle in (half - eta, -half - eta)]
+    assert left - right == pytest.approx(exact[1] - exact[0], rel=0.15)
 
 
 @pytest.mark.parametrize("ahead", [0.06, 0.1, 0.2])

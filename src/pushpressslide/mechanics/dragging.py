@@ -260,5 +260,6 @@ def _solved(matrix: Array, right: Array) -> Array:
     solved: Array = np.stack(
         [A * p + B * q + C * r, B * p + D * q + E * r, C * p + E * q + F * r]
     )
-    solved /= a * A + b * B + c * C
+    with np.errstate(divide="ignore", invalid="ignore"):  # a base without load: NaN
+        solved /= a * A + b * B + c * C
     return solved

@@ -5,9 +5,10 @@ front axle (docs/mechanics.md, section 3).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
+from typing import NamedTuple
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
@@ -30,9 +31,11 @@ from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
+    HARDER,
     cone_margin,
     contact_refusal,
     fitted_car,
+    planned_share,
     push_twists,
     route,
     route_onward,
@@ -65,26 +68,24 @@ class RearPush(Mode):
 
     def least_time(self, task: Task) -> float:
         """Return the time [s] of the shortest path of any face's car, at full speed."""
-        ends = task.body_ends
         lengths = [
-            shortest_length(drive, ends) for drive in _drives(task.scene, task.motion)
+            shortest_length(task, drive)
+            for fitted in _fitted(task.scene, task.motion)
+            for drive in fitted.drives.values()
         ]
         return min(lengths, default=math.inf) / task.motion.speed
 
     def drafts(self, task: Task) -> list[Draft]:
         """Return one draft per face."""
-        pushed = pushable(task.scene, task.motion.face)
-        twists = push_twists(task.scene, task.motion, pushed)
         return [
-            Draft(0.0, partial(self._push, task, face, pair))
-            for face, pair in zip(pushed, twists, strict=True)
+            Draft(0.0, partial(self._push, task, fitted))
+            for fitted in _fitted(task.scene, task.motion)
         ]
 
-    def _push(
-        self, task: Task, face: Face, twists: Array, evaluated: bool
-    ) -> list[Choice]:
+    def _push(self, task: Task, fitted: FittedFace, evaluated: bool) -> list[Choice]:
         """Judge a push on a face but for the arms' reach."""
         scene = task.scene
+        face = fitted.face
         height = contact_height(scene, task.motion)
         contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
         label = f"face {face.index}"
@@ -92,25 +93,19 @@ class RearPush(Mode):
             label += f" at {describe_points([face.foot])}"
         choice = Choice(self.name, label, (contact,))
         refusal = contact_refusal(task, face, height)
-        try:
-            car, shift = fitted_car(scene, task.motion, face, twists)
-        except ValueError as error:
-            return [choice.refused(refusal or refusal_of(error, "tipping"))]
-        low, high = car.curvature_limits
-        if not low < 0.0 < high:
-            straight = (
-                f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
-            )
-            return [choice.refused(refusal or Refusal("not_straight", straight))]
-        drive = RearSteerDrive(car, scene.max_friction(), shift)
-        driven = self._driven(task, choice, drive)
+        refusal = refusal or fitted.refusal
+        if not fitted.drives:
+            return [choice.refused(refusal)]
+        driven = self._driven(task, choice, fitted.drives)
         return either_arm(task, driven.refused(refusal or driven.refusal))
 
-    def _driven(self, task: Task, choice: Choice, drive: RearSteerDrive) -> Choice:
+    def _driven(
+        self, task: Task, choice: Choice, drives: Mapping[float, RearSteerDrive]
+    ) -> Choice:
         """Return the choice with the path of a car; refused if that winds too much."""
-        car = drive.car
+        best, looped = route(task, drives)
+        car = best.drive.car
         low, high = car.curvature_limits
-        best, looped = route(task, drive)
         path = best.path
         share = best.curvature_share
         margin = cone_margin(car, path)
@@ -118,7 +113,7 @@ class RearPush(Mode):
             task,
             self.name,
             choice.contacts,
-            replace(drive, curvature_share=share, run_in=best.run_in),
+            replace(best.drive, curvature_share=share, run_in=best.run_in),
             path,
             speed=best.speed,
             cone_margin=margin,
@@ -250,20 +245,39 @@ class RearPush(Mode):
         return None if path is None else Course((contact,), drive, path)
 
 
+class FittedFace(NamedTuple):
+    """A face, and what pushes by it drive."""
+
+    face: Face
+    drives: Mapping[float, RearSteerDrive]  # of paths, by how hard; none if refused
+    refusal: Refusal | None
+
+
 @lru_cache(maxsize=64)
-def _drives(scene: Scene, motion: Motion) -> tuple[RearSteerDrive, ...]:
-    """Return the drives of all faces by which the object can be pushed straight."""
+def _fitted(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
+    """Return the faces that can be pushed, with their cars."""
     pushed = pushable(scene, motion.face)
-    out = []
-    for face, pair in zip(pushed, push_twists(scene, motion, pushed), strict=True):
+    twists = push_twists(scene, motion, pushed)
+    return tuple(
+        _fitted_face(scene, motion, face, pair)
+        for face, pair in zip(pushed, twists, strict=True)
+    )
+
+
+def _fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> FittedFace:
+    drives = {}
+    for harder in HARDER:
+        share = planned_share(motion, harder)
         try:
-            car, shift = fitted_car(scene, motion, face, pair)
-        except ValueError:
-            continue
+            car, shift = fitted_car(scene, motion, face, twists, share)
+        except ValueError as error:
+            return FittedFace(face, {}, refusal_of(error, "tipping"))
         low, high = car.curvature_limits
-        if low < 0.0 < high:
-            out.append(RearSteerDrive(car, scene.max_friction(), shift))
-    return tuple(out)
+        if not low < 0.0 < high:
+            text = f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
+            return FittedFace(face, {}, Refusal("not_straight", text))
+        drives[harder] = RearSteerDrive(car, scene.max_friction(), shift)
+    return FittedFace(face, drives, None)
 
 
 MODE = RearPush()

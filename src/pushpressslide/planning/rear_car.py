@@ -5,7 +5,7 @@ and its paths.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -26,13 +26,14 @@ from pushpressslide.planning.dubins import shortest_path
 from pushpressslide.planning.run_in import longest_way, with_run_in
 from pushpressslide.planning.side_contacts import contact_height, drag_refusal
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
-from pushpressslide.rom.rear_steer_car import RearSteerCar
+from pushpressslide.rom.rear_steer_car import STEERING_LIMIT, RearSteerCar
 
 RESOLUTION = 6  # of the base
 # of the force at which a push is looked at, up to the one that the object must stand,
 # and on to the cone's edge
 ANGLES = (5, 3)
 SIDES = (1.0, -1.0)  # left and right of the heading axis
+LEAST_EDGE = 1e-3  # [rad] of the cone to one side, for a heading axis outside it
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
 # From comfortable to hard: factors on the run-in, on the share of the friction-limited
 # curvature that the path uses, and on the speed. Near the cone's edge the contact's
@@ -46,23 +47,26 @@ COMFORT = (
     (0.1, 1.35, 0.5),
     (0.0, 1.35, 0.5),
 )
-HARDEST = max(harder for _, harder, _ in COMFORT)
+HARDER = sorted({harder for _, harder, _ in COMFORT})
 
 
 class Route(NamedTuple):
     """One path of the virtual front axle."""
 
+    drive: RearSteerDrive  # of the car that is fitted to it
     path: ArcPath
     run_in: float  # [m]
     curvature_share: float
     speed: float  # [m/s]
 
 
-def looked_at(scene: Scene, motion: Motion) -> Array:
-    """Return the force angles (8,) [rad] at which a push is looked at, up to the cone's
-    edge.
+def looked_at(scene: Scene, motion: Motion, face: Face) -> Array:
+    """Return the force angles (2, 8) [rad] to the left and to the right of the heading
+    axis at which a push on ``face`` is looked at, up to the cone's edges.
     """
-    edge = math.atan(scene.contact_friction)
+    half = math.atan(scene.contact_friction)
+    aside = math.atan2(face.offset, face.depth)  # of the normal from the heading axis
+    edges = np.clip([half + aside, half - aside], LEAST_EDGE, STEERING_LIMIT)
     below, above = ANGLES
     planned = motion.curvature_margin
     shares = np.concatenate(
@@ -71,7 +75,7 @@ def looked_at(scene: Scene, motion: Motion) -> Array:
             np.linspace(planned, 1.0, above + 1)[1:],
         ]
     )
-    return shares * edge
+    return np.outer(edges, shares)
 
 
 def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
@@ -79,14 +83,13 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
     angles ``looked_at``, to the left and to the right; NaN from that angle on at which
     the object tips to either side.
     """
-    angles = looked_at(scene, motion)
-    count = len(angles)
+    count = sum(ANGLES)
     feet = np.repeat([face.foot for face in pushed], 2 * count, axis=0)
     axes = np.array(
         [
             turned(_towards_center(face), side * angle)
             for face in pushed
-            for side in SIDES
+            for side, angles in zip(SIDES, looked_at(scene, motion, face), strict=True)
             for angle in angles
         ]
     )
@@ -129,20 +132,21 @@ def contact_refusal(task: Task, face: Face, height: float) -> Refusal | None:
 
 
 def fitted_car(
-    scene: Scene, motion: Motion, face: Face, twists: Array
+    scene: Scene, motion: Motion, face: Face, twists: Array, share: float
 ) -> tuple[RearSteerCar, float]:
-    """Return the reduced model of a push on ``face``, and how far ahead of the CoM its
-    CoP is [m].
+    """Return the reduced model of a push on ``face`` along a path whose hardest turn is
+    ``share`` of the tightest, and how far ahead of the CoM its CoP is [m].
 
     On the exact limit surface, under the load that the push itself shifts, both the
     axle's place and the effective wheelbase change with the force angle. The car has
-    those of the angle at which the hardest path turns, the means of both sides: its
-    curvature is the planned share of the tightest among ``twists`` (from
-    ``push_twists``), and the car is steered to no tighter curve. A car with a longer
-    wheelbase than the object's is stable, one with a shorter one is not. A thin bar that
-    is pushed across its length turns
-    nearly as tightly at 8 degrees as at the cone's edge, and a thinner one less tightly
-    beyond. Raises RefusedError where the object tips at the planned share of the edge.
+    those of the angles at which the path turns, between one side and the other: there
+    its curvature is ``share`` of the tightest among ``twists`` (from ``push_twists``),
+    and the car is steered to no tighter curves. A car with a longer wheelbase than the
+    object's is stable, one with a shorter one is not. A thin bar that is pushed across
+    its length turns nearly as tightly at 8 degrees as at the cone's edge, and a thinner
+    one less tightly beyond.
+
+    Raises RefusedError where the object tips at the planned share of the edge.
     """
     mu = scene.contact_friction
     height = contact_height(scene, motion)
@@ -157,61 +161,79 @@ def fitted_car(
     ey = -face.foot[1] / lever
     standing = ~np.isnan(twists[0, :, 0])
     vx, vy, w = np.moveaxis(twists[:, standing], -1, 0)
-    left, right = -w / (vx * ex + vy * ey)
-    tangents = np.tan(looked_at(scene, motion)[standing])
-    wheelbases = 2.0 * tangents / (left - right)
+    curvatures = w / (vx * ex + vy * ey)
+    tangents = np.tan(looked_at(scene, motion, face)[:, standing])
+    wheelbases = tangents.sum(axis=0) / (curvatures[1] - curvatures[0])
     across = ey * vx - ex * vy
     axles = (across[0] - across[1]) / (w[0] - w[1])
     # an ellipsoid about the shifted CoP has both equal; the longer one is stable
     wheelbases = np.maximum(wheelbases, axles - shift)
-    turns = tangents / wheelbases
-    tightest = float(turns.max())
-    turning = min(1.0, HARDEST * motion.curvature_margin) * tightest
+    turns = tangents.mean(axis=0) / wheelbases
+    turning = share * float(turns.max())
     first = int(np.argmax(turns >= turning))
     rising = slice(max(first - 1, 0), first + 1)
     axle = float(np.interp(turning, turns[rising], axles[rising]))
     wheelbase = float(np.interp(turning, turns[rising], wheelbases[rising]))
     rho = math.sqrt(lever * wheelbase)
-    car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, mu, tightest)
+    leftward, rightward = (tangents / wheelbases).max(axis=1)  # forces, not turns
+    bounds = (-float(leftward), float(rightward))
+    car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, mu, bounds)
     return car, axle - wheelbase
 
 
-def shortest_length(drive: RearSteerDrive, ends: tuple[Pose2, Pose2]) -> float:
-    """Return the length [m] of the shortest path of a car between two poses X_WB."""
+def shortest_length(task: Task, drive: RearSteerDrive) -> float:
+    """Return the length [m] of the shortest path of a car."""
     low, high = drive.car.curvature_limits
-    start, goal = (X_WB.compose(drive.X_BV) for X_WB in ends)
-    return shortest_path(start, goal, high, -low).length
+    return shortest_path(*axle_ends(task, drive), high, -low).length
 
 
-def route(task: Task, drive: RearSteerDrive) -> tuple[Route, bool]:
+def route(task: Task, drives: Mapping[float, RearSteerDrive]) -> tuple[Route, bool]:
     """Return the most comfortable path without a loop, and False; the shortest one and
-    True where each has a loop.
+    True where each has a loop. ``drives`` are those of the cars fitted to the paths, by
+    how much harder than planned these turn.
     """
     motion = task.motion
-    start, goal = (X_WB.compose(drive.X_BV) for X_WB in task.body_ends)
-    low, high = drive.car.curvature_limits
-    straight = math.hypot(goal.x - start.x, goal.y - start.y)
-    longest = longest_way(task, straight)
     routes = []
     least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
     for gentle, (run_share, harder, slower) in product((True, False), COMFORT):
+        drive = drives[harder]
+        ends = axle_ends(task, drive)
+        low, high = drive.car.curvature_limits
         run_in = max(least, run_share) * motion.run_in
-        share = min(1.0, harder * motion.curvature_margin)
+        share = planned_share(motion, harder)
         speed = slower * motion.speed
         if gentle:  # no turn so tight that it slows the whole way down
             share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
-        path = with_run_in((start, goal), high * share, -low * share, run_in)
-        routes.append(Route(path, run_in, share, speed))
-        if path.length <= longest:
+        path = with_run_in(ends, high * share, -low * share, run_in)
+        routes.append(Route(drive, path, run_in, share, speed))
+        if not _looped(task, path):
             break
     best = routes[-1]
-    looped = best.path.length > longest
-    if looped:
+    if _looped(task, best.path):
         best = min(routes, key=lambda one: one.path.length)
     turns = [abs(k) for k, _ in best.path.pieces if k]
     if turns:
         best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
-    return best, best.path.length > longest
+    return best, _looped(task, best.path)
+
+
+def planned_share(motion: Motion, harder: float) -> float:
+    """Return the share of the tightest curvature that a path ``harder`` than planned
+    may use.
+    """
+    return min(1.0, harder * motion.curvature_margin)
+
+
+def axle_ends(task: Task, drive: RearSteerDrive) -> tuple[Pose2, Pose2]:
+    """Return the poses of a car's axle at the start and at the goal."""
+    start, goal = (X_WB.compose(drive.X_BV) for X_WB in task.body_ends)
+    return start, goal
+
+
+def _looped(task: Task, path: ArcPath) -> bool:
+    """Whether a path is longer than one without a loop."""
+    end = path.pose(path.length)
+    return path.length > longest_way(task, math.dist(path.start.position, end.position))
 
 
 def route_onward(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
+from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
 from pushpressslide.core.drive import Drive
@@ -173,7 +174,12 @@ def _drive_from_dict(mode: str, data: Mapping[str, Any]) -> Drive:
 
 
 def _of_type(kind: Any, data: Any) -> Any:
-    """Return plain ``data`` as ``kind``: a dataclass, a tuple, or a plain value."""
+    """Return plain ``data`` as ``kind``: a dataclass, a tuple, a plain value, or None
+    where it may be.
+    """
+    if isinstance(kind, UnionType):
+        others = [part for part in get_args(kind) if part is not NoneType]
+        return data if data is None else _of_type(others[0], data)
     if is_dataclass(kind):
         if not isinstance(data, Mapping):
             raise TypeError(f"{data!r} is no mapping")

@@ -32,14 +32,16 @@ class RearSteerCar:
     cop: Point  # [m] in B
     rho: float  # [m] > 0
     mu: float  # friction of the pair end effector/object, >= 0
-    tightest: float = math.inf  # [1/m] > 0: no path is bent more, whatever the friction
+    # [1/m] least, < 0, and greatest, > 0, curvature of a path, whatever the friction
+    bounds: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not (self.rho > 0.0 and self.mu >= 0.0 and self.tightest > 0.0):
+        if not (self.rho > 0.0 and self.mu >= 0.0):
             raise ValueError(
-                f"rho {self.rho} m, mu {self.mu}, tightest {self.tightest} 1/m; need "
-                "rho > 0, mu >= 0 and tightest > 0"
+                f"rho {self.rho} m, mu {self.mu}; need rho > 0 and mu >= 0"
             )
+        if self.bounds is not None and not self.bounds[0] < 0.0 < self.bounds[1]:
+            raise ValueError(f"bounds {self.bounds} 1/m; must have 0 between them")
         if abs(math.hypot(self.normal[0], self.normal[1]) - 1.0) > 1e-6:
             raise ValueError(f"normal {self.normal}; must be a unit vector")
         if not self.lever > 0.0:
@@ -92,12 +94,15 @@ class RearSteerCar:
     @property
     def steering_limits(self) -> tuple[float, float]:
         """Least and greatest steering [rad]: [-atan mu - eta, atan mu - eta], within
-        what bends the path by ``tightest``, and within +-STEERING_LIMIT.
+        +-STEERING_LIMIT and what bends the path by ``bounds``.
         """
         half = math.atan(self.mu)
-        most = min(math.atan(self.tightest * self.effective_wheelbase), STEERING_LIMIT)
-        low = max(-half - self.eta, -most)
-        high = min(half - self.eta, most)
+        low = max(-half - self.eta, -STEERING_LIMIT)
+        high = min(half - self.eta, STEERING_LIMIT)
+        if self.bounds is not None:
+            rightmost, leftmost = self.bounds
+            low = max(low, self.steering(leftmost))
+            high = min(high, self.steering(rightmost))
         return low, high
 
     @property
