@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pushpressslide import load_task
+from pushpressslide.core import margins
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import RefusedError
 from pushpressslide.core.scene import Scene
@@ -16,13 +17,17 @@ from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.rear_car import (
     ANGLES,
+    COMFORT,
     HARDER,
+    axle_ends,
     fitted_car,
     looked_at,
     planned_share,
     push_twists,
+    route,
     route_onward,
 )
+from pushpressslide.planning.run_in import with_run_in
 from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.rom.rear_steer_car import RearSteerCar
@@ -176,6 +181,30 @@ def test_a_contact_beside_the_centre_of_mass_turns_farther_to_one_side() -> None
     assert left > -1.5 * right
     exact = [exact_turn(pushed, face, angle)[0] for angle in (half - eta, -half - eta)]
     assert left - right == pytest.approx(exact[1] - exact[0], rel=0.15)
+
+
+def test_a_way_with_a_loop_ends_on_the_longest_run_in_that_is_no_great_detour() -> None:
+    """To a goal beside and behind the object every way has a loop."""
+    sets = ["goal={x: 0.3, y: -0.1, yaw_deg: 0}", "motion.face=3", "limits.legs=1"]
+    task = load_task("rear-push-rear", sets)
+    face = next(face for face in pushable(task.scene) if face.index == 3)
+    drives = {}
+    for harder in HARDER:
+        car, shift = fitted_to(task.scene, face, harder)
+        drives[harder] = RearSteerDrive(car, 3.0, shift)
+    best, looped = route(task, drives)
+    assert looped
+    assert best.path.pieces[-1] == (0.0, best.run_in)
+    _, high = best.drive.car.curvature_limits
+    turn = best.curvature_share * high
+    ends = axle_ends(task, best.drive)
+    most = margins.LOOP_FOR_RUN_IN * with_run_in(ends, turn, turn, 0.0).length
+    longer = [c.run_in for c in COMFORT if c.run_in * task.motion.run_in > best.run_in]
+    assert best.path.length <= most
+    assert longer
+    for share in longer:
+        other = with_run_in(ends, turn, turn, share * task.motion.run_in)
+        assert other.length > most
 
 
 @pytest.mark.parametrize("ahead", [0.06, 0.1, 0.2])

@@ -155,6 +155,10 @@ LOOP_RATIO = 1.6
 """Times the direct way, and LOOP_SLACK on top: a longer way has turned a loop."""
 LOOP_SLACK = 0.25
 """Radii of the object."""
+LOOP_FOR_RUN_IN = 1.25
+"""Times the shortest loop of a push, that one may take for a longer run-in: where it
+ends in a turn, what it is off there stays.
+"""
 LONGEST_LOOP = 2.5
 """Radii of the object: what a path of a vehicle that was asked for may be longer than
 one without a loop.

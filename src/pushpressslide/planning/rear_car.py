@@ -35,19 +35,28 @@ ANGLES = (5, 3)
 SIDES = (1.0, -1.0)  # left and right of the heading axis
 LEAST_EDGE = 1e-3  # [rad] of the cone to one side, for a heading axis outside it
 TURNING_LIMIT = math.radians(360.0)  # of all arcs together: one loop, no spiral
-# From comfortable to hard: factors on the run-in, on the share of the friction-limited
-# curvature that the path uses, and on the speed. Near the cone's edge the contact's
-# sideways jumps must be smaller: they grow with the speed.
+
+
+class Comfort(NamedTuple):
+    """How comfortable a path is."""
+
+    run_in: float  # of the planned one
+    harder: float  # times the planned share of the curvature that friction limits
+    speed: float  # of the planned one
+
+
+# From comfortable to hard. Near the cone's edge the contact's sideways jumps must be
+# smaller: they grow with the speed.
 COMFORT = (
-    (1.0, 1.0, 1.0),
-    (0.6, 1.0, 1.0),
-    (0.6, 1.2, 0.8),
-    (0.35, 1.2, 0.7),
-    (0.25, 1.35, 0.6),
-    (0.1, 1.35, 0.5),
-    (0.0, 1.35, 0.5),
+    Comfort(1.0, 1.0, 1.0),
+    Comfort(0.6, 1.0, 1.0),
+    Comfort(0.6, 1.2, 0.8),
+    Comfort(0.35, 1.2, 0.7),
+    Comfort(0.25, 1.35, 0.6),
+    Comfort(0.1, 1.35, 0.5),
+    Comfort(0.0, 1.35, 0.5),
 )
-HARDER = sorted({harder for _, harder, _ in COMFORT})
+HARDER = sorted({comfort.harder for comfort in COMFORT})
 
 
 class Route(NamedTuple):
@@ -188,33 +197,47 @@ def shortest_length(task: Task, drive: RearSteerDrive) -> float:
 
 
 def route(task: Task, drives: Mapping[float, RearSteerDrive]) -> tuple[Route, bool]:
-    """Return the most comfortable path without a loop, and False; the shortest one and
-    True where each has a loop. ``drives`` are those of the cars fitted to the paths, by
-    how much harder than planned these turn.
+    """Return the most comfortable path without a loop, and False. Where each has a loop,
+    return the one with the longest run-in, if it is not much longer than the shortest,
+    and True. ``drives`` are those of the cars fitted to the paths, by how much harder
+    than planned these turn.
     """
-    motion = task.motion
     routes = []
-    least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
-    for gentle, (run_share, harder, slower) in product((True, False), COMFORT):
-        drive = drives[harder]
-        ends = axle_ends(task, drive)
-        low, high = drive.car.curvature_limits
-        run_in = max(least, run_share) * motion.run_in
-        share = planned_share(motion, harder)
-        speed = slower * motion.speed
-        if gentle:  # no turn so tight that it slows the whole way down
-            share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
-        path = with_run_in(ends, high * share, -low * share, run_in)
-        routes.append(Route(drive, path, run_in, share, speed))
-        if not _looped(task, path):
+    for gentle, comfort in product((True, False), COMFORT):
+        routes.append(_routed(task, drives, comfort, gentle))
+        if not _looped(task, routes[-1].path):
             break
     best = routes[-1]
     if _looped(task, best.path):
-        best = min(routes, key=lambda one: one.path.length)
+        *_, hardest = COMFORT
+        for run_in, *_ in COMFORT:
+            routes.append(_routed(task, drives, hardest._replace(run_in=run_in), False))
+        most = margins.LOOP_FOR_RUN_IN * min(one.path.length for one in routes)
+        loops = [one for one in routes if one.path.length <= most]
+        best = max(loops, key=lambda one: (one.run_in, -one.path.length))
     turns = [abs(k) for k, _ in best.path.pieces if k]
     if turns:
         best = best._replace(speed=min(best.speed, margins.ARM.turn_rate / max(turns)))
     return best, _looped(task, best.path)
+
+
+def _routed(
+    task: Task, drives: Mapping[float, RearSteerDrive], comfort: Comfort, gentle: bool
+) -> Route:
+    """Return the shortest path of one comfort; a ``gentle`` one has no turn so tight that
+    it slows the whole way down.
+    """
+    motion = task.motion
+    drive = drives[comfort.harder]
+    low, high = drive.car.curvature_limits
+    share = planned_share(motion, comfort.harder)
+    speed = comfort.speed * motion.speed
+    if gentle:
+        share = min(share, margins.ARM.turn_rate / (speed * max(high, -low)))
+    least = margins.CAR_RUN_IN_UNSURE if task.told.belief.center_error else 0.0
+    run_in = max(least, comfort.run_in) * motion.run_in
+    path = with_run_in(axle_ends(task, drive), high * share, -low * share, run_in)
+    return Route(drive, path, run_in, share, speed)
 
 
 def planned_share(motion: Motion, harder: float) -> float:
