@@ -347,7 +347,7 @@ def main() -> None:
     parser.add_argument("action", choices=("run", "write"))
     parser.add_argument("tables", nargs="*", metavar="TABLE")
     parser.add_argument("--jobs", type=int, default=0)
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     if given.action == "write":
         write()
         return
