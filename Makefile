@@ -19,10 +19,10 @@ demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
 
 test: $(READY) lint
-	$(BIN)/pytest -n auto -m "not long"
+	$(BIN)/pytest -n auto -m "not long" --durations=20
 
 test-long: $(READY)
-	$(BIN)/pytest -n auto -m long
+	$(BIN)/pytest -n auto -m long --durations=20
 
 test-all: test test-long
 

@@ -3,6 +3,7 @@
 """
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import assume, given
@@ -102,6 +103,26 @@ def test_the_contact_moves_as_its_mobility_says(car, share):
     assert velocity == pytest.approx(
         (scale * at_contact.vx, scale * at_contact.vy), rel=1e-6, abs=1e-9
     )
+
+
+@given(rear_cars(), shares, shares)
+def test_bounds_of_curvature_narrow_the_steering_and_nothing_else(car, left, right):
+    low, high = car.curvature_limits
+    assume(low < -1e-3 and high > 1e-3)
+    assume(left > 1e-3 and right > 1e-3)
+    bounded = replace(car, bounds=(right * low, left * high))
+    assert bounded.curvature_limits == pytest.approx((right * low, left * high))
+    assert bounded.X_BV == car.X_BV
+    wide = replace(car, bounds=(2.0 * low, 2.0 * high))
+    assert wide.steering_limits == car.steering_limits
+
+
+@pytest.mark.parametrize(
+    "bounds", [(0.0, 1.0), (-1.0, 0.0), (1.0, 2.0), (math.nan, 1.0)]
+)
+def test_bounds_without_a_straight_path_between_them_are_refused(bounds):
+    with pytest.raises(ValueError, match="must have 0 between them"):
+        RearSteerCar((-0.1, 0.0), (1.0, 0.0), (0.0, 0.0), 0.05, 0.3, bounds)
 
 
 @given(rear_cars(), shares)
