@@ -97,7 +97,7 @@ def test_a_plan_of_two_segments_survives_its_file(pressed):
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        (lambda data: data.update(schema=1), "schema 1, this version reads 6"),
+        (lambda data: data.update(schema=1), "schema 1, this version reads 7"),
         (
             lambda data: data["segments"][0]["drive"].update(point=[0.0]),
             "shorter|longer",

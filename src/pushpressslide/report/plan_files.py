@@ -17,7 +17,7 @@ from pushpressslide.core.task import Restart, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.modes import MODES
 
-SCHEMA = 6
+SCHEMA = 7
 
 
 def plan_to_dict(plan: Plan, choices: Sequence[Choice] = ()) -> dict[str, Any]:
