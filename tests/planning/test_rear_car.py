@@ -16,16 +16,18 @@ from pushpressslide.core.task import ObjectModel
 from pushpressslide.mechanics.dragging import DraggedBase
 from pushpressslide.mechanics.faces import Face
 from pushpressslide.planning.rear_car import (
-    ANGLES,
     COMFORT,
     HARDER,
     axle_ends,
-    fitted_car,
-    looked_at,
     planned_share,
-    push_twists,
     route,
     route_onward,
+)
+from pushpressslide.planning.rear_car_fit import (
+    ANGLES,
+    fitted_car,
+    looked_at,
+    push_twists,
 )
 from pushpressslide.planning.run_in import with_run_in
 from pushpressslide.planning.side_contacts import contact_height, pushable

@@ -7,18 +7,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
-from typing import NamedTuple
+from functools import partial
 
 from pushpressslide.allocation.one_contact import Allocator, one_contact_allocator
 from pushpressslide.core import margins
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import Choice, Contact, Segment
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.refusal import Refusal, refusal_of
 from pushpressslide.core.scene import Scene
-from pushpressslide.core.task import Motion, Task
+from pushpressslide.core.task import Task
 from pushpressslide.identification.center import CenterIdentifier, doubt
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import (
@@ -27,28 +24,24 @@ from pushpressslide.identification.online import (
     Identified,
     window_of,
 )
-from pushpressslide.mechanics.faces import Face
 from pushpressslide.modes.base import Course, Draft, Measured, Mode
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.rear_car import (
-    HARDER,
     cone_margin,
     contact_refusal,
-    fitted_car,
-    planned_share,
-    push_twists,
     route,
     route_onward,
     shortest_length,
     turning_refusal,
 )
+from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
 from pushpressslide.planning.segments import (
     describe_points,
     ends_onward,
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import contact_height, pushable
+from pushpressslide.planning.side_contacts import contact_height
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -70,8 +63,8 @@ class RearPush(Mode):
         """Return the time [s] of the shortest path of any face's car, at full speed."""
         lengths = [
             shortest_length(task, drive)
-            for fitted in _fitted(task.scene, task.motion)
-            for drive in fitted.drives.values()
+            for fitted in fitted_faces(task.scene, task.motion)
+            for drive in _drives(task.scene, fitted).values()
         ]
         return min(lengths, default=math.inf) / task.motion.speed
 
@@ -79,7 +72,7 @@ class RearPush(Mode):
         """Return one draft per face."""
         return [
             Draft(0.0, partial(self._push, task, fitted))
-            for fitted in _fitted(task.scene, task.motion)
+            for fitted in fitted_faces(task.scene, task.motion)
         ]
 
     def _push(self, task: Task, fitted: FittedFace, evaluated: bool) -> list[Choice]:
@@ -94,9 +87,9 @@ class RearPush(Mode):
         choice = Choice(self.name, label, (contact,))
         refusal = contact_refusal(task, face, height)
         refusal = refusal or fitted.refusal
-        if not fitted.drives:
+        if not fitted.cars:
             return [choice.refused(refusal)]
-        driven = self._driven(task, choice, fitted.drives)
+        driven = self._driven(task, choice, _drives(scene, fitted))
         return either_arm(task, driven.refused(refusal or driven.refusal))
 
     def _driven(
@@ -245,39 +238,13 @@ class RearPush(Mode):
         return None if path is None else Course((contact,), drive, path)
 
 
-class FittedFace(NamedTuple):
-    """A face, and what pushes by it drive."""
-
-    face: Face
-    drives: Mapping[float, RearSteerDrive]  # of paths, by how hard; none if refused
-    refusal: Refusal | None
-
-
-@lru_cache(maxsize=64)
-def _fitted(scene: Scene, motion: Motion) -> tuple[FittedFace, ...]:
-    """Return the faces that can be pushed, with their cars."""
-    pushed = pushable(scene, motion.face)
-    twists = push_twists(scene, motion, pushed)
-    return tuple(
-        _fitted_face(scene, motion, face, pair)
-        for face, pair in zip(pushed, twists, strict=True)
-    )
-
-
-def _fitted_face(scene: Scene, motion: Motion, face: Face, twists: Array) -> FittedFace:
-    drives = {}
-    for harder in HARDER:
-        share = planned_share(motion, harder)
-        try:
-            car, shift = fitted_car(scene, motion, face, twists, share)
-        except ValueError as error:
-            return FittedFace(face, {}, refusal_of(error, "tipping"))
-        low, high = car.curvature_limits
-        if not low < 0.0 < high:
-            text = f"cannot drive straight: curvature is in [{low:.2f}, {high:.2f}] 1/m"
-            return FittedFace(face, {}, Refusal("not_straight", text))
-        drives[harder] = RearSteerDrive(car, scene.max_friction(), shift)
-    return FittedFace(face, drives, None)
+def _drives(scene: Scene, fitted: FittedFace) -> dict[float, RearSteerDrive]:
+    """Return the drives of a face's cars, by how hard their paths are."""
+    most = scene.max_friction()
+    return {
+        harder: RearSteerDrive(car, most, shift)
+        for harder, (car, shift) in fitted.cars.items()
+    }
 
 
 MODE = RearPush()
