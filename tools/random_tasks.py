@@ -84,14 +84,14 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1600 + i, attempts, ALONE)
+        Table(mode, f"`{mode}`", task, 1700 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1605, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1606, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1705, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1706, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1610 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1710 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 AMONG_OBSTACLES = (
@@ -158,6 +158,8 @@ def read(table: Table) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     lines = [json.loads(line) for line in table.rows.read_text().splitlines()]
     key = lines[-1]["key"]
     mine = [line for line in lines if line["key"] == key]
+    if not any(f"-{table.seed}-" in line.get("task", "") for line in mine):
+        return [], []  # rows of another seed
     samples = {line["index"]: line for line in mine if "rank" not in line}
     counted = []
     attempted = 0

@@ -26,7 +26,11 @@ def arm() -> ArmModel:
 
 
 def torque(
-    arm: ArmModel, state: ArmState, error: np.ndarray, stiffness: float = 0.0
+    arm: ArmModel,
+    state: ArmState,
+    error: np.ndarray,
+    stiffness: float = 0.0,
+    catches_up: bool = True,
 ) -> np.ndarray:
     """Return the torque (n,) beside gravity's where the tip lacks ``error`` [m/s], held
     by a spring of ``stiffness`` [N/m] where it is.
@@ -54,6 +58,7 @@ def torque(
         tool_yaw_rate=0.0,
         servo_cap=CAP,
         progress=0.0,
+        catches_up=catches_up,
     )
     limited = executor.contact(state, asked, state.q, state.v, state.bias)
     return limited.torque - state.bias
@@ -95,6 +100,26 @@ def test_a_light_tip_feels_its_damper_alone(arm: ArmModel) -> None:
     error = np.array([1e-3, 2e-3])
     force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
     assert torque(arm, state, error) == pytest.approx(state.J.T @ force, abs=1e-9)
+
+
+def test_a_light_tip_that_lacks_much_feels_its_damper_up_to_the_cap(
+    arm: ArmModel,
+) -> None:
+    """There is nothing to make up for, and nothing is left for it."""
+    state = arm.state(BENT, np.zeros(7))
+    force = np.concatenate([np.zeros(3), [CAP, 0.0, 0.0]])
+    lacking = torque(arm, state, np.array([1.0, 0.0]))
+    assert lacking == pytest.approx(state.J.T @ force, abs=1e-9)
+
+
+def test_a_heavy_tip_that_is_not_to_catch_up_feels_its_damper_alone(
+    arm: ArmModel,
+) -> None:
+    state = arm.state(STRETCHED, np.zeros(7))
+    error = np.array([1e-3, 2e-3])
+    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
+    alone = torque(arm, state, error, catches_up=False)
+    assert alone == pytest.approx(state.J.T @ force, abs=1e-9)
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.03, 0.1, 1.0])

@@ -140,6 +140,7 @@ class TipMover:
             progress=context.joint_progress,
             acceleration=(ax, ay, normal.acceleration),
             tool_yaw_acceleration=spin,
+            catches_up=task.entry_speed is None,  # one that drops in may hold nothing
         )
         memory = replace(memory, velocity=velocity, turn=turn, mean_force=mean)
         return command, memory, felt

@@ -63,6 +63,8 @@ class TipCommand:
     progress: float  # [m] arc length on the planned path, for the joint reference
     acceleration: Vector3 = (0.0, 0.0, 0.0)  # [m/s^2] of the reference
     tool_yaw_acceleration: float = 0.0  # [rad/s^2] of the reference
+    # whether the servo along the support is made as quick as the arm is heavy there
+    catches_up: bool = True
     # (n,) [rad] joint reference; None: that of the joint path at ``progress``
     posture: NDArray[np.float64] | None = field(default=None, compare=False)
 

@@ -138,10 +138,11 @@ class ArmExecutor:
         with it inside the servo's cap; ``velocity`` [m/s] is its own.
 
         Nothing along an axis on which the damper alone is as quick, and nothing where a
-        spring leads the tip.
+        spring leads the tip, or it is not asked for.
         """
         damping = min(command.damping[:2])
-        if damping == 0.0 or any(command.stiffness[:2]):
+        led = any(command.stiffness[:2])
+        if damping == 0.0 or led or not command.catches_up:
             return np.zeros(6)
         plane = np.array(self.frame.axes)[:, :2]
         mass, axes = np.linalg.eigh(plane.T @ inertia[3:, 3:] @ plane)
@@ -150,7 +151,7 @@ class ArmExecutor:
         caught = axes @ (slow * (axes.T @ error)) / SERVO_TIME
         wrench: Array = inertia[:, 3:] @ (plane @ caught)
         size = float(np.linalg.norm(wrench[3:]))
-        left = command.servo_cap - damping * float(np.linalg.norm(error))
+        left = max(0.0, command.servo_cap - damping * float(np.linalg.norm(error)))
         if size > left:
-            wrench *= max(0.0, left) / size
+            wrench *= left / size
         return wrench
