@@ -175,7 +175,8 @@ def fitted_car(
     axle = float(np.interp(turning, turns[rising], axles[rising]))
     wheelbase = float(np.interp(turning, turns[rising], wheelbases[rising]))
     rho = math.sqrt(lever * wheelbase)
-    leftward, rightward = (tangents / wheelbases).max(axis=1)  # forces, not turns
+    # a force to the left turns the object to the right
+    leftward, rightward = (tangents / wheelbases).max(axis=1)
     bounds = (-float(leftward), float(rightward))
     car = RearSteerCar(face.foot, face.normal, ORIGIN, rho, mu, bounds)
     return FittedCar(car, axle - wheelbase)
