@@ -51,9 +51,9 @@ def modes(as_json: Json = False) -> None:
 @app.command()
 def tasks(as_json: Json = False) -> None:
     """Show the tasks that ship with the package."""
-    from pushpressslide.taskfile.load import load_task, shipped_tasks
+    from pushpressslide.taskfile.load import descriptions_of_shipped_tasks
 
-    descriptions = {name: load_task(name).description for name in shipped_tasks()}
+    descriptions = descriptions_of_shipped_tasks()
     if as_json:
         typer.echo(json.dumps(descriptions, indent=2))
         return

@@ -103,6 +103,21 @@ def reachable(
     return _reach(first).replaced(doubtful, _reach(full))
 
 
+def first_look(
+    kin: ArmKinematics,
+    p: Array,
+    held: ToolAttitude | Array,
+    joint_margin: float = REACH_MARGIN,
+) -> Reach:
+    """Return which points (m, 3) [m] a short search finds reached: most that are, in any
+    posture that keeps ``joint_margin`` [rad].
+
+    held: one attitude, or tool axes (m, 3), or rotations (m, 3, 3).
+    """
+    starts = default_seeds(kin, p)[:, FIRST_SEEDS]
+    return _reach(solve_ik(kin, p, held, None, starts, joint_margin, FIRST))
+
+
 def _reach(solution: IkSolution) -> Reach:
     return Reach(
         solution.converged,
@@ -210,7 +225,7 @@ class _Course:
         return bool(everywhere.ok.all())
 
     def _look(self, held: Array) -> Reach:
-        return _look(self.kin, self.p[self.hardest], held[self.hardest])
+        return first_look(self.kin, self.p[self.hardest], held[self.hardest])
 
 
 def _some_hold(course: _Course, holds: list[Array], worst: int) -> tuple[bool, Reach]:
@@ -220,7 +235,7 @@ def _some_hold(course: _Course, holds: list[Array], worst: int) -> tuple[bool, R
     kin = course.kin
     axes = np.array([_axes(held)[worst] for held in holds])
     there = np.tile(course.p[worst], (len(holds), 1))
-    able = _look(kin, there, axes)
+    able = first_look(kin, there, axes)
     if any(course.reached(holds[i]) for i in np.flatnonzero(able.ok)):
         return True, able
     able = _retried(kin, there, axes, able, each=True)
@@ -248,14 +263,6 @@ def _axes(held: Array) -> Array:
 
 def _worst(found: Reach) -> int:
     return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
-
-
-def _look(kin: ArmKinematics, p: Array, held: Array) -> Reach:
-    """Return which points (m, 3) a first look finds reached, with tool axes (m, 3) or
-    rotations (m, 3, 3).
-    """
-    starts = default_seeds(kin, p)[:, FIRST_SEEDS]
-    return _reach(solve_ik(kin, p, held, None, starts, REACH_MARGIN, FIRST))
 
 
 def _short(kin: ArmKinematics, p: Array, held: Array) -> Array:

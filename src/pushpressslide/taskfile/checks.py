@@ -297,10 +297,11 @@ def check_reach(task: Task) -> None:
     """
     arms = [_kinematics(task, i) for i in range(len(task.robots))]
     for name, pose in (("start", task.start), ("goal", task.goal)):
-        short = [
-            shortfall(arm, robot, task, pose)
-            for arm, robot in zip(arms, task.robots, strict=True)
-        ]
+        short: list[float] = []
+        for arm, robot in zip(arms, task.robots, strict=True):
+            short.append(shortfall(arm, robot, task, pose))
+            if short[-1] <= 0.0:
+                break
         best = min(range(len(short)), key=short.__getitem__)
         if short[best] > 0.0:
             center = pose.apply(task.object.center_of_mass)
@@ -339,7 +340,7 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     """
     import numpy as np
 
-    from pushpressslide.robots.reach import reachable
+    from pushpressslide.robots.reach import first_look, reachable
     from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
     places, spacing = around(task.object.shape, X_WG, robot.tip_radius, PLACES)
@@ -354,7 +355,10 @@ def shortfall(kin: ArmKinematics, robot: Robot, task: Task, X_WG: Pose2) -> floa
     least = math.inf
     for tilt in TOOL_TILTS:
         for azimuth in (0.5 * math.pi * k for k in range(4 if tilt > 0.0 else 1)):
-            found = reachable(kin, points, ToolAttitude(tilt, azimuth, frame.axes))
+            hold = ToolAttitude(tilt, azimuth, frame.axes)
+            found = first_look(kin, points, hold, joint_margin=0.0)
+            if not found.ok.any():
+                found = reachable(kin, points, hold)
             least = min(least, float(found.miss.min()))
             if found.ok.any() or least <= slack:
                 return 0.0

@@ -26,6 +26,7 @@ from pushpressslide.taskfile.yaml_text import apply_overrides, read_yaml
 
 __all__ = [
     "check_task",
+    "descriptions_of_shipped_tasks",
     "dump_task",
     "load_task",
     "shipped_tasks",
@@ -41,6 +42,19 @@ def shipped_tasks() -> dict[str, Path]:
         path.stem: path
         for path in sorted(_SHIPPED.glob("*.yaml"), key=lambda path: path.stem)
     }
+
+
+def descriptions_of_shipped_tasks() -> dict[str, str]:
+    """Return what each shipped task is about, by its name; the tasks are not checked."""
+    return {
+        name: one_line(read_yaml(path)["description"])
+        for name, path in shipped_tasks().items()
+    }
+
+
+def one_line(text: str) -> str:
+    """Return a text with its line ends and repeated spaces as single spaces."""
+    return " ".join(text.split())
 
 
 def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
@@ -115,7 +129,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         "robots": tuple(_located(robot, folder) for robot in values["robots"]),
         "goals": values["goals"] or (),
         "legs": legs_to(goal, values["legs"]),
-        "description": " ".join(values["description"].split()),
+        "description": one_line(values["description"]),
         "source": source,
     }
     task = Task(**{**values, **resolved})
