@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# An idle worker takes tests from a busy one: some take minutes.
+PYTEST := $(BIN)/pytest -n auto --dist worksteal
 
 # The newest supported Python on this machine that is newer than the oldest; may be empty.
 NEWEST := $(firstword $(shell for v in 3.14 3.13 3.12; do \
@@ -19,19 +21,19 @@ demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
 
 test: $(READY) lint
-	$(BIN)/pytest -n auto -m "not long" --durations=20
+	$(PYTEST) -m "not long" --durations=20
 
 test-long: $(READY)
-	$(BIN)/pytest -n auto -m long --durations=20
+	$(PYTEST) -m long --durations=20
 
 test-all: test test-long
 
 quick: $(READY)
-	$(BIN)/pytest -n auto -m "not long" $(QUICK)
+	$(PYTEST) -m "not long" $(QUICK)
 
 # The laws on cases drawn anew, other ones every time.
 search: $(READY)
-	$(BIN)/pytest -n auto -m "not long" --hypothesis-profile=search $(QUICK)
+	$(PYTEST) -m "not long" --hypothesis-profile=search $(QUICK)
 
 test-newest:
 ifeq ($(NEWEST),)
