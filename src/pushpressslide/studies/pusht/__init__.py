@@ -1,0 +1,1 @@
+"""The benchmark push-T, as the package gym-pusht plays it."""

@@ -1,0 +1,96 @@
+"""The law: places and lengths of the pushes that are left, corrected so that they still
+end at the goal from where the T is seen.
+
+A damped least-squares step (Levenberg, Marquardt) on the exact kinematics of the pushes,
+a few times. In the last two pushes, which are on one face, this steers a car to a pose.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Pose2, wrap_angle
+from pushpressslide.studies.pusht.pushes import Push, final_pose
+from pushpressslide.studies.pusht.tee import GOAL_BODY, RHO
+
+STEPS = 6
+CLOSE = 0.02  # [px] of an error that is not worth a step
+SOFT = 0.005  # damping, against squared [px] per scaled change
+CHANGES = (10.0, 5.0)  # [px] scale of a change of place and of length
+DIFFERENCE = 1e-4  # [px] of the numerical derivative
+
+
+def error(X_WB: Pose2) -> Array:
+    """Return how far (3,) [px] a pose is from the goal; the angle counts with rho."""
+    turn = wrap_angle(X_WB.yaw - GOAL_BODY.yaw)
+    return np.array([X_WB.x - GOAL_BODY.x, X_WB.y - GOAL_BODY.y, RHO * turn])
+
+
+def miss(X_WB: Pose2) -> float:
+    """Return the norm [px] of ``error``."""
+    return float(np.linalg.norm(error(X_WB)))
+
+
+def halved(pushes: Sequence[Push]) -> tuple[Push, ...]:
+    """Return the pushes with the last one in two halves, so that it can be steered."""
+    *first, last = pushes
+    half = replace(last, length=0.5 * last.length)
+    return (*first, half, half)
+
+
+def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
+    """Return the pushes, corrected for the pose from which they begin."""
+    now = tuple(pushes)
+    off = error(final_pose(X_WB, now))
+    for _ in range(STEPS):
+        if np.linalg.norm(off) < CLOSE:
+            break
+        scales = np.tile(CHANGES, len(now))
+        slopes = _slopes(X_WB, now, off) * scales
+        inverse = slopes @ slopes.T + SOFT * np.eye(3)
+        change = -scales * (slopes.T @ np.linalg.solve(inverse, off))
+        trial = _changed(now, change)
+        after = error(final_pose(X_WB, trial))
+        if np.linalg.norm(after) >= np.linalg.norm(off):
+            break
+        now = trial
+        off = after
+    return now
+
+
+def _slopes(X_WB: Pose2, pushes: tuple[Push, ...], off: Array) -> Array:
+    """Return the derivatives (3, 2 n) of the error by place and length of each push."""
+    columns = []
+    for index in range(2 * len(pushes)):
+        change = np.zeros(2 * len(pushes))
+        change[index] = DIFFERENCE
+        moved = final_pose(X_WB, _added(pushes, change))
+        columns.append((error(moved) - off) / DIFFERENCE)
+    return np.stack(columns, axis=-1)
+
+
+def _added(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
+    """Return the pushes with changes (2 n,) of place and length."""
+    return tuple(
+        replace(push, left=push.left + left, length=push.length + length)
+        for push, (left, length) in zip(
+            pushes, change.reshape(-1, 2).tolist(), strict=True
+        )
+    )
+
+
+def _changed(pushes: tuple[Push, ...], change: Array) -> tuple[Push, ...]:
+    """Return changed pushes on their faces, none backwards."""
+    return tuple(
+        replace(
+            push,
+            left=push.pushed.clipped(push.left),
+            length=max(push.length, 0.0),
+        )
+        for push in _added(pushes, change)
+    )
