@@ -11,18 +11,21 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.studies.pusht.detours import free_way, reachable, way_length
+from pushpressslide.studies.pusht.detours import reachable, way_length
 from pushpressslide.studies.pusht.joins import Joins, contacts, joins
-from pushpressslide.studies.pusht.pushes import Push, pushed_pose
-from pushpressslide.studies.pusht.tee import CORNERS, FACES, GOAL_BODY, RHO, WALLS
+from pushpressslide.studies.pusht.pushes import Push, final_pose, pushed_pose
+from pushpressslide.studies.pusht.stroke import PUSH_STEP
+from pushpressslide.studies.pusht.tee import CORNERS, FACES, GOAL_BODY, RHO, WALLS, overlap
 
-PUSH_STEP = 12.0  # [px] of the pusher along the normal in one action
 WAY_STEP = 30.0  # [px] of the free pusher in one action
 SLIDE_STEP = 15.0  # [px] of the pusher along a face in one action
 LEAVE_STEPS = 5.0  # actions to leave a face and come to another
 JUDGED = 400  # plans, the fastest first, that are looked at
 PIECE = 15.0  # [px] of a push between poses that are looked at
-ROOM = 2.0  # [px] of the T from a wall
+ROOM = 4.0  # [px] of the T from a wall, in a plan
+GIVE = 2.0  # [px] of that room that a correction may use
+LAST = 10.0  # [px] of the pusher in the last push, at least
+BEFORE_LAST = 0.9  # greatest overlap before the last push
 
 
 def best_plan(X_WB: Pose2, pusher: Point) -> tuple[Push, ...]:
@@ -42,12 +45,19 @@ def best_plan(X_WB: Pose2, pusher: Point) -> tuple[Push, ...]:
         lengths = found.lengths[index].tolist()
         plan = tuple(map(contacts().push, triple, lengths))
         worst = _worst(X_WB, plan)
-        if worst <= allowed:
+        if worst <= allowed and overlap(final_pose(X_WB, plan[:2])) < BEFORE_LAST:
             return plan
         if worst < least:
             least = worst
             best = plan
     return best
+
+
+def admissible(X_WB: Pose2, plan: Sequence[Push]) -> bool:
+    """Return whether a plan keeps clear of the walls, or at least comes no nearer than
+    the T is.
+    """
+    return _worst(X_WB, plan) <= max(GIVE, _overrun(X_WB) + GIVE)
 
 
 def _steps(found: Joins) -> Array:
@@ -57,6 +67,8 @@ def _steps(found: Joins) -> Array:
     between = _changes()
     first, middle, last = found.triples.T
     steps: Array = pushing + between[first, middle] + between[middle, last]
+    short = found.lengths[:, 2] * ratios[last] < LAST
+    steps[short] = math.inf
     return steps
 
 
@@ -126,6 +138,3 @@ def _worst(X_WB: Pose2, plan: Sequence[Push]) -> float:
             if not reachable(X_WB.apply(pusher)):
                 return math.inf
     return worst
-
-
-__all__ = ["best_plan", "free_way"]

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.studies.pusht.detours import free_way
-from pushpressslide.studies.pusht.plans import PUSH_STEP, best_plan
-from pushpressslide.studies.pusht.pushes import Push, final_pose, pushed_pose
+from pushpressslide.studies.pusht.plans import admissible, best_plan
+from pushpressslide.studies.pusht.pushes import Push, final_pose
 from pushpressslide.studies.pusht.servo import Pusher
 from pushpressslide.studies.pusht.steering import halved, miss, steered
+from pushpressslide.studies.pusht.stroke import stroke
 from pushpressslide.studies.pusht.tee import PUSHER_RADIUS, WORLD, body_pose
 
 OFF_FACE = 2.0  # [px] between pusher and face before a push
@@ -69,7 +70,8 @@ def _planned(observed: Seen, state: State) -> State:
             plan = plan[1:]
             same = bool(plan) and plan[0].face == state.plan[0].face
             state = replace(state, touching=state.touching and same)
-    if plan and miss(final_pose(observed.X_WB, plan)) < LOST:
+    mended = miss(final_pose(observed.X_WB, plan)) < LOST
+    if plan and mended and admissible(observed.X_WB, plan):
         return replace(state, plan=plan)
     plan = best_plan(observed.X_WB, observed.pusher)
     plan = halved(plan)
@@ -91,15 +93,7 @@ def _target(observed: Seen, pusher: Pusher, state: State) -> tuple[Point, State]
     if abs(off) > SLIDE:
         slid = place + math.copysign(SLIDE, off)
         return X_WB.apply(push.pushed.pusher(slid, 0.5)), state
-    return _pushing(X_WB, push), state
-
-
-def _pushing(X_WB: Pose2, push: Push) -> Point:
-    """Return where the pusher is after one action of a push."""
-    most = PUSH_STEP / push.pusher_ratio
-    count = max(1, math.ceil(push.length / most - 0.05))
-    moved = pushed_pose(X_WB, replace(push, length=push.length / count))
-    return moved.apply(push.pushed.pusher(push.left))
+    return stroke(X_WB, pusher, state.plan), state
 
 
 def _on_way(X_WB: Pose2, pusher: Pusher, goal: Point) -> Point:
