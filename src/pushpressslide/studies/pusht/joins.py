@@ -21,6 +21,7 @@ from pushpressslide.studies.pusht.pushes import Push, curvature
 from pushpressslide.studies.pusht.tee import FACES
 
 SPACING = 10.0  # [px] between the contacts that are tried
+INSET = 5.0  # [px] from the ends of a face, left for steering
 STRAIGHT = 0.25  # [px] off the centre's line, in place of a straight push
 FULL_TURN = 2.0 * math.pi
 
@@ -57,9 +58,11 @@ def contacts() -> Contacts:
     curvatures = []
     centers = []
     for index, face in enumerate(FACES):
-        count = max(2, 1 + round((face.left - face.right) / SPACING))
+        low = face.right + INSET
+        high = face.left - INSET
+        count = max(2, 1 + round((high - low) / SPACING))
         across = turned_left(face.normal)
-        for left in np.linspace(face.right, face.left, count).tolist():
+        for left in np.linspace(low, high, count).tolist():
             moved = left if abs(left) > STRAIGHT else STRAIGHT
             bend = curvature(face, moved)
             indices.append(index)

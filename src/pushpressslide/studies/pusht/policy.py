@@ -21,7 +21,8 @@ from pushpressslide.studies.pusht.tee import PUSHER_RADIUS, WORLD, body_pose
 OFF_FACE = 2.0  # [px] between pusher and face before a push
 ARRIVED = 3.0  # [px] from there
 SLOW = 80.0  # [px/s] of a pusher that has arrived
-DONE = 0.4  # [px] of a push that is left
+DONE = 0.5  # [px] of a push that is left
+HALVED = 5.0  # [px] of the last push, above which it is steered in two halves
 LOST = 4.0  # [px] of a miss that steering cannot mend
 SLIDE = 14.0  # [px] along a face in one action
 WAY_STEPS = (45.0, 30.0, 18.0, 10.0, 5.0)  # [px] along a way in one action
@@ -70,6 +71,8 @@ def _planned(observed: Seen, state: State) -> State:
             plan = plan[1:]
             same = bool(plan) and plan[0].face == state.plan[0].face
             state = replace(state, touching=state.touching and same)
+            if len(plan) == 1 and plan[0].length > HALVED:
+                plan = halved(plan)
     mended = miss(final_pose(observed.X_WB, plan)) < LOST
     if plan and mended and admissible(observed.X_WB, plan):
         return replace(state, plan=plan)
@@ -93,7 +96,7 @@ def _target(observed: Seen, pusher: Pusher, state: State) -> tuple[Point, State]
     if abs(off) > SLIDE:
         slid = place + math.copysign(SLIDE, off)
         return X_WB.apply(push.pushed.pusher(slid, 0.5)), state
-    return stroke(X_WB, pusher, state.plan), state
+    return stroke(X_WB, pusher, push), state
 
 
 def _on_way(X_WB: Pose2, pusher: Pusher, goal: Point) -> Point:

@@ -2,7 +2,7 @@
 end at the goal from where the T is seen.
 
 A damped least-squares step (Levenberg, Marquardt) on the exact kinematics of the pushes,
-a few times. In the last two pushes, which are on one face, this steers a car to a pose.
+a few times. The last push has two halves with a place each: so it steers a car to a pose.
 """
 
 from __future__ import annotations
@@ -44,16 +44,20 @@ def halved(pushes: Sequence[Push]) -> tuple[Push, ...]:
 
 
 def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
-    """Return the pushes, corrected for the pose from which they begin."""
+    """Return the pushes, corrected for the pose from which they begin.
+
+    The last two stay equally long where they are on one face.
+    """
     now = tuple(pushes)
+    ties = _ties(now)
     off = error(final_pose(X_WB, now))
     for _ in range(STEPS):
         if np.linalg.norm(off) < CLOSE:
             break
-        scales = np.tile(CHANGES, len(now))
-        slopes = _slopes(X_WB, now, off) * scales
+        scaled = np.tile(CHANGES, len(now))[:, None] * ties
+        slopes = _slopes(X_WB, now, off) @ scaled
         inverse = slopes @ slopes.T + SOFT * np.eye(3)
-        change = -scales * (slopes.T @ np.linalg.solve(inverse, off))
+        change = -scaled @ (slopes.T @ np.linalg.solve(inverse, off))
         trial = _changed(now, change)
         after = error(final_pose(X_WB, trial))
         if np.linalg.norm(after) >= np.linalg.norm(off):
@@ -61,6 +65,15 @@ def steered(X_WB: Pose2, pushes: Sequence[Push]) -> tuple[Push, ...]:
         now = trial
         off = after
     return now
+
+
+def _ties(pushes: tuple[Push, ...]) -> Array:
+    """Return the changes (2 n, k) of places and lengths that are allowed."""
+    free = np.eye(2 * len(pushes))
+    if len(pushes) < 2 or pushes[-1].face != pushes[-2].face:
+        return free
+    both = free[:, -1] + free[:, -3]
+    return np.column_stack([free[:, :-3], free[:, -2], both])
 
 
 def _slopes(X_WB: Pose2, pushes: tuple[Push, ...], off: Array) -> Array:

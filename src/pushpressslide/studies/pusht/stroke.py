@@ -7,50 +7,64 @@ action should be a stride onto the goal, not a creep over that threshold.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.studies.pusht.forward import predicted
-from pushpressslide.studies.pusht.pushes import Push, final_pose, pushed_pose
+from pushpressslide.studies.pusht.pushes import Push, pushed_pose
 from pushpressslide.studies.pusht.servo import Pusher
 from pushpressslide.studies.pusht.steering import miss
 from pushpressslide.studies.pusht.tee import overlap
 
 PUSH_STEP = 12.0  # [px] of the pusher along the normal in one action
-NEAR = 30.0  # [px] of the last push, from which the end is looked for
+NEAR = 25.0  # [px] of the T from the goal, from which the end is looked for
 SUCCESS = 0.949  # overlap that a stride before the last one stays below
 GOOD = 0.98  # overlap with which an episode may end
-STRIDES = (-6.0, -3.0, -1.5, 0.0, 1.5, 3.0, 6.0)  # [px] more than the planned one
+STRIDES = (-8.0, -4.0, -2.0, 0.0, 2.0, 4.0, 8.0)  # [px] more than the planned one
 SIDEWAYS = (-9.0, -4.0, -2.0, 0.0, 2.0, 4.0, 9.0)  # [px] beside the planned contact
 HALVINGS = 4  # of the spacing, round the best target
+AIMS = 2  # corrections of a target by the forward model
 
 
-def stroke(X_WB: Pose2, pusher: Pusher, plan: Sequence[Push]) -> Point:
-    """Return where the pusher shall be after the next action of the first push."""
-    first = plan[0]
-    most = PUSH_STEP / first.pusher_ratio
-    count = max(1, math.ceil(first.length / most - 0.05))
-    length = first.length / count
-    planned = _target(X_WB, replace(first, length=length))
-    left = sum(push.length for push in plan)
-    alone = all(push.face == first.face for push in plan)
-    if not (alone and left < NEAR):
-        return planned
-    rest = (replace(first, length=first.length - length), *plan[1:])
-    options = [
-        (target, predicted(X_WB, pusher, pusher.action_to(target)))
-        for target in _options(X_WB, replace(first, length=length))
-    ]
-    overlaps = [overlap(pose) for _, pose in options]
+def stroke(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
+    """Return where the pusher shall be after the next action of a push."""
+    most = PUSH_STEP / push.pusher_ratio
+    count = max(1, math.ceil(push.length / most - 0.05))
+    stride = replace(push, length=push.length / count)
+    target = _aimed(X_WB, pusher, stride)
+    if miss(X_WB) > NEAR:
+        return target
+    options = [target, *_options(X_WB, stride)]
+    overlaps = [_overlap(X_WB, pusher, option) for option in options]
     best = max(range(len(options)), key=overlaps.__getitem__)
     if overlaps[best] > GOOD:
-        return _refined(X_WB, pusher, options[best][0])
+        return _refined(X_WB, pusher, options[best])
+    if overlaps[0] < SUCCESS:
+        return target
     early = [index for index, share in enumerate(overlaps) if share < SUCCESS]
     if not early:
-        return options[best][0]
-    going = min(early, key=lambda index: miss(final_pose(options[index][1], rest)))
-    return options[going][0]
+        return options[best]
+    return options[max(early, key=overlaps.__getitem__)]
+
+
+def _overlap(X_WB: Pose2, pusher: Pusher, target: Point) -> float:
+    """Return the overlap after an action to a target."""
+    return overlap(predicted(X_WB, pusher, pusher.action_to(target)))
+
+
+def _aimed(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
+    """Return the target after which the T has been pushed as far as a push says."""
+    wanted = pushed_pose(X_WB, push)
+    nx, ny = wanted.rotate(push.pushed.normal)
+    x, y = _target(X_WB, push)
+    for _ in range(AIMS):
+        pose = predicted(X_WB, pusher, pusher.action_to((x, y)))
+        missing = (wanted.x - pose.x) * nx + (wanted.y - pose.y) * ny
+        missing *= push.pusher_ratio
+        x += missing * nx
+        y += missing * ny
+    return (x, y)
 
 
 def _target(X_WB: Pose2, push: Push) -> Point:
@@ -70,13 +84,13 @@ def _options(X_WB: Pose2, push: Push) -> Iterator[Point]:
 def _refined(X_WB: Pose2, pusher: Pusher, target: Point) -> Point:
     """Return the target near by with the greatest overlap (pattern search)."""
     best = target
-    most = overlap(predicted(X_WB, pusher, pusher.action_to(target)))
+    most = _overlap(X_WB, pusher, target)
     spacing = 1.0
     for _ in range(HALVINGS):
         x, y = best
         for dx, dy in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
             trial = (x + spacing * dx, y + spacing * dy)
-            share = overlap(predicted(X_WB, pusher, pusher.action_to(trial)))
+            share = _overlap(X_WB, pusher, trial)
             if share > most:
                 most = share
                 best = trial
