@@ -14,7 +14,7 @@ from pushpressslide.studies.pusht.detours import free_way
 from pushpressslide.studies.pusht.plans import admissible, best_plan
 from pushpressslide.studies.pusht.pushes import Push, final_pose
 from pushpressslide.studies.pusht.servo import Pusher
-from pushpressslide.studies.pusht.steering import halved, miss, steered
+from pushpressslide.studies.pusht.steering import halved, miss, miss_between, steered
 from pushpressslide.studies.pusht.stroke import stroke
 from pushpressslide.studies.pusht.tee import PUSHER_RADIUS, WORLD, body_pose
 
@@ -23,6 +23,9 @@ ARRIVED = 3.0  # [px] from there
 SLOW = 80.0  # [px/s] of a pusher that has arrived
 DONE = 0.5  # [px] of a push that is left
 HALVED = 5.0  # [px] of the last push, above which it is steered in two halves
+STILL = 0.2  # [px] of a T that has not moved
+PATIENT = 2  # actions without a motion, after which any success is taken
+STALLED = 8  # actions without a motion, after which another plan is made
 LOST = 4.0  # [px] of a miss that steering cannot mend
 SLIDE = 14.0  # [px] along a face in one action
 WAY_STEPS = (45.0, 30.0, 18.0, 10.0, 5.0)  # [px] along a way in one action
@@ -35,7 +38,9 @@ class State:
     velocity: Point = (0.0, 0.0)  # [px/s] of the pusher
     plan: tuple[Push, ...] = ()
     touching: bool = False  # whether the first push has begun
+    X_WB: Pose2 | None = None  # where the T was seen last
     plans: int = 0  # made up to now
+    stalled: int = 0  # actions in a push that have not moved the T
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,21 +69,45 @@ def act(observed: Seen, state: State) -> tuple[Point, State]:
 
 def _planned(observed: Seen, state: State) -> State:
     """Return the state with a plan that leads to the goal."""
-    plan = state.plan
-    if plan:
-        plan = steered(observed.X_WB, plan)
-        if plan[0].length < DONE:
-            plan = plan[1:]
-            same = bool(plan) and plan[0].face == state.plan[0].face
-            state = replace(state, touching=state.touching and same)
-            if len(plan) == 1 and plan[0].length > HALVED:
-                plan = halved(plan)
-    mended = miss(final_pose(observed.X_WB, plan)) < LOST
-    if plan and mended and admissible(observed.X_WB, plan):
-        return replace(state, plan=plan)
-    plan = best_plan(observed.X_WB, observed.pusher)
-    plan = halved(plan)
-    return replace(state, plan=plan, touching=False, plans=state.plans + 1)
+    state = _progressed(observed.X_WB, state)
+    plan = _rest(observed.X_WB, state.plan)
+    if plan and state.stalled < STALLED:
+        same = plan[0].face == state.plan[0].face
+        return replace(state, plan=plan, touching=state.touching and same)
+    plan = halved(best_plan(observed.X_WB, observed.pusher))
+    return replace(
+        state, plan=plan, touching=False, plans=state.plans + 1, stalled=0
+    )
+
+
+def _progressed(X_WB: Pose2, state: State) -> State:
+    """Return the state after what the first push has moved the T since last time."""
+    before = state.X_WB
+    state = replace(state, X_WB=X_WB)
+    if before is None or not (state.plan and state.touching):
+        return state
+    first, *rest = state.plan
+    x, y = before.rotate(first.pushed.normal)
+    advance = (X_WB.x - before.x) * x + (X_WB.y - before.y) * y
+    moved = miss_between(before, X_WB) > STILL
+    stalled = 0 if moved else state.stalled + 1
+    shorter = replace(first, length=max(first.length - advance, 0.0))
+    return replace(state, plan=(shorter, *rest), stalled=stalled)
+
+
+def _rest(X_WB: Pose2, plan: tuple[Push, ...]) -> tuple[Push, ...]:
+    """Return what is left of a plan, steered to the goal; empty if it does not lead
+    there.
+    """
+    if plan and plan[0].length < DONE:
+        plan = plan[1:]
+    if not plan:
+        return ()
+    if len(plan) == 1 and plan[0].length > HALVED:
+        plan = halved(plan)
+    plan = steered(X_WB, plan)
+    mended = miss(final_pose(X_WB, plan)) < LOST
+    return plan if mended and admissible(X_WB, plan) else ()
 
 
 def _target(observed: Seen, pusher: Pusher, state: State) -> tuple[Point, State]:
@@ -96,7 +125,7 @@ def _target(observed: Seen, pusher: Pusher, state: State) -> tuple[Point, State]
     if abs(off) > SLIDE:
         slid = place + math.copysign(SLIDE, off)
         return X_WB.apply(push.pushed.pusher(slid, 0.5)), state
-    return stroke(X_WB, pusher, push), state
+    return stroke(X_WB, pusher, push, state.stalled > PATIENT), state
 
 
 def _on_way(X_WB: Pose2, pusher: Pusher, goal: Point) -> Point:

@@ -27,13 +27,21 @@ DIFFERENCE = 1e-4  # [px] of the numerical derivative
 
 def error(X_WB: Pose2) -> Array:
     """Return how far (3,) [px] a pose is from the goal; the angle counts with rho."""
-    turn = wrap_angle(X_WB.yaw - GOAL_BODY.yaw)
-    return np.array([X_WB.x - GOAL_BODY.x, X_WB.y - GOAL_BODY.y, RHO * turn])
+    return _difference(GOAL_BODY, X_WB)
 
 
 def miss(X_WB: Pose2) -> float:
     """Return the norm [px] of ``error``."""
-    return float(np.linalg.norm(error(X_WB)))
+    return miss_between(GOAL_BODY, X_WB)
+
+
+def miss_between(a: Pose2, b: Pose2) -> float:
+    """Return how far [px] two poses are apart; the angle counts with rho."""
+    return float(np.linalg.norm(_difference(a, b)))
+
+
+def _difference(a: Pose2, b: Pose2) -> Array:
+    return np.array([b.x - a.x, b.y - a.y, RHO * wrap_angle(b.yaw - a.yaw)])
 
 
 def halved(pushes: Sequence[Push]) -> tuple[Push, ...]:

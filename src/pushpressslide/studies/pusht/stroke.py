@@ -20,6 +20,7 @@ from pushpressslide.studies.pusht.tee import overlap
 PUSH_STEP = 12.0  # [px] of the pusher along the normal in one action
 NEAR = 25.0  # [px] of the T from the goal, from which the end is looked for
 SUCCESS = 0.949  # overlap that a stride before the last one stays below
+ENOUGH = 0.951  # overlap that ends an episode for sure
 GOOD = 0.98  # overlap with which an episode may end
 STRIDES = (-8.0, -4.0, -2.0, 0.0, 2.0, 4.0, 8.0)  # [px] more than the planned one
 SIDEWAYS = (-9.0, -4.0, -2.0, 0.0, 2.0, 4.0, 9.0)  # [px] beside the planned contact
@@ -27,8 +28,11 @@ HALVINGS = 4  # of the spacing, round the best target
 AIMS = 2  # corrections of a target by the forward model
 
 
-def stroke(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
-    """Return where the pusher shall be after the next action of a push."""
+def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
+    """Return where the pusher shall be after the next action of a push.
+
+    ``hasty``: any overlap above the threshold will do.
+    """
     most = PUSH_STEP / push.pusher_ratio
     count = max(1, math.ceil(push.length / most - 0.05))
     stride = replace(push, length=push.length / count)
@@ -38,7 +42,7 @@ def stroke(X_WB: Pose2, pusher: Pusher, push: Push) -> Point:
     options = [target, *_options(X_WB, stride)]
     overlaps = [_overlap(X_WB, pusher, option) for option in options]
     best = max(range(len(options)), key=overlaps.__getitem__)
-    if overlaps[best] > GOOD:
+    if overlaps[best] > (ENOUGH if hasty else GOOD):
         return _refined(X_WB, pusher, options[best])
     if overlaps[0] < SUCCESS:
         return target
