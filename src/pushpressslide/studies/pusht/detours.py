@@ -6,6 +6,7 @@ import heapq
 import math
 from collections.abc import Sequence
 from functools import cache, lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.pose import Point, Pose2
@@ -123,4 +124,4 @@ def way_length(X_WB: Pose2, start: Point, goal: Point) -> float:
     if not way:
         return math.inf
     ends = (start, *way)
-    return sum(math.dist(a, b) for a, b in zip(ends, ends[1:], strict=False))
+    return sum(math.dist(a, b) for a, b in pairwise(ends))

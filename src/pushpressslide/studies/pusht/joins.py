@@ -105,7 +105,13 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
     opening = _angle(near, distance, far)
     closing = _angle(far, distance, near)
     both = [
-        _lengths(tried, triples, (start, goal), bearing + side * opening, bearing - side * closing)
+        _lengths(
+            tried,
+            triples,
+            (start, goal),
+            bearing + side * opening,
+            bearing - side * closing,
+        )
         for side in (1.0, -1.0)
     ]
     return Joins(np.concatenate([triples, triples]), np.concatenate(both))
@@ -115,7 +121,9 @@ def _placed(X_WB: Pose2, points: Array) -> Array:
     """Return points (m, 2) in W of points in B."""
     c = math.cos(X_WB.yaw)
     s = math.sin(X_WB.yaw)
-    return points @ np.array([[c, s], [-s, c]]) + np.array(X_WB.position)
+    placed: Array = points @ np.array([[c, s], [-s, c]])
+    placed += np.array(X_WB.position)
+    return placed
 
 
 def _angle(beside: Array, other: Array, opposite: Array) -> Array:
@@ -147,4 +155,5 @@ def _lengths(
     )
     curvatures = tried.curvatures[triples]
     forward = np.mod(np.sign(curvatures) * turns, FULL_TURN)
-    return forward / np.abs(curvatures)
+    lengths: Array = forward / np.abs(curvatures)
+    return lengths

@@ -15,6 +15,7 @@ from pushpressslide.core.pose import Pose2, turned_left
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.studies.pusht.tee import FACES, RHO, SURFACE, PushedFace
 
+PUSH_STEP = 12.0  # [px] of the pusher along the normal in one action
 STRAIGHT = 1e-9  # [rad] of a turn that counts as none
 
 
@@ -60,9 +61,7 @@ def pushed_pose(X_WB: Pose2, push: Push) -> Pose2:
         along = push.length * math.sin(turn) / turn
         across = push.length * (1.0 - math.cos(turn)) / turn
     left = turned_left(n)
-    step = Pose2(
-        along * n[0] + across * left[0], along * n[1] + across * left[1], turn
-    )
+    step = Pose2(along * n[0] + across * left[0], along * n[1] + across * left[1], turn)
     return X_WB.compose(step)
 
 

@@ -7,7 +7,6 @@ a few times. The last push has two halves with a place each: so it steers a car 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 

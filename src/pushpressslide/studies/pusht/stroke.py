@@ -12,12 +12,11 @@ from dataclasses import replace
 
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.studies.pusht.forward import predicted
-from pushpressslide.studies.pusht.pushes import Push, pushed_pose
+from pushpressslide.studies.pusht.pushes import PUSH_STEP, Push, pushed_pose
 from pushpressslide.studies.pusht.servo import Pusher
 from pushpressslide.studies.pusht.steering import miss
 from pushpressslide.studies.pusht.tee import overlap
 
-PUSH_STEP = 12.0  # [px] of the pusher along the normal in one action
 NEAR = 25.0  # [px] of the T from the goal, from which the end is looked for
 SUCCESS = 0.949  # overlap that a stride before the last one stays below
 ENOUGH = 0.951  # overlap that ends an episode for sure
