@@ -19,8 +19,8 @@ NOTES = (
 
 def print_figures(figures: Figures) -> None:
     """Print our row, the published ones, and which episodes failed."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("policy")
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1))
+    table.add_column("policy", no_wrap=True)
     for column in COLUMNS:
         table.add_column(column, justify="right")
     low, high = figures.success_interval

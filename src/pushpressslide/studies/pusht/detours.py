@@ -21,12 +21,10 @@ INSIDE = 0.01  # [px] by which a way may enter the grown T: rounding
 
 @cache
 def _grown() -> Polygon:
-    """Return the T in B, grown by the pusher and the margin."""
+    """Return the T in B, grown by the pusher and the margin; two chords a corner."""
     from shapely import Polygon
 
-    return Polygon(CORNERS).buffer(
-        PUSHER_RADIUS + MARGIN, join_style="bevel", quad_segs=2
-    )
+    return Polygon(CORNERS).buffer(PUSHER_RADIUS + MARGIN, quad_segs=2)
 
 
 @cache

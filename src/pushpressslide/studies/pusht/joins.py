@@ -23,6 +23,7 @@ from pushpressslide.studies.pusht.tee import FACES
 SPACING = 10.0  # [px] between the contacts that are tried
 INSET = 5.0  # [px] from the ends of a face, left for steering
 STRAIGHT = 0.25  # [px] off the centre's line, in place of a straight push
+SAME = 1e-6  # [px] between centres of rotation that count as one
 FULL_TURN = 2.0 * math.pi
 
 
@@ -86,10 +87,7 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
     both X_WB, with a turn below a full one in each push.
     """
     tried = contacts()
-    count = len(tried.lefts)
-    first, middle, last = np.indices((count, count, count)).reshape(3, -1)
-    apart = (first != middle) & (middle != last)
-    triples = np.stack([first[apart], middle[apart], last[apart]], axis=-1)
+    triples = _triples(tried)
     begin = _placed(start, tried.centers)[triples[:, 0]]
     end = _placed(goal, tried.centers)[triples[:, 2]]
     near = tried.distances[triples[:, 0], triples[:, 1]]
@@ -115,6 +113,16 @@ def joins(start: Pose2, goal: Pose2) -> Joins:
         for side in (1.0, -1.0)
     ]
     return Joins(np.concatenate([triples, triples]), np.concatenate(both))
+
+
+def _triples(tried: Contacts) -> Array:
+    """Return all triples (t, 3) of contacts whose neighbours turn about other points."""
+    count = len(tried.lefts)
+    first, middle, last = np.indices((count, count, count)).reshape(3, -1)
+    apart = (tried.distances[first, middle] > SAME) & (
+        tried.distances[middle, last] > SAME
+    )
+    return np.stack([first[apart], middle[apart], last[apart]], axis=-1)
 
 
 def _placed(X_WB: Pose2, points: Array) -> Array:
