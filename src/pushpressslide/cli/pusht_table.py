@@ -19,10 +19,10 @@ NOTES = (
 
 def print_figures(figures: Figures) -> None:
     """Print our row, the published ones, and which episodes failed."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1))
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("policy", no_wrap=True)
     for column in COLUMNS:
-        table.add_column(column, justify="right")
+        table.add_column(column, justify="right", no_wrap=True)
     low, high = figures.success_interval
     table.add_row(
         "pushpressslide",

@@ -22,6 +22,6 @@ class Published:
 
 
 PUBLISHED = (
-    Published("LeRobot, diffusion", 0.959, 0.638, 500),
-    Published("Chi et al., diffusion", 0.957, 0.642, 500),
+    Published("diffusion, LeRobot", 0.959, 0.638, 500),
+    Published("diffusion, authors", 0.957, 0.642, 500),
 )
