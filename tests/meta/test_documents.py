@@ -77,14 +77,18 @@ def commands() -> set[str]:
 
 
 def test_every_command_of_the_readme_exists_and_every_command_is_there() -> None:
-    named = set(re.findall(r"\bpps ([a-z-]*[a-z])", README))
+    named = set(re.findall(r"\bpps ([a-z][a-z-]*)", README))
     assert named == commands()
 
 
 @every_page
 def test_every_command_of_the_documents_exists(page: Path) -> None:
     assert (
-        set(re.findall(r"(?:`|/|    )pps ([a-z-]*[a-z])", page.read_text(encoding="utf-8")))
+        set(
+            re.findall(
+                r"(?:`|/|    )pps ([a-z][a-z-]*)", page.read_text(encoding="utf-8")
+            )
+        )
         <= commands()
     )
 

@@ -106,8 +106,8 @@ def test_the_twist_of_a_push_is_that_of_the_limit_surface(
     assert along / way > 0.995
 
 
-def test_the_forward_model_is_right_to_a_millionth_of_a_pixel(game: Game) -> None:
-    # but where the T touches a wall, or a period has more than one new contact
+def test_the_forward_model_is_right_to_the_rounding_of_an_action(game: Game) -> None:
+    # actions are sent in single precision; where the T touches a wall it is off
     errors = []
     for seed in DEVELOPMENT:
         values, _ = game.reset(seed=seed)
@@ -123,7 +123,7 @@ def test_the_forward_model_is_right_to_a_millionth_of_a_pixel(game: Game) -> Non
             if miss_between(before.X_WB, seen.X_WB) > 0.5:
                 errors.append(miss_between(expected, seen.X_WB))
     assert len(errors) > 60
-    assert np.quantile(errors, 0.9) < 1e-4
+    assert np.quantile(errors, 0.95) < 1e-5
 
 
 @pytest.mark.parametrize("seed", DEVELOPMENT)
