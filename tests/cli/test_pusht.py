@@ -38,6 +38,7 @@ def test_the_table_names_what_failed_and_fits_80_columns(capsys) -> None:
     print_figures(figures_of(rows))
     text = capsys.readouterr().out
     assert "50.0%" in text
+    assert "…" not in text
     assert "Seeds that failed: 8." in text
     assert max(map(len, text.splitlines())) <= 80
 

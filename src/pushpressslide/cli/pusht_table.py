@@ -19,7 +19,7 @@ NOTES = (
 
 def print_figures(figures: Figures) -> None:
     """Print our row, the published ones, and which episodes failed."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("policy", no_wrap=True)
     for column in COLUMNS:
         table.add_column(column, justify="right", no_wrap=True)

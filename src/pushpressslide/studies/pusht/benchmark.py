@@ -7,12 +7,14 @@ import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.parallel import in_parallel
 from pushpressslide.jobs.summary import interval
 from pushpressslide.report.json_text import to_json
+from pushpressslide.report.metrics import installed_versions
 from pushpressslide.studies.pusht.game import Episode, open_game, play, play_seeds
 
 Progress = Callable[[float, float], None]
@@ -57,8 +59,20 @@ def benchmark(
     figures = figures_of(rows)
     lines = (json.dumps(asdict(row)) + "\n" for row in rows)
     write_whole(out / ROWS, "".join(lines))
-    write_whole(out / "result.json", to_json({"schema": 1, **asdict(figures)}))
+    result = {
+        "schema": 1,
+        "first_seed": seeds.start,
+        "noise": noise,
+        **asdict(figures),
+        "versions": installed_versions() | _game_versions(),
+    }
+    write_whole(out / "result.json", to_json(result))
     return figures
+
+
+def _game_versions() -> dict[str, str]:
+    """Return the versions of the game's packages."""
+    return {name: version(name) for name in ("gym-pusht", "pymunk")}
 
 
 def _played_here(
