@@ -24,6 +24,7 @@ GOOD = 0.98  # overlap with which an episode may end
 STRIDES = (-8.0, -4.0, -2.0, 0.0, 2.0, 4.0, 8.0)  # [px] more than the planned one
 SIDEWAYS = (-9.0, -4.0, -2.0, 0.0, 2.0, 4.0, 9.0)  # [px] beside the planned contact
 HALVINGS = 4  # of the spacing, round the best target
+LONGER = 0.05  # of a stride, by which one may be longer to spare another
 AIMS = 2  # corrections of a target by the forward model
 
 
@@ -33,7 +34,7 @@ def stroke(X_WB: Pose2, pusher: Pusher, push: Push, hasty: bool) -> Point:
     ``hasty``: any overlap above the threshold will do.
     """
     most = PUSH_STEP / push.pusher_ratio
-    count = max(1, math.ceil(push.length / most - 0.05))
+    count = max(1, math.ceil(push.length / most - LONGER))
     stride = replace(push, length=push.length / count)
     target = _aimed(X_WB, pusher, stride)
     if miss(X_WB) > NEAR:

@@ -39,9 +39,7 @@ OUTLINE = (
 CORNERS = tuple((x - CENTER[0], y - CENTER[1]) for x, y in OUTLINE)  # [px] in B
 BODY = ObjectModel(Prism(OUTLINE, 1.0), 1.0, CENTER)
 SURFACE = EllipsoidLimitSurface(1.0, RHO)
-CLEARANCE = (
-    3.0  # [px] of a contact from the ends of what the pusher can touch of a face
-)
+CLEARANCE = 3.0  # [px] of a contact from the ends of what can be touched of a face
 
 
 @dataclass(frozen=True, slots=True)
