@@ -30,6 +30,7 @@ from pydrake.multibody.tree import BodyIndex, RigidBody
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pieces import triangles
+from pushpressslide.core.polygon import signed_area
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.shapes import Cylinder, Shape
 from pushpressslide.core.support_frame import SupportFrame
@@ -199,9 +200,11 @@ def base_triangles(corners: tuple[Point, ...], nx: int, ny: int) -> list[Triangl
             )
             continue
         for piece in shapely.get_parts(shapely.intersection(polygon, cell)):
-            if piece.area > SLIVER * cell.area:
-                around = shapely.orient_polygons(piece).exterior.coords[:-1]
-                out += _cut(tuple((x, y) for x, y in around))
+            if piece.area == 0.0:  # a line or a point
+                continue
+            around = shapely.orient_polygons(piece).exterior.coords[:-1]
+            cut = _cut(tuple((x, y) for x, y in around))
+            out += [t for t in cut if signed_area(t) > SLIVER * cell.area]
     return out
 
 
