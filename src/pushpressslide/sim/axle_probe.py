@@ -26,6 +26,7 @@ from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
+from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.scenes import (
@@ -35,7 +36,6 @@ from pushpressslide.sim.scenes import (
     softness,
     tip_properties,
 )
-from pushpressslide.sim.station import add_force_sensor
 from pushpressslide.sim.surfaces import SurfaceFrictions
 
 START = Pose2(0.013, 0.017, 0.2)  # X_WG
@@ -147,16 +147,14 @@ class _Rig:
         self._hand = add_robot(plant, hand, 0, tip_properties=tip)
         plant.Finalize()
         plane.let_bases_stand(plant, scene_graph)
-        sensor = add_force_sensor(builder, plant, self._hand)
+        self.sensor = ForceSensor(plant, self._hand)
         torque = plant.get_actuation_input_port(self._hand.model_instance)
         builder.ExportInput(torque, "torque")
-        builder.ExportOutput(sensor.GetOutputPort("force"), "force")
         diagram = builder.Build()
         self.simulator = Simulator(diagram)
         self.context = self.simulator.get_mutable_context()
         self.state = plant.GetMyMutableContextFromRoot(self.context)
         self.torque = diagram.GetInputPort("torque")
-        self.force = diagram.GetOutputPort("force")
         X_WG = rigid_transform(START, rest_height(body))
         plant.SetFreeBodyPose(self.state, self._object, X_WG)
         self.home = self._place_hand(body.shape.height + hand.tip_radius + GAP)
@@ -203,7 +201,7 @@ class _Rig:
             pose = planar_pose_from_positions(x[self.object_q : self.object_q + 7])
             w, vx, vy = (float(x[self.object_v + k]) for k in (2, 3, 4))
             if i * self.dt >= SETTLED:
-                fx, fy, fz = self.force.Eval(self.context)
+                fx, fy, fz = self.sensor.force(self.state)
                 moved = x[self.hand_q] - self.home
                 tx, ty = pose.unapply((start[0] + moved[0], start[1] + moved[1]))
                 ux, uy = pose.unrotate((vx, vy))
