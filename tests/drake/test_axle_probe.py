@@ -58,11 +58,11 @@ def test_a_hand_that_keeps_its_yaw_moves_the_axle_by_its_spin_friction() -> None
 
 def test_a_push_that_does_not_move_the_object_measures_nothing() -> None:
     with pytest.raises(SimulationError, match="too slow to tell about what"):
-        probe_axle(load_task(TASK), Probe((0.2, 0.0), 8.0, 1.0, speed=1e-4, tile=0.1))
+        probe_axle(load_task(TASK), Probe((0.2, 0.0), 8.0, 1.0, speed=1e-4, cells=3.0))
 
 
 def test_a_probe_gives_the_same_figures_again() -> None:
-    probe = Probe((0.2, 0.0), 8.0, 1.0, tile=0.1)
+    probe = Probe((0.2, 0.0), 8.0, 1.0, cells=3.0)
     assert asdict(probe_axle(load_task(TASK), probe)) == asdict(
         probe_axle(load_task(TASK), probe)
     )

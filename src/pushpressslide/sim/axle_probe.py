@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import Mesh
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
     ContactModel,
@@ -24,21 +23,22 @@ from pydrake.systems.framework import DiagramBuilder
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Shape
+from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Robot, Task
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
+from pushpressslide.sim.force_sensor import ForceSensor
+from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.scenes import (
     add_object,
-    add_support,
+    mesh_size,
     rest_height,
-    tile_size,
+    softness,
     tip_properties,
 )
-from pushpressslide.sim.station import add_force_sensor
-from pushpressslide.sim.surfaces import SurfaceFrictions, support_grid
+from pushpressslide.sim.surfaces import SurfaceFrictions
 
-START = Pose2(0.013, 0.017, 0.2)  # X_WG; not on the lattice of the support's grid
+START = Pose2(0.013, 0.017, 0.2)  # X_WG
 GAP = 1e-4  # [m] from the tip to the object at the start
 PRESS_RAMP = 0.3  # [s] of the load
 DRAG_START = 0.4  # [s]
@@ -49,7 +49,6 @@ DRAG_DAMPING = 500.0  # [N s/m] of the servo along the force
 LIFT_DAMPING = 20.0  # [N s/m] of the tip's vertical motion
 YAW_DAMPING = 1.0  # [N m s/rad] between the hand's yaw and the object's
 YAW_STIFFNESS = 50.0  # [N m/rad] of the hand's yaw, if it is held
-ROOM = 0.2  # [m] of support around the object
 LEAST_TURN_RATE = 2e-3  # [rad/s] slower turns do not define an axle
 
 
@@ -61,7 +60,7 @@ class Probe:
     load: float  # [N]
     force_angle: float  # [rad] of the drag, from the line CoM to contact, constant in B
     speed: float = 0.05  # [m/s] wanted speed of the tip along the drag
-    tile: float = 0.025  # [m] edge of the support's grid
+    cells: float = 12.0  # across the base where it is narrow: more than in a run
     # hold the hand's yaw; else it turns with the object, which removes spin friction
     hold_yaw: bool = False
 
@@ -123,8 +122,8 @@ def probe_axle(task: Task, probe: Probe, time_step: float = 0.004) -> AxleMeasur
 
 
 class _Rig:
-    """The object on a fine support, with a free tip on top: the scene of a run, except
-    for its tiles.
+    """The object on its support, with a free tip on top: the scene of a run, but for the
+    cells of its base.
     """
 
     def __init__(self, task: Task, probe: Probe, time_step: float) -> None:
@@ -135,27 +134,27 @@ class _Rig:
         self.contact_G = body.X_GB.apply(probe.contact)
         hand = Robot("hand", (0.0, 0.0, 0.0), tip_radius=task.robots[0].tip_radius)
         builder = DiagramBuilder()
-        plant, _ = AddMultibodyPlantSceneGraph(builder, time_step)
+        plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
         self._plant = plant
         plant.set_contact_model(ContactModel.kHydroelastic)
         plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
         frictions = SurfaceFrictions.of_task(task)
-        mesh = min(0.25 * body.shape.height, tile_size(body.shape))
-        self._object = add_object(plant, body, frictions.object, mesh)
-        add_support(plant, _grid(body.shape, probe.tile), frictions.support)
+        shape = body.shape
+        self._object = add_object(plant, body, frictions.object, mesh_size(shape))
+        plane = add_plane(plant, TABLE, softness(shape), frictions.support)
+        plane.stand(plant, self._object, shape, frictions.object, probe.cells)
         tip = tip_properties(hand, frictions)
         self._hand = add_robot(plant, hand, 0, tip_properties=tip)
         plant.Finalize()
-        sensor = add_force_sensor(builder, plant, self._hand)
+        plane.let_bases_stand(plant, scene_graph)
+        self.sensor = ForceSensor(plant, self._hand)
         torque = plant.get_actuation_input_port(self._hand.model_instance)
         builder.ExportInput(torque, "torque")
-        builder.ExportOutput(sensor.GetOutputPort("force"), "force")
         diagram = builder.Build()
         self.simulator = Simulator(diagram)
         self.context = self.simulator.get_mutable_context()
         self.state = plant.GetMyMutableContextFromRoot(self.context)
         self.torque = diagram.GetInputPort("torque")
-        self.force = diagram.GetOutputPort("force")
         X_WG = rigid_transform(START, rest_height(body))
         plant.SetFreeBodyPose(self.state, self._object, X_WG)
         self.home = self._place_hand(body.shape.height + hand.tip_radius + GAP)
@@ -202,7 +201,7 @@ class _Rig:
             pose = planar_pose_from_positions(x[self.object_q : self.object_q + 7])
             w, vx, vy = (float(x[self.object_v + k]) for k in (2, 3, 4))
             if i * self.dt >= SETTLED:
-                fx, fy, fz = self.force.Eval(self.context)
+                fx, fy, fz = self.sensor.force(self.state)
                 moved = x[self.hand_q] - self.home
                 tx, ty = pose.unapply((start[0] + moved[0], start[1] + moved[1]))
                 ux, uy = pose.unrotate((vx, vy))
@@ -241,11 +240,3 @@ class _Rig:
             out[0] += drag * c - self.inertia * w * vy
             out[1] += drag * s + self.inertia * w * vx
         return out
-
-
-def _grid(shape: Shape, tile: float) -> Mesh:
-    """Return the support around the object's start."""
-    half = shape.farthest((0.0, 0.0)) + ROOM
-    x = START.x
-    y = START.y
-    return support_grid((x - half, x + half, y - half, y + half), tile)

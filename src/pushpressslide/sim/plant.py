@@ -365,11 +365,11 @@ class DrakePlant:
 
     def prepare(self) -> PlacementPaths:
         """Return a preparation of joint paths from where the arms were at the last
-        measurement, of motions on the support's grid.
+        measurement, of motions within the support's bounds.
         """
         postures = tuple(arm.state.q for arm in self._arms)
         self._prepared = PlacementPaths(
-            postures=postures, within=self._station.scene.grid
+            postures=postures, within=self._station.scene.bounds
         )
         return self._prepared
 

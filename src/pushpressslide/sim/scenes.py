@@ -6,6 +6,7 @@ The choices for hydroelastic contact (approximation, meshes, modulus) are measur
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,7 @@ from pushpressslide.core.polygon import counter_clockwise
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.knock import Knocker
+from pushpressslide.sim.plane import Plane, add_plane
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
@@ -81,7 +83,7 @@ class DrakeScene:
     object: RigidBody
     bodies: dict[str, RigidBody]  # movable obstacles, by name
     robots: tuple[RobotInstance, ...]
-    grid: Bounds  # [m] of the support's surface
+    bounds: Bounds | None  # [m] of the support's surface, where it has any
     knocker: Knocker | None = None
 
 
@@ -202,13 +204,14 @@ def build_scene(
     frictions = SurfaceFrictions.of_task(task)
     shape = task.object.shape
     object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))
-    pressed = [contact.kind for contact in plan.contacts] == ["top"]
-    tile = tile_size(shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
-    bounds = grid_bounds(plan, tile)
-    grid = support_grid(bounds, tile, task.support)
-    add_support(plant, grid, frictions.support)
-    _draw_support(plant, task.support)
     bodies = _add_obstacles(plant, task, frictions)
+    plane = None
+    bounds = None
+    if task.support.region is None and task.support.opening is None:
+        plane = _add_plane(plant, task, frictions, object_body, bodies)
+    else:
+        bounds = _add_grid(plant, plan, frictions)
+    _draw_support(plant, task.support)
     robots = tuple(
         add_robot(
             plant,
@@ -222,12 +225,48 @@ def build_scene(
     knocker = None if knock is None else Knocker(plant, knock, plan)
     plant.Finalize()
     _let_only_tips_touch(plant, scene_graph, robots)
+    if plane is not None:
+        plane.let_bases_stand(plant, scene_graph)
     if knocker is not None:
         knocker.touch_only(plant, scene_graph, object_body)
         knocker.connect(builder, plant)
     return DrakeScene(
         builder, plant, scene_graph, object_body, bodies, robots, bounds, knocker
     )
+
+
+def _add_plane(
+    plant: MultibodyPlant,
+    task: model.Task,
+    frictions: SurfaceFrictions,
+    moved: RigidBody,
+    bodies: Mapping[str, RigidBody],
+) -> Plane:
+    """Add a support without edges, and the bases of all bodies that move."""
+    shape = task.object.shape
+    plane = add_plane(plant, task.support.frame, softness(shape), frictions.support)
+    plane.stand(plant, moved, shape, frictions.object)
+    for obstacle in task.obstacles:
+        if obstacle.movable:
+            friction = frictions.obstacle(obstacle.friction)
+            plane.stand(plant, bodies[obstacle.name], obstacle.shape, friction)
+    return plane
+
+
+def softness(shape: model.Shape) -> float:
+    """Return the thickness [m] of the layer that gives way as an object does."""
+    return 0.5 * min(shape.height, shape.breadth)
+
+
+def _add_grid(plant: MultibodyPlant, plan: Plan, frictions: SurfaceFrictions) -> Bounds:
+    """Add a support with edges; return the bounds of its surface."""
+    shape = plan.task.object.shape
+    pressed = [contact.kind for contact in plan.contacts] == ["top"]
+    tile = tile_size(shape) * (TILES_PER_WIDTH / PRESSED_TILES if pressed else 1.0)
+    bounds = grid_bounds(plan, tile)
+    grid = support_grid(bounds, tile, plan.task.support)
+    add_support(plant, grid, frictions.support)
+    return bounds
 
 
 def add_object(

@@ -145,13 +145,16 @@ def _normal(a: Vector3, b: Vector3, c: Vector3) -> Vector3:
     return (x, y, z)
 
 
-def _obj_mesh(
+def obj_mesh(
     vertices: Sequence[Vector3],
     faces: Sequence[Tile],
     name: str,
     *,
     drawn: bool = False,
 ) -> InMemoryMesh:
+    """Return a surface of ``faces``, counter-clockwise seen from outside, by the numbers
+    of ``vertices`` [m]; with normals if it is to be ``drawn``.
+    """
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
     for k, face in enumerate(faces):
         normal = ""
@@ -191,7 +194,7 @@ def support_grid(
         # left-handed axes turn a face inside out
         faces = [face[::-1] for face in faces]
     vertices = [frame.point(v) for v in surface.vertices]
-    return Mesh(_obj_mesh(vertices, faces, "support_grid.obj"))
+    return Mesh(obj_mesh(vertices, faces, "support_grid.obj"))
 
 
 class _TiledSurface:
@@ -349,7 +352,7 @@ def touched_shape(
     """
     if shape.convex:
         return drawn_shape(shape), compliant_properties(friction, resolution)
-    outline = _without_details(shape.corners)
+    outline = without_details(shape.corners)
     mesh = layered_mesh(outline, shape.height)
     file = MemoryFile(mesh.vtk(), ".vtk", "object.vtk")
     share = mesh.depth / (0.5 * min(shape.height, shape.breadth))
@@ -359,7 +362,7 @@ def touched_shape(
     return Mesh(InMemoryMesh(mesh_file=file), 1.0), properties
 
 
-def _without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:
     """Return an outline without corners that stand out by less than ``DETAIL``."""
     from shapely import Polygon
 
@@ -388,4 +391,4 @@ def _prism_mesh(
     faces: list[Tile] = [tuple(reversed(cap)) for cap in caps]
     faces += [tuple(n + i for i in cap) for cap in caps]
     faces += [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
-    return _obj_mesh(vertices, faces, "prism.obj", drawn=drawn)
+    return obj_mesh(vertices, faces, "prism.obj", drawn=drawn)

@@ -45,8 +45,8 @@ CHECKED = ((5, 8.0, 0.10), (75, 8.0, 0.10), (175, 16.0, 0.10))
 the farthest axle.
 """
 VARIANTS: Mapping[str, tuple[Mapping[str, Any], float]] = {
-    "tiles of 5 cm": ({"tile": 0.05}, 0.004),
-    "tiles of 10 cm": ({"tile": 0.10}, 0.004),
+    "six cells across": ({"cells": 6.0}, 0.004),
+    "three cells across": ({"cells": 3.0}, 0.004),
     "half the speed": ({"speed": 0.025}, 0.004),
     "time step of 2 ms": ({}, 0.002),
     "hand's yaw held": ({"hold_yaw": True}, 0.004),
