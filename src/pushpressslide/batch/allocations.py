@@ -1,0 +1,145 @@
+"""The answers of the allocators on arrays: contact forces, their margins and statuses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pushpressslide.batch.checks import check_last
+from pushpressslide.batch.elementwise import (
+    Argument,
+    Column,
+    Columns,
+    Flag,
+    Formula,
+    Table,
+    column,
+    run,
+    table,
+)
+from pushpressslide.core.arrays import Array
+
+Statuses = NDArray[np.int8]
+# the statuses of ``core.allocation``, as numbers
+OK = 0
+PROJECTED = 1
+INFEASIBLE = 2
+NamedColumns = TypeVar("NamedColumns", bound=Columns)
+OPEN = 3  # between two formulas: the first has not settled the row
+
+
+class WrenchColumns(NamedTuple):
+    """Wrenches, a column each."""
+
+    fx: Column  # [N]
+    fy: Column  # [N]
+    tau: Column  # [N m]
+
+
+class Allocations(NamedTuple):
+    """Forces that realise wanted wrenches, of k contacts; as ``core.allocation`` for one."""
+
+    forces: Array  # (..., k, 2) [N] of each contact ON the object, in B
+    normals: Array  # (..., k) [N] normal magnitude of each contact, >= 0
+    margin: Array  # (...) [N] least distance of a force to its cone; negative: outside
+    status: Statuses  # (...) OK, PROJECTED or INFEASIBLE
+    residual: Array  # (..., 3) [N, N m] wanted minus realised
+
+    @property
+    def ok(self) -> Flag:
+        """Where nothing had to be changed (...)."""
+        return self.status == OK
+
+
+class AllocationRows(NamedTuple):
+    """An ``Allocations`` of n rows that is still to be filled."""
+
+    forces: Array  # (n, k, 2)
+    normals: Array  # (n, k)
+    margin: Array  # (n,)
+    status: Statuses  # (n,)
+    residual: Array  # (n, 3)
+
+    @classmethod
+    def empty(cls, n: int, contacts: int) -> AllocationRows:
+        """Return room for ``n`` rows, in one piece."""
+        forces, normals, margin, residual = np.split(
+            np.empty(n * (3 * contacts + 4)),
+            np.cumsum([2 * contacts * n, contacts * n, n]),
+        )
+        return cls(
+            forces.reshape(n, contacts, 2),
+            normals.reshape(n, contacts),
+            margin,
+            np.empty(n, dtype=np.int8),
+            residual.reshape(n, 3),
+        )
+
+    @property
+    def results(self) -> list[Column]:
+        """Forces, normals, margin, status and residual: what formulas return."""
+        n, contacts = self.normals.shape
+        forces = self.forces.reshape(n, 2 * contacts)
+        return [forces, self.normals, self.margin, self.status, self.residual]
+
+    def shaped(self, shape: tuple[int, ...]) -> Allocations:
+        """Return the answer with a leading ``shape``."""
+        contacts = self.normals.shape[1]
+        return Allocations(
+            self.forces.reshape(*shape, contacts, 2),
+            self.normals.reshape(*shape, contacts),
+            self.margin.reshape(shape),
+            self.status.reshape(shape),
+            self.residual.reshape(*shape, 3),
+        )
+
+
+def wrench_table(wrenches: Array, shape: tuple[int, ...]) -> Table:
+    """Return ``wrenches`` (..., 3) as a table of the leading ``shape``."""
+    return table(WrenchColumns, wrenches, shape)
+
+
+def is_finite(wrench: WrenchColumns) -> Flag:
+    """Return where a wrench is a number."""
+    return np.abs(wrench.fx) + np.abs(wrench.fy) + np.abs(wrench.tau) < math.inf
+
+
+def allocations(
+    arguments: Sequence[Argument],
+    shape: tuple[int, ...],
+    contacts: int,
+    first: Formula,
+    stages: Sequence[tuple[int, Formula]],
+) -> Allocations:
+    """Return the answers of ``first`` for all rows, and of each stage for those that
+    have its status then.
+    """
+    out = AllocationRows.empty(math.prod(shape), contacts)
+    results = out.results
+    run(first, arguments, results)
+    for status, formula in stages:
+        rows = np.flatnonzero(out.status == status)
+        if len(rows):
+            run(formula, arguments, results, rows)
+    return out.shaped(shape)
+
+
+def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
+    """Return the figures of contacts as columns of the leading ``shape``."""
+    return type(figures)(*(column(figure, shape) for figure in figures))
+
+
+def leading_shape(figures: Columns) -> tuple[int, ...]:
+    """Return the leading shape of the figures of contacts."""
+    return np.broadcast_shapes(*(np.shape(figure) for figure in figures))
+
+
+def wanted(wrenches: ArrayLike) -> Array:
+    """Return ``wrenches`` (..., 3) as an array; raises ValueError for other shapes."""
+    out = np.asarray(wrenches, dtype=np.float64)
+    check_last(out, (3,), "wrenches")
+    return out
