@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,14 +13,13 @@ from pushpressslide.batch.checks import check_last
 from pushpressslide.batch.elementwise import (
     Argument,
     Column,
-    Columns,
     Flag,
     Formula,
     Table,
-    column,
     run,
     table,
 )
+from pushpressslide.batch.wrench_twist import WrenchColumns
 from pushpressslide.core.arrays import Array
 
 Statuses = NDArray[np.int8]
@@ -28,16 +27,7 @@ Statuses = NDArray[np.int8]
 OK = 0
 PROJECTED = 1
 INFEASIBLE = 2
-NamedColumns = TypeVar("NamedColumns", bound=Columns)
 OPEN = 3  # between two formulas: the first has not settled the row
-
-
-class WrenchColumns(NamedTuple):
-    """Wrenches, a column each."""
-
-    fx: Column  # [N]
-    fy: Column  # [N]
-    tau: Column  # [N m]
 
 
 class Allocations(NamedTuple):
@@ -126,16 +116,6 @@ def allocations(
         if len(rows):
             run(formula, arguments, results, rows)
     return out.shaped(shape)
-
-
-def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
-    """Return the figures of contacts as columns of the leading ``shape``."""
-    return type(figures)(*(column(figure, shape) for figure in figures))
-
-
-def leading_shape(figures: Columns) -> tuple[int, ...]:
-    """Return the leading shape of the figures of contacts."""
-    return np.broadcast_shapes(*(np.shape(figure) for figure in figures))
 
 
 def wanted(wrenches: ArrayLike) -> Array:

@@ -12,11 +12,12 @@ from __future__ import annotations
 import hashlib
 import importlib
 import inspect
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,8 +33,6 @@ Flag = Any
 Rows = NDArray[np.intp]
 Columns = tuple[Column, ...]
 Formula = Callable[..., Columns]
-
-PACKAGE = __name__.partition(".")[0]
 
 
 def where(condition: Flag, a: Column | float, b: Column | float) -> Column:
@@ -227,19 +226,42 @@ def _compiled_loop(formula: Formula, layout: _Layout) -> Callable[..., None]:
     """
     numba = compiler()
     assert numba is not None
+    parts = registered(numba, formula)
+    types = str(layout.results)
+    name = digest_name(formula, [layout.text("loop"), types], [*parts, *layout.groups])
+    scope = {f"g{i}": group for i, group in enumerate(layout.groups)}
+    loop = loop_of_text(formula, name, layout.text(name), scope)
+    compiled = numba.njit(layout.signature(numba), cache=True, error_model="numpy")
+    out: Callable[..., None] = compiled(loop)
+    return out
+
+
+def registered(numba: ModuleType, formula: Formula) -> list[FunctionType]:
+    """Return a formula and all that it calls, after numba was told to compile them."""
     parts = list(_called(formula))
     for part in parts:
         numba.extending.register_jitable(error_model="numpy")(part)
-    sources = [*map(inspect.getsource, parts), *map(inspect.getsource, layout.groups)]
-    text = layout.text("loop")
-    types = str(layout.results)
-    digest = hashlib.sha256("".join([text, types, *sources]).encode())
-    name = f"{formula.__name__}_{digest.hexdigest()[:16]}"
-    scope: dict[str, Any] = {"formula": formula, "__name__": formula.__module__}
-    scope |= {f"g{i}": group for i, group in enumerate(layout.groups)}
-    exec(compile(layout.text(name), inspect.getfile(formula), "exec"), scope)
-    compiled = numba.njit(layout.signature(numba), cache=True, error_model="numpy")
-    loop: Callable[..., None] = compiled(scope[name])
+    return parts
+
+
+def digest_name(
+    formula: Formula, texts: Sequence[str], parts: Sequence[Callable[..., Any]]
+) -> str:
+    """Return the name of a loop: the formula's and a digest of all that goes into it."""
+    sources = "".join([*texts, *map(inspect.getsource, parts)])
+    digest = hashlib.sha256(sources.encode()).hexdigest()
+    return f"{formula.__name__}_{digest[:16]}"
+
+
+def loop_of_text(
+    formula: Formula, name: str, text: str, scope: Mapping[str, Any]
+) -> Callable[..., None]:
+    """Return a loop over ``formula`` from its text, as if it stood in the formula's
+    file: that is where numba looks for what it has compiled before.
+    """
+    names = {**scope, "formula": formula, "__name__": formula.__module__}
+    exec(compile(text, inspect.getfile(formula), "exec"), names)
+    loop: Callable[..., None] = names[name]
     return loop
 
 
@@ -278,3 +300,34 @@ def column(array: Array, shape: tuple[int, ...]) -> Column:
 def figures(*values: ArrayLike) -> tuple[Array, ...]:
     """Return numbers and sequences as arrays of floats."""
     return tuple(np.asarray(value, dtype=np.float64) for value in values)
+
+
+def values(
+    formula: Formula,
+    arguments: Sequence[Argument],
+    shape: tuple[int, ...],
+    sizes: Sequence[int],
+) -> list[Array]:
+    """Return ``formula(*arguments)`` as arrays of the leading ``shape``, each with as
+    many columns as ``sizes`` says; 0: one, without an axis.
+    """
+    n = math.prod(shape)
+    flat = [np.empty((n, size) if size else n) for size in sizes]
+    run(formula, arguments, flat)
+    return [
+        array.reshape((*shape, size) if size else shape)
+        for array, size in zip(flat, sizes, strict=True)
+    ]
+
+
+NamedColumns = TypeVar("NamedColumns", bound=Columns)
+
+
+def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
+    """Return figures as columns of the leading ``shape``; single numbers as they are."""
+    return type(figures)(*(column(figure, shape) for figure in figures))
+
+
+def leading_shape(figures: Columns) -> tuple[int, ...]:
+    """Return the leading shape of figures."""
+    return np.broadcast_shapes(*(np.shape(figure) for figure in figures))

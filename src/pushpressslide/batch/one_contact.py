@@ -16,11 +16,8 @@ from pushpressslide.batch.allocations import (
     OPEN,
     PROJECTED,
     Allocations,
-    WrenchColumns,
     allocations,
-    columns_of,
     is_finite,
-    leading_shape,
     wanted,
     wrench_table,
 )
@@ -31,7 +28,15 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import Column, Columns, figures, where
+from pushpressslide.batch.elementwise import (
+    Column,
+    Columns,
+    columns_of,
+    figures,
+    leading_shape,
+    where,
+)
+from pushpressslide.batch.wrench_twist import WrenchColumns
 
 EXACT = 1e-12  # of the normal force, for 1 m: a moment that is that of the force
 SMALL = 1e-9  # of the wrench: an error that is none

@@ -15,16 +15,14 @@ from numpy.typing import ArrayLike
 from pushpressslide.batch.allocations import (
     OK,
     Allocations,
-    WrenchColumns,
     allocations,
-    columns_of,
     is_finite,
     wanted,
     wrench_table,
 )
 from pushpressslide.batch.checks import check_all
 from pushpressslide.batch.contact_pair import Pair
-from pushpressslide.batch.elementwise import Columns, figures, least, where
+from pushpressslide.batch.elementwise import Columns, columns_of, figures, least, where
 from pushpressslide.batch.two_contacts import (
     OUTSIDE,
     STAGES,
@@ -32,6 +30,7 @@ from pushpressslide.batch.two_contacts import (
     inside_cones,
     wanted_forces,
 )
+from pushpressslide.batch.wrench_twist import WrenchColumns
 
 UNSHARED = OUTSIDE + 1  # friction in the ratio of the normal forces does not do it
 LEVEL = 1e-9  # cosine of the angle between the line of contacts and the normal

@@ -18,11 +18,8 @@ from pushpressslide.batch.allocations import (
     OK,
     PROJECTED,
     Allocations,
-    WrenchColumns,
     allocations,
-    columns_of,
     is_finite,
-    leading_shape,
     wanted,
     wrench_table,
 )
@@ -36,11 +33,14 @@ from pushpressslide.batch.checks import (
 from pushpressslide.batch.elementwise import (
     Column,
     Columns,
+    columns_of,
     figures,
     greater,
+    leading_shape,
     least,
     where,
 )
+from pushpressslide.batch.wrench_twist import WrenchColumns
 
 ROUNDING = 1e-12  # of the disc's radius, allowed beyond it
 

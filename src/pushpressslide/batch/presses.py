@@ -19,11 +19,8 @@ from pushpressslide.batch.allocations import (
     OPEN,
     PROJECTED,
     Allocations,
-    WrenchColumns,
     allocations,
-    columns_of,
     is_finite,
-    leading_shape,
     wanted,
     wrench_table,
 )
@@ -36,12 +33,15 @@ from pushpressslide.batch.checks import (
 from pushpressslide.batch.elementwise import (
     Column,
     Columns,
+    columns_of,
     figures,
     greater,
+    leading_shape,
     least,
     table,
     where,
 )
+from pushpressslide.batch.wrench_twist import WrenchColumns
 
 EXACT = 1e-12  # of the friction: a moment, for 1 m, that is that of the force
 KEPT = 1e-9  # of a wrench: what it may lose and count as given

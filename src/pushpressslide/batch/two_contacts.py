@@ -20,11 +20,8 @@ from pushpressslide.batch.allocations import (
     OPEN,
     PROJECTED,
     Allocations,
-    WrenchColumns,
     allocations,
-    columns_of,
     is_finite,
-    leading_shape,
     wanted,
     wrench_table,
 )
@@ -39,12 +36,15 @@ from pushpressslide.batch.contact_pair import Pair, contact_pair
 from pushpressslide.batch.elementwise import (
     Column,
     Columns,
+    columns_of,
     figures,
     greater,
+    leading_shape,
     least,
     where,
 )
 from pushpressslide.batch.nearest_wrench import edge_of, edge_parts
+from pushpressslide.batch.wrench_twist import WrenchColumns
 
 BEYOND = OPEN + 1  # within the cones, but beyond a cap
 OUTSIDE = OPEN + 2  # of the cones, however the forces are split
