@@ -110,7 +110,7 @@ def allocations(
     """
     out = AllocationRows.empty(math.prod(shape), contacts)
     results = out.results
-    run(first, arguments, results)
+    run(first, arguments, results, lanes=False)
     for status, formula in stages:
         rows = np.flatnonzero(out.status == status)
         if len(rows):

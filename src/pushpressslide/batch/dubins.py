@@ -13,10 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.elementwise import (
     Column,
     Columns,
+    Flag,
     column,
     figures,
     greater,
@@ -136,11 +138,11 @@ def shortest(start: Pose, goal: Pose, limits: Limits) -> Columns:
     path = shorter(path, inner_left(c))
     path = shorter(path, inner_right(c))
     opening = opening_of(right.length, c)
-    path = shorter(path, three_right(right.angle, opening, c))
-    path = shorter(path, three_right(right.angle, -opening, c))
+    path = shorter(path, three_right(right, opening, c))
+    path = shorter(path, three_right(right, -opening, c))
     opening = opening_of(left.length, c)
-    path = shorter(path, three_left(left.angle, opening, c))
-    path = shorter(path, three_left(left.angle, -opening, c))
+    path = shorter(path, three_left(left, opening, c))
+    path = shorter(path, three_left(left, -opening, c))
     finite = np.isfinite(path.length)
     word = path.word
     starts_left = (word == LSL) | (word == LSR) | (word == LRL)
@@ -164,8 +166,8 @@ def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:
     rr = 1.0 / limits.right
     dx = goal.x - start.x
     dy = goal.y - start.y
-    c = np.cos(start.yaw)
-    s = np.sin(start.yaw)
+    c = cos(start.yaw)
+    s = sin(start.yaw)
     x = c * dx + s * dy
     y = c * dy - s * dx
     yaw = goal.yaw - start.yaw
@@ -175,8 +177,8 @@ def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:
     x = where(same, 0.0, x)
     y = where(same, 0.0, y)
     yaw = where(same, 0.0, yaw)
-    c = np.cos(yaw)
-    s = np.sin(yaw)
+    c = cos(yaw)
+    s = sin(yaw)
     return Circles(rl, rr, x - rl * s, y + rl * c, x + rr * s, y - rr * c, yaw)
 
 
@@ -190,7 +192,7 @@ def line_of(dx: Column, dy: Column, c: Circles) -> Line:
     """Return length and direction of a line; of none the direction is zero."""
     length = np.sqrt(dx * dx + dy * dy)
     some = length > ROUND_OFF * (c.rl + c.rr)
-    return Line(length, where(some, np.arctan2(dy, dx), 0.0))
+    return Line(length, where(some, arctan2(dy, dx), 0.0))
 
 
 def path_of(word: float, first: Column, middle: Column, last: Column) -> Path:
@@ -214,62 +216,71 @@ def inner_left(c: Circles) -> Path:
     """Return LSR, infinitely long where the circles have no inner tangent."""
     dx = c.right_x
     dy = c.right_y - c.rl
-    straight = tangent_of(dx, dy, c)
-    heading = np.arctan2(dy, dx) + np.arctan2(c.rl + c.rr, straight)
+    both = c.rl + c.rr
+    square = tangent_square(dx, dy, both)
+    straight = np.sqrt(greater(square, 0.0))
+    # the direction of the centres, turned by that of (straight, both)
+    heading = arctan2(dy * straight + dx * both, dx * straight - dy * both)
     first = turn(heading)
     last = turn(heading - c.yaw)
-    return path_of(LSR, c.rl * first, straight, c.rr * last)
+    path = path_of(LSR, c.rl * first, straight, c.rr * last)
+    return possible(path, square >= 0.0)
 
 
 def inner_right(c: Circles) -> Path:
     """Return RSL, infinitely long where the circles have no inner tangent."""
     dx = c.left_x
     dy = c.left_y + c.rr
-    straight = tangent_of(dx, dy, c)
-    heading = np.arctan2(dy, dx) - np.arctan2(c.rl + c.rr, straight)
+    both = c.rl + c.rr
+    square = tangent_square(dx, dy, both)
+    straight = np.sqrt(greater(square, 0.0))
+    heading = arctan2(dy * straight - dx * both, dx * straight + dy * both)
     first = turn(-heading)
     last = turn(c.yaw - heading)
-    return path_of(RSL, c.rr * first, straight, c.rl * last)
+    path = path_of(RSL, c.rr * first, straight, c.rl * last)
+    return possible(path, square >= 0.0)
 
 
-def tangent_of(dx: Column, dy: Column, c: Circles) -> Column:
-    """Return the length [m] of the inner tangent of two circles; inf for none."""
-    both = c.rl + c.rr
+def tangent_square(dx: Column, dy: Column, both: Column) -> Column:
+    """Return the square [m^2] of the inner tangent of two circles; < 0: there is none."""
     square = dx * dx + dy * dy - both * both
-    some = square >= -(ROUND_OFF * both) * both
-    return where(some, np.sqrt(greater(square, 0.0)), math.inf)
+    return where(np.abs(square) <= ROUND_OFF * both * both, 0.0, square)
 
 
 def opening_of(length: Column, c: Circles) -> Column:
-    """Return the angle [rad] from the line of centres to the middle circle's; NaN where
-    that cannot touch both.
-    """
-    half = 0.5 * length / (c.rl + c.rr)
-    opening = np.arccos(least(half, 1.0))
-    return where(half > 1.0 + ROUND_OFF, math.nan, opening)
+    """Return the angle [rad] from the line of centres to the middle circle's."""
+    half = least(0.5 * length / (c.rl + c.rr), 1.0)
+    return arctan2(np.sqrt((1.0 - half) * (1.0 + half)), half)
 
 
-def three_right(angle: Column, side: Column, c: Circles) -> Path:
+def three_right(line: Line, side: Column, c: Circles) -> Path:
     """Return RLR with the middle circle at ``side`` [rad] of the line of centres."""
-    to_middle = angle + side
-    back = angle + math.pi - side
+    to_middle = line.angle + side
+    back = line.angle + math.pi - side
     first = turn(0.5 * math.pi - to_middle)
     middle = turn(back - to_middle)
     last = turn(back - 0.5 * math.pi - c.yaw)
-    return touching(path_of(RLR, c.rr * first, c.rl * middle, c.rr * last), side)
+    path = path_of(RLR, c.rr * first, c.rl * middle, c.rr * last)
+    return possible(path, touches(line, c))
 
 
-def three_left(angle: Column, side: Column, c: Circles) -> Path:
+def three_left(line: Line, side: Column, c: Circles) -> Path:
     """Return LRL with the middle circle at ``side`` [rad] of the line of centres."""
-    to_middle = angle + side
-    back = angle + math.pi - side
+    to_middle = line.angle + side
+    back = line.angle + math.pi - side
     first = turn(to_middle + 0.5 * math.pi)
     middle = turn(to_middle - back)
     last = turn(c.yaw - back - 0.5 * math.pi)
-    return touching(path_of(LRL, c.rl * first, c.rr * middle, c.rl * last), side)
+    path = path_of(LRL, c.rl * first, c.rr * middle, c.rl * last)
+    return possible(path, touches(line, c))
 
 
-def touching(path: Path, side: Column) -> Path:
-    """Return a path, infinitely long where the middle circle touches nothing."""
-    length = where(np.isnan(side), math.inf, path.length)
+def touches(line: Line, c: Circles) -> Flag:
+    """Return whether a middle circle can touch both others."""
+    return line.length <= 2.0 * (1.0 + ROUND_OFF) * (c.rl + c.rr)
+
+
+def possible(path: Path, holds: Flag) -> Path:
+    """Return a path, infinitely long unless a condition ``holds``."""
+    length = where(holds, path.length, math.inf)
     return Path(length, path.word, path.first, path.middle, path.last)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,6 +35,29 @@ Columns = tuple[Column, ...]
 Formula = Callable[..., Columns]
 
 
+COMPILED: dict[FunctionType, FunctionType] = {}
+"""Functions that a compiled loop does in another way, and how."""
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled_as(other: Callable[..., Any]) -> Callable[[Function], Function]:
+    """Return a decorator: a compiled loop calls ``other`` in the function's place."""
+
+    def marked(function: Function) -> Function:
+        COMPILED[cast(FunctionType, function)] = cast(FunctionType, other)
+        return function
+
+    return marked
+
+
+def chosen(condition: Flag, a: Column, b: Column) -> Column:
+    """Return ``where`` of one row."""
+    return a if condition else b
+
+
+@compiled_as(chosen)
 def where(condition: Flag, a: Column | float, b: Column | float) -> Column:
     """Return ``a`` where the condition holds, ``b`` elsewhere."""
     return np.where(condition, a, b)
@@ -54,19 +77,10 @@ def greater(a: Column | float, b: Column | float) -> Column:
 def compiler() -> ModuleType | None:
     """Return numba; None where it is not installed."""
     try:
-        numba = importlib.import_module("numba")
-        extending = importlib.import_module("numba.extending")
+        importlib.import_module("numba.extending")
     except ImportError:
         return None
-
-    def chosen(condition: Any, a: Any, b: Any) -> Any:
-        def choose(condition: Any, a: Any, b: Any) -> Any:
-            return a if condition else b
-
-        return choose
-
-    extending.overload(where)(chosen)
-    return numba
+    return importlib.import_module("numba")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,13 +99,16 @@ def run(
     arguments: Sequence[Argument],
     results: Sequence[Column],
     rows: Rows | None = None,
+    *,
+    lanes: bool = True,
 ) -> None:
     """Write ``formula(*arguments)`` into ``results``; of ``rows`` alone where these are
     given.
 
     Each argument is a NamedTuple of columns, or a table; the formula is given one row
     of each, as a NamedTuple. The results are arrays (n,) or (n, k), filled one after
-    the other.
+    the other. ``lanes``: a compiled loop takes several rows at once, which pays but for
+    the shortest formulas.
     """
     if compiler() is None:
         _run_numpy(formula, arguments, results, rows)
@@ -101,6 +118,7 @@ def run(
         tuple(map(_letters, arguments)),
         tuple((r.dtype.char, r.shape[1] if r.ndim == 2 else 0) for r in results),
         rows is not None,
+        lanes,
     )
     inputs = [
         float(item) if item.ndim == 0 else item
@@ -146,8 +164,27 @@ def _run_numpy(
 
 LOOP = """
 def {name}({parameters}):
-    for {index}:
+    for i in {rows}:
         {results} = formula({arguments})
+"""
+LANES = 64  # rows that a loop takes at a time
+# The arithmetic stands in a loop of its own, of fixed length and on memory of its own:
+# so the compiler may work on several rows at once.
+LANE_LOOP = """
+def {name}({parameters}):
+    x = np.zeros(({inputs}, {lanes}))
+    y = np.zeros(({outputs}, {lanes}))
+    n = {count}
+    for start in range(0, n, {lanes}):
+        size = min(n - start, {lanes})
+        for j in range(size):
+            i = {row}
+            {loads}
+        for j in range({lanes}):
+            {results} = formula({arguments})
+        for j in range(size):
+            i = {row}
+            {stores}
 """
 
 
@@ -159,41 +196,60 @@ class _Layout:
     letters: tuple[str, ...]  # of each group
     results: tuple[tuple[str, int], ...]  # NumPy's letter, and the columns; 0: one only
     selected: bool  # whether it goes over chosen rows
+    lanes: bool  # whether it takes several rows at once
 
     def text(self, name: str) -> str:
         """Return the loop as Python."""
-        inputs = [f"a{i}" for i in range(len("".join(self.letters)))]
-        outputs = [f"r{i}" for i in range(len(self.results))]
-        return LOOP.format(
+        count = "rows.shape[0]" if self.selected else "r0.shape[0]"
+        numbers = "".join(self.letters)
+        parameters = [f"a{i}" for i in range(len(numbers))]
+        parameters += [f"r{i}" for i in range(len(self.results))]
+        parameters += ["rows"] * self.selected
+        loads, arguments = self._inputs()
+        places = self._places()
+        lanes = [f"y[{k}, j]" for k in range(len(places))]
+        stores = map(" = ".join, zip(places, lanes, strict=True))
+        return (LANE_LOOP if self.lanes else LOOP).format(
             name=name,
-            parameters=", ".join([*inputs, *outputs, *["rows"] * self.selected]),
-            index="i in rows" if self.selected else "i in range(r0.shape[0])",
-            results="".join(f"{item}, " for item in self._places(outputs)),
-            arguments=", ".join(self._groups(iter(inputs))),
+            parameters=", ".join(parameters),
+            inputs=max(len(loads), 1),
+            outputs=len(places),
+            lanes=LANES,
+            count=count,
+            rows="rows" if self.selected else f"range({count})",
+            row="rows[start + j]" if self.selected else "start + j",
+            loads="; ".join(loads) or "pass",
+            results="".join(f"{item}, " for item in (lanes if self.lanes else places)),
+            arguments=", ".join(arguments),
+            stores="; ".join(stores),
         )
 
-    def _groups(self, inputs: Iterator[str]) -> Iterator[str]:
-        """Yield each argument of the formula, at row i."""
-        for number, (group, letters) in enumerate(
-            zip(self.groups, self.letters, strict=True)
-        ):
-            items = [
-                _at_row(letter, item)
-                for letter, item in zip(letters, inputs, strict=False)
-            ]
-            if letters == "t":
-                table = items[0]
-                fields = group._fields  # type: ignore[attr-defined]
-                items = [f"{table}[i, {k}]" for k in range(len(fields))]
-            yield f"g{number}({', '.join(items)})"
+    def _inputs(self) -> tuple[list[str], list[str]]:
+        """Return how row i comes into lane j, and the arguments of the formula."""
+        loads: list[str] = []
+        arguments = []
+        number = 0
+        for place, letters in enumerate(self.letters):
+            items = []
+            for k in range(len(self.groups[place]._fields)):  # type: ignore[attr-defined]
+                letter = "t" if letters == "t" else letters[k]
+                item = f"a{number}" + {"t": f"[i, {k}]", "c": "[i]", "s": ""}[letter]
+                if self.lanes and letter != "s":
+                    loads.append(f"x[{len(loads)}, j] = {item}")
+                    item = f"x[{len(loads) - 1}, j]"
+                items.append(item)
+                number += letter != "t"
+            number += letters == "t"
+            arguments.append(f"g{place}({', '.join(items)})")
+        return loads, arguments
 
-    def _places(self, outputs: Sequence[str]) -> Iterator[str]:
-        """Yield where each number that the formula returns goes, at row i."""
-        for output, (_, columns) in zip(outputs, self.results, strict=True):
-            if columns:
-                yield from (f"{output}[i, {k}]" for k in range(columns))
-            else:
-                yield f"{output}[i]"
+    def _places(self) -> list[str]:
+        """Return where each number that the formula returns goes for row i."""
+        return [
+            f"r{number}[i, {k}]" if columns else f"r{number}[i]"
+            for number, (_, columns) in enumerate(self.results)
+            for k in range(columns or 1)
+        ]
 
     def signature(self, numba: ModuleType) -> Any:
         """Return the loop's types: read-only arrays in, contiguous ones out."""
@@ -210,10 +266,6 @@ class _Layout:
         ]
         rows = [array(numba.intp, 1, "C")] * self.selected
         return numba.void(*inputs, *outputs, *rows)
-
-
-def _at_row(letter: str, item: str) -> str:
-    return f"{item}[i]" if letter == "c" else item
 
 
 @cache
@@ -240,8 +292,16 @@ def registered(numba: ModuleType, formula: Formula) -> list[FunctionType]:
     """Return a formula and all that it calls, after numba was told to compile them."""
     parts = list(_called(formula))
     for part in parts:
-        numba.extending.register_jitable(error_model="numpy")(part)
+        _register(numba, part)
     return parts
+
+
+@cache
+def _register(numba: ModuleType, part: FunctionType) -> None:
+    """Tell numba how to compile a function."""
+    body = COMPILED.get(part, part)
+    overload = numba.extending.overload
+    overload(part, jit_options={"error_model": "numpy", "forceinline": True}, strict=False)(lambda *_: body)
 
 
 def digest_name(
@@ -259,7 +319,12 @@ def loop_of_text(
     """Return a loop over ``formula`` from its text, as if it stood in the formula's
     file: that is where numba looks for what it has compiled before.
     """
-    names = {**scope, "formula": formula, "__name__": formula.__module__}
+    names = {
+        **scope,
+        "formula": formula,
+        "np": np,
+        "__name__": formula.__module__,
+    }
     exec(compile(text, inspect.getfile(formula), "exec"), names)
     loop: Callable[..., None] = names[name]
     return loop
@@ -275,10 +340,11 @@ def _called(formula: Callable[..., Any]) -> Iterator[FunctionType]:
             continue
         seen.add(function)
         yield function
-        for name in function.__code__.co_names:
-            value = function.__globals__.get(name)
-            if isinstance(value, FunctionType) and value is not where:
-                waiting.append(value)
+        body = COMPILED.get(function, function)
+        if body is not function:
+            waiting.append(body)
+        names = (body.__globals__.get(name) for name in body.__code__.co_names)
+        waiting += [value for value in names if isinstance(value, FunctionType)]
 
 
 def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:
