@@ -301,7 +301,9 @@ def _register(numba: ModuleType, part: FunctionType) -> None:
     """Tell numba how to compile a function."""
     body = COMPILED.get(part, part)
     overload = numba.extending.overload
-    overload(part, jit_options={"error_model": "numpy", "forceinline": True}, strict=False)(lambda *_: body)
+    overload(
+        part, jit_options={"error_model": "numpy", "forceinline": True}, strict=False
+    )(lambda *_: body)
 
 
 def digest_name(

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.elementwise import (
     Column,
@@ -82,8 +83,8 @@ def rear_stanley(
 def steered(error: PathErrors, law: Stanley) -> Columns:
     """Return the steering angle, and 1 where it was clipped."""
     slope = law.gain / (4.0 * law.wheelbase)
-    ahead = np.arctan(law.feed_forward * law.wheelbase * error.curvature)
-    delta = -error.heading - np.arctan(slope * error.left) - ahead
+    ahead = arctan2(law.feed_forward * law.wheelbase * error.curvature, 1.0)
+    delta = -error.heading - arctan2(slope * error.left, 1.0) - ahead
     low = law.grip * law.low
     high = law.grip * law.high
     kept = (low <= delta) & (delta <= high)
@@ -124,7 +125,7 @@ def lookahead_curvature(
 def aligned(error: PathErrors, law: LookAhead) -> Columns:
     """Return the curvature to drive, and 1 where it was clipped."""
     ell = law.look_ahead
-    lateral = error.left * np.cos(error.heading) + ell * np.sin(error.heading)
+    lateral = error.left * cos(error.heading) + ell * sin(error.heading)
     turn = error.curvature + 4.0 * lateral / (ell * ell)
     limit = law.grip * law.limit
     clipped = where(turn > limit, limit, where(turn < -limit, -limit, turn))
@@ -182,7 +183,7 @@ def rear_push(
 
 def car_push(steering: Steering, car: Car) -> Columns:
     """Return wrench and twist of a steering angle."""
-    k = np.tan(steering.delta)
+    k = sin(steering.delta) / cos(steering.delta)
     ratio = car.lever / car.rho
     # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
     along = car.max_force / np.sqrt(1.0 + (1.0 + ratio * ratio) * k * k)
@@ -252,8 +253,8 @@ def holonomic(
 
 def pulled(error: PoseErrors, rate: TwistColumns, law: Pull) -> Columns:
     """Return the twist, and 1 where the pull was limited."""
-    c = np.cos(error.yaw)
-    s = np.sin(error.yaw)
+    c = cos(error.yaw)
+    s = sin(error.yaw)
     turned = law.radius * error.yaw
     off = np.sqrt(error.x * error.x + error.y * error.y + turned * turned)
     limited = off > law.most
