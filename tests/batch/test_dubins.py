@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pushpressslide.batch.dubins import NONE, WORDS, shortest_paths
+from pushpressslide.batch.dubins import NONE, WORDS, shortest_lengths, shortest_paths
 from pushpressslide.core.path import ArcPath
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.planning.dubins import shortest_path
@@ -81,6 +81,8 @@ def test_lengths_are_ompls(engine):
         lengths.append(space.distance(a, b))
     paths = shortest_paths(starts, goals, 1.0 / 0.7, 1.0 / 0.7)
     np.testing.assert_allclose(paths.length, lengths, rtol=0.0, atol=NEAR)
+    alone = shortest_lengths(starts, goals, 1.0 / 0.7, 1.0 / 0.7)
+    np.testing.assert_allclose(alone, lengths, rtol=0.0, atol=NEAR)
 
 
 def test_where_cases_meet(engine):

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from pushpressslide.batch.checks import check_last
 from pushpressslide.batch.elementwise import (
     Argument,
-    Column,
     Flag,
     Formula,
     Table,
@@ -45,46 +44,38 @@ class Allocations(NamedTuple):
         return self.status == OK
 
 
-class AllocationRows(NamedTuple):
-    """An ``Allocations`` of n rows that is still to be filled."""
+class AllocationColumns(NamedTuple):
+    """An ``Allocations`` of n rows that is still to be filled, a column each."""
 
-    forces: Array  # (n, k, 2)
-    normals: Array  # (n, k)
+    forces: Array  # (2 k, n)
+    normals: Array  # (k, n)
     margin: Array  # (n,)
     status: Statuses  # (n,)
-    residual: Array  # (n, 3)
+    residual: Array  # (3, n)
 
     @classmethod
-    def empty(cls, n: int, contacts: int) -> AllocationRows:
+    def empty(cls, n: int, contacts: int) -> AllocationColumns:
         """Return room for ``n`` rows, in one piece."""
-        forces, normals, margin, residual = np.split(
-            np.empty(n * (3 * contacts + 4)),
-            np.cumsum([2 * contacts * n, contacts * n, n]),
-        )
+        block = np.empty((3 * contacts + 4, n))
+        across = 2 * contacts
+        margin = across + contacts
         return cls(
-            forces.reshape(n, contacts, 2),
-            normals.reshape(n, contacts),
-            margin,
+            block[:across],
+            block[across:margin],
+            block[margin],
             np.empty(n, dtype=np.int8),
-            residual.reshape(n, 3),
+            block[margin + 1 :],
         )
-
-    @property
-    def results(self) -> list[Column]:
-        """Forces, normals, margin, status and residual: what formulas return."""
-        n, contacts = self.normals.shape
-        forces = self.forces.reshape(n, 2 * contacts)
-        return [forces, self.normals, self.margin, self.status, self.residual]
 
     def shaped(self, shape: tuple[int, ...]) -> Allocations:
         """Return the answer with a leading ``shape``."""
-        contacts = self.normals.shape[1]
+        contacts = len(self.normals)
         return Allocations(
-            self.forces.reshape(*shape, contacts, 2),
-            self.normals.reshape(*shape, contacts),
+            self.forces.T.reshape(*shape, contacts, 2),
+            self.normals.T.reshape(*shape, contacts),
             self.margin.reshape(shape),
             self.status.reshape(shape),
-            self.residual.reshape(*shape, 3),
+            self.residual.T.reshape(*shape, 3),
         )
 
 
@@ -108,13 +99,12 @@ def allocations(
     """Return the answers of ``first`` for all rows, and of each stage for those that
     have its status then.
     """
-    out = AllocationRows.empty(math.prod(shape), contacts)
-    results = out.results
-    run(first, arguments, results, lanes=False)
+    out = AllocationColumns.empty(math.prod(shape), contacts)
+    run(first, arguments, out)
     for status, formula in stages:
-        rows = np.flatnonzero(out.status == status)
+        rows = (out.status == status).nonzero()[0]
         if len(rows):
-            run(formula, arguments, results, rows)
+            run(formula, arguments, out, rows)
     return out.shaped(shape)
 
 

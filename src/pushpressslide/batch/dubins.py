@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.elementwise import (
+    Argument,
     Column,
     Columns,
     Flag,
@@ -109,6 +110,24 @@ def shortest_paths(
     Of equally short words the first of WORDS. Raises ValueError unless all limits are
     finite and > 0.
     """
+    arguments, shape = _arguments(starts, goals, kappa_left, kappa_right)
+    length, word, lengths, curvatures = values(shortest, arguments, shape, (0, 0, 3, 3))
+    return DubinsPaths(length, word.astype(np.int8), lengths, curvatures)
+
+
+def shortest_lengths(
+    starts: ArrayLike, goals: ArrayLike, kappa_left: ArrayLike, kappa_right: ArrayLike
+) -> Array:
+    """Return the lengths (...) [m] of ``shortest_paths`` alone."""
+    arguments, shape = _arguments(starts, goals, kappa_left, kappa_right)
+    (length,) = values(shortest_length, arguments, shape, (0,))
+    return length
+
+
+def _arguments(
+    starts: ArrayLike, goals: ArrayLike, kappa_left: ArrayLike, kappa_right: ArrayLike
+) -> tuple[tuple[Argument, ...], tuple[int, ...]]:
+    """Return the columns of paths, and their leading shape."""
     a, b, left, right = figures(starts, goals, kappa_left, kappa_right)
     check_last(a, (3,), "starts")
     check_last(b, (3,), "goals")
@@ -120,12 +139,37 @@ def shortest_paths(
         table(Pose, b, shape),
         Limits(column(left, shape), column(right, shape)),
     )
-    length, word, lengths, curvatures = values(shortest, arguments, shape, (0, 0, 3, 3))
-    return DubinsPaths(length, word.astype(np.int8), lengths, curvatures)
+    return arguments, shape
+
+
+def shortest_length(start: Pose, goal: Pose, limits: Limits) -> Columns:
+    """Return the length of the shortest path."""
+    path = shortest_of_words(start, goal, limits)
+    return (where(np.isfinite(path.length), path.length, math.nan),)
 
 
 def shortest(start: Pose, goal: Pose, limits: Limits) -> Columns:
     """Return length, word, lengths and curvatures of the shortest path."""
+    path = shortest_of_words(start, goal, limits)
+    finite = np.isfinite(path.length)
+    word = path.word
+    starts_left = (word == LSL) | (word == LSR) | (word == LRL)
+    ends_left = (word == LSL) | (word == RSL) | (word == LRL)
+    bent = where(word == RLR, limits.left, where(word == LRL, -limits.right, 0.0))
+    return (
+        where(finite, path.length, math.nan),
+        where(finite, word, NONE),
+        path.first,
+        path.middle,
+        path.last,
+        where(starts_left, limits.left, -limits.right),
+        bent,
+        where(ends_left, limits.left, -limits.right),
+    )
+
+
+def shortest_of_words(start: Pose, goal: Pose, limits: Limits) -> Path:
+    """Return the shortest path of the six words, those of three arcs twice each."""
     c = circles_of(start, goal, limits)
     left = line_of(c.left_x, c.left_y - c.rl, c)
     right = line_of(c.right_x, c.right_y + c.rr, c)
@@ -142,22 +186,7 @@ def shortest(start: Pose, goal: Pose, limits: Limits) -> Columns:
     path = shorter(path, three_right(right, -opening, c))
     opening = opening_of(left.length, c)
     path = shorter(path, three_left(left, opening, c))
-    path = shorter(path, three_left(left, -opening, c))
-    finite = np.isfinite(path.length)
-    word = path.word
-    starts_left = (word == LSL) | (word == LSR) | (word == LRL)
-    ends_left = (word == LSL) | (word == RSL) | (word == LRL)
-    bent = where(word == RLR, limits.left, where(word == LRL, -limits.right, 0.0))
-    return (
-        where(finite, path.length, math.nan),
-        where(finite, word, NONE),
-        path.first,
-        path.middle,
-        path.last,
-        where(starts_left, limits.left, -limits.right),
-        bent,
-        where(ends_left, limits.left, -limits.right),
-    )
+    return shorter(path, three_left(left, -opening, c))
 
 
 def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:

@@ -99,16 +99,13 @@ def run(
     arguments: Sequence[Argument],
     results: Sequence[Column],
     rows: Rows | None = None,
-    *,
-    lanes: bool = True,
 ) -> None:
     """Write ``formula(*arguments)`` into ``results``; of ``rows`` alone where these are
     given.
 
     Each argument is a NamedTuple of columns, or a table; the formula is given one row
-    of each, as a NamedTuple. The results are arrays (n,) or (n, k), filled one after
-    the other. ``lanes``: a compiled loop takes several rows at once, which pays but for
-    the shortest formulas.
+    of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
+    the other.
     """
     if compiler() is None:
         _run_numpy(formula, arguments, results, rows)
@@ -116,9 +113,8 @@ def run(
     layout = _Layout(
         tuple(map(_kind, arguments)),
         tuple(map(_letters, arguments)),
-        tuple((r.dtype.char, r.shape[1] if r.ndim == 2 else 0) for r in results),
+        tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results),
         rows is not None,
-        lanes,
     )
     inputs = [
         float(item) if item.ndim == 0 else item
@@ -156,36 +152,32 @@ def _run_numpy(
     with np.errstate(all="ignore"):
         values = formula(*inputs)
     columns = [
-        c for result in results for c in (result.T if result.ndim == 2 else [result])
+        c for result in results for c in (result if result.ndim == 2 else [result])
     ]
     for column, value in zip(columns, values, strict=True):
         column[selection] = value
 
 
-LOOP = """
-def {name}({parameters}):
-    for i in {rows}:
-        {results} = formula({arguments})
-"""
 LANES = 64  # rows that a loop takes at a time
 # The arithmetic stands in a loop of its own, of fixed length and on memory of its own:
 # so the compiler may work on several rows at once.
-LANE_LOOP = """
+LOOP = """
 def {name}({parameters}):
     x = np.zeros(({inputs}, {lanes}))
     y = np.zeros(({outputs}, {lanes}))
     n = {count}
     for start in range(0, n, {lanes}):
         size = min(n - start, {lanes})
-        for j in range(size):
-            i = {row}
-            {loads}
+        {loads}
         for j in range({lanes}):
             {results} = formula({arguments})
-        for j in range(size):
-            i = {row}
-            {stores}
+        {stores}
 """
+# An index without a sign needs no look at whether it counts from the end.
+MOVE = """
+        for j in range(size):
+            i = np.uint64({row})
+            {target} = {source}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,37 +188,39 @@ class _Layout:
     letters: tuple[str, ...]  # of each group
     results: tuple[tuple[str, int], ...]  # NumPy's letter, and the columns; 0: one only
     selected: bool  # whether it goes over chosen rows
-    lanes: bool  # whether it takes several rows at once
 
     def text(self, name: str) -> str:
         """Return the loop as Python."""
-        count = "rows.shape[0]" if self.selected else "r0.shape[0]"
-        numbers = "".join(self.letters)
-        parameters = [f"a{i}" for i in range(len(numbers))]
+        parameters = [f"a{i}" for i in range(len("".join(self.letters)))]
         parameters += [f"r{i}" for i in range(len(self.results))]
         parameters += ["rows"] * self.selected
-        loads, arguments = self._inputs()
+        sources, arguments = self._inputs()
         places = self._places()
         lanes = [f"y[{k}, j]" for k in range(len(places))]
-        stores = map(" = ".join, zip(places, lanes, strict=True))
-        return (LANE_LOOP if self.lanes else LOOP).format(
+        return LOOP.format(
             name=name,
             parameters=", ".join(parameters),
-            inputs=max(len(loads), 1),
+            inputs=max(len(sources), 1),
             outputs=len(places),
             lanes=LANES,
-            count=count,
-            rows="rows" if self.selected else f"range({count})",
-            row="rows[start + j]" if self.selected else "start + j",
-            loads="; ".join(loads) or "pass",
-            results="".join(f"{item}, " for item in (lanes if self.lanes else places)),
+            count="rows.shape[0]" if self.selected else "r0.shape[-1]",
+            loads=self._moves([f"x[{k}, j]" for k in range(len(sources))], sources),
+            results="".join(f"{lane}, " for lane in lanes),
             arguments=", ".join(arguments),
-            stores="; ".join(stores),
+            stores=self._moves(places, lanes),
         )
 
+    def _moves(self, targets: Sequence[str], sources: Sequence[str]) -> str:
+        """Return loops that move a column each."""
+        row = "rows[start + j]" if self.selected else "start + j"
+        return "".join(
+            MOVE.format(row=row, target=target, source=source)
+            for target, source in zip(targets, sources, strict=True)
+        ).strip()
+
     def _inputs(self) -> tuple[list[str], list[str]]:
-        """Return how row i comes into lane j, and the arguments of the formula."""
-        loads: list[str] = []
+        """Return where the lanes come from for row i, and the formula's arguments."""
+        sources: list[str] = []
         arguments = []
         number = 0
         for place, letters in enumerate(self.letters):
@@ -234,19 +228,19 @@ class _Layout:
             for k in range(len(self.groups[place]._fields)):  # type: ignore[attr-defined]
                 letter = "t" if letters == "t" else letters[k]
                 item = f"a{number}" + {"t": f"[i, {k}]", "c": "[i]", "s": ""}[letter]
-                if self.lanes and letter != "s":
-                    loads.append(f"x[{len(loads)}, j] = {item}")
-                    item = f"x[{len(loads) - 1}, j]"
+                if letter != "s":
+                    sources.append(item)
+                    item = f"x[{len(sources) - 1}, j]"
                 items.append(item)
                 number += letter != "t"
             number += letters == "t"
             arguments.append(f"g{place}({', '.join(items)})")
-        return loads, arguments
+        return sources, arguments
 
     def _places(self) -> list[str]:
         """Return where each number that the formula returns goes for row i."""
         return [
-            f"r{number}[i, {k}]" if columns else f"r{number}[i]"
+            f"r{number}[{k}, i]" if columns else f"r{number}[i]"
             for number, (_, columns) in enumerate(self.results)
             for k in range(columns or 1)
         ]
@@ -380,10 +374,10 @@ def values(
     many columns as ``sizes`` says; 0: one, without an axis.
     """
     n = math.prod(shape)
-    flat = [np.empty((n, size) if size else n) for size in sizes]
+    flat = [np.empty((size, n) if size else n) for size in sizes]
     run(formula, arguments, flat)
     return [
-        array.reshape((*shape, size) if size else shape)
+        array.T.reshape((*shape, size) if size else shape)
         for array, size in zip(flat, sizes, strict=True)
     ]
 

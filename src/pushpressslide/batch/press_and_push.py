@@ -137,9 +137,11 @@ def held_and_pushed(wrench: WrenchColumns, c: PressPush) -> Columns:
     a = where(pulls, 0.0, a)
     gx = wrench.fx - a * c.nx - s * c.ex
     gy = wrench.fy - a * c.ny - s * c.ey
-    size = np.hypot(gx, gy)
-    slips = size > most * (1.0 + ROUNDING)
-    scale = where(finite, where(slips, most / size, 1.0), 0.0)
+    size = np.sqrt(gx * gx + gy * gy)
+    some = (gx != 0.0) | (gy != 0.0)  # its square may be too small to be a number
+    slips = (size > most * (1.0 + ROUNDING)) | (some & (most == 0.0))
+    part = where(size > 0.0, most / size, 0.0)
+    scale = where(finite, where(slips, part, 1.0), 0.0)
     pressed_x = where(finite, scale * gx, 0.0)
     pressed_y = where(finite, scale * gy, 0.0)
     pushed_x = where(finite, scale * (a * c.nx + s * c.ex), 0.0)

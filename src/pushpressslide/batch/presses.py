@@ -265,7 +265,9 @@ def onto_discs(
     f1y = s * pair.ey + g1 * pair.ex
     f2x = scale * wrench.fx - f1x
     f2y = scale * wrench.fy - f1y
-    margin = least(most1 - np.hypot(f1x, f1y), most2 - np.hypot(f2x, f2y))
+    margin = least(
+        most1 - np.sqrt(f1x * f1x + f1y * f1y), most2 - np.sqrt(f2x * f2x + f2y * f2y)
+    )
     lost = 1.0 - scale
     status = where(some, where(lost <= KEPT, OK, PROJECTED), INFEASIBLE)
     return (
