@@ -70,7 +70,8 @@ class Law:
     name: str
     numbers: int
     batch: Call
-    single: Callable[[int], object]  # the law for one row, of a number
+    # the law for one row, of a number; None: there is none alike
+    single: Callable[[int], object] | None
 
 
 def laws(rng: np.random.Generator, rows: int) -> Iterator[Law]:
@@ -214,7 +215,7 @@ def motions(rng: np.random.Generator, rows: int) -> Iterator[Law]:
         "holonomic law",
         10,
         lambda: holonomic(errors, rates, **figures),
-        lambda i: holonomic(errors[i], rates[i], **figures),
+        None,
     )
     starts, goals = rng.uniform(-1.0, 1.0, (2, rows, 3)) * (4.0, 4.0, math.pi)
     yield Law(
@@ -276,21 +277,25 @@ def by_numpy(call: Call) -> float:
 def line(law: Law, rows: int, rounds: int) -> str:
     """Return a law's row of the table."""
     block = np.zeros(law.numbers * rows)
-    few = min(rows, SINGLE_ROWS)
-    law.batch()
-    copied, compiled, plain, single = [], [], [], []
-    for _ in range(rounds):
-        copied.append(seconds(block.copy))
-        compiled.append(seconds(law.batch))
-        plain.append(by_numpy(law.batch))
-        alone = seconds(lambda: [law.single(i) for i in range(few)])
-        single.append(alone * rows / few)
-    fast, numpy, one = map(statistics.median, (compiled, plain, single))
-    copy = statistics.median(copied)
+    times = [
+        (seconds(block.copy), seconds(law.batch), by_numpy(law.batch), alone(law, rows))
+        for _ in range(rounds)
+    ]
+    copy, fast, numpy, one = map(statistics.median, zip(*times, strict=True))
+    singly = f"{one / fast:.0f}" if law.single else ""
     return (
         f"| {law.name} | {1e9 * fast / rows:.1f} | {fast / copy:.1f} "
-        f"| {numpy / fast:.1f} | {one / fast:.0f} |"
+        f"| {numpy / fast:.1f} | {singly} |"
     )
+
+
+def alone(law: Law, rows: int) -> float:
+    """Return how long the law takes for one row after the other, timed on a few."""
+    single = law.single
+    if single is None:
+        return math.nan
+    few = min(rows, SINGLE_ROWS)
+    return seconds(lambda: [single(i) for i in range(few)]) * rows / few
 
 
 def main() -> None:
