@@ -10,14 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last
-from pushpressslide.batch.elementwise import (
-    Argument,
-    Flag,
-    Formula,
-    Table,
-    run,
-    table,
-)
+from pushpressslide.batch.elementwise import Argument, Table, run, table
+from pushpressslide.batch.formulas import Flag, Formula
 from pushpressslide.batch.wrench_twist import WrenchColumns
 from pushpressslide.core.arrays import Array
 

@@ -15,19 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
-from pushpressslide.batch.elementwise import (
-    Argument,
-    Column,
-    Columns,
-    Flag,
-    column,
-    figures,
-    greater,
-    least,
-    table,
-    values,
-    where,
-)
+from pushpressslide.batch.elementwise import Argument, column, figures, table, values
+from pushpressslide.batch.formulas import Column, Columns, Flag, greater, least, where
 from pushpressslide.core.arrays import Array
 from pushpressslide.planning.dubins import Word
 

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pushpressslide.batch.checks import check_all, check_last, check_positive
-from pushpressslide.batch.elementwise import Columns, Table, figures, table, where
+from pushpressslide.batch.elementwise import Table, figures, table
+from pushpressslide.batch.formulas import Columns, where
 from pushpressslide.batch.sums import sums
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array

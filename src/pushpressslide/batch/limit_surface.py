@@ -14,16 +14,13 @@ from numpy.typing import ArrayLike
 
 from pushpressslide.batch.checks import check_all, check_last, check_positive
 from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
     columns_of,
     figures,
-    greater,
     leading_shape,
     table,
     values,
-    where,
 )
+from pushpressslide.batch.formulas import Column, Columns, greater, where
 from pushpressslide.batch.wrench_twist import TwistColumns, WrenchColumns
 from pushpressslide.core.arrays import Array
 

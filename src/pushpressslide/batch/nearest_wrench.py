@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pushpressslide.allocation.projections import FLAT
-from pushpressslide.batch.elementwise import Column, where
+from pushpressslide.batch.formulas import Column, where
 
 
 class Edge(NamedTuple):

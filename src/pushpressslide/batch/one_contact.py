@@ -28,14 +28,8 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
-    columns_of,
-    figures,
-    leading_shape,
-    where,
-)
+from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
+from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
 
 EXACT = 1e-12  # of the normal force, for 1 m: a moment that is that of the force

@@ -22,7 +22,8 @@ from pushpressslide.batch.allocations import (
 )
 from pushpressslide.batch.checks import check_all
 from pushpressslide.batch.contact_pair import Pair
-from pushpressslide.batch.elementwise import Columns, columns_of, figures, least, where
+from pushpressslide.batch.elementwise import columns_of, figures
+from pushpressslide.batch.formulas import Columns, least, where
 from pushpressslide.batch.two_contacts import (
     OUTSIDE,
     STAGES,

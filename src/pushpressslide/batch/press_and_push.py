@@ -30,16 +30,8 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
-    columns_of,
-    figures,
-    greater,
-    leading_shape,
-    least,
-    where,
-)
+from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
+from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
 
 ROUNDING = 1e-12  # of the disc's radius, allowed beyond it

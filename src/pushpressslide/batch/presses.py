@@ -30,17 +30,8 @@ from pushpressslide.batch.checks import (
     check_last,
     check_positive,
 )
-from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
-    columns_of,
-    figures,
-    greater,
-    leading_shape,
-    least,
-    table,
-    where,
-)
+from pushpressslide.batch.elementwise import columns_of, figures, leading_shape, table
+from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
 
 EXACT = 1e-12  # of the friction: a moment, for 1 m, that is that of the force

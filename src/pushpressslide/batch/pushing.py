@@ -19,15 +19,13 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
     columns_of,
     figures,
     leading_shape,
     table,
     values,
-    where,
 )
+from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.core.arrays import Array
 
 # how a pusher moves an object: the kinds of ``mechanics.friction.PushKind``, as numbers

@@ -13,20 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from pushpressslide.batch.elementwise import (
-    Columns,
-    Formula,
-    Table,
-    compiler,
-    digest_name,
-    loop_of_text,
-    registered,
-)
+from pushpressslide.batch import loops
+from pushpressslide.batch.elementwise import Table
+from pushpressslide.batch.formulas import Columns, Formula
+from pushpressslide.batch.loops import digest_name, loop_of_text, registered
 from pushpressslide.core.arrays import Array
 
 BLOCK = 32  # rows that NumPy takes at a time
 # what the compiler may do to a sum: another order, products and sums in one step
-REORDERED = frozenset(("reassoc", "contract", "nsz", "arcp"))
+REORDERED = ("reassoc", "contract", "nsz", "arcp")
 
 
 def sums(formula: Formula, row: Table, samples: Columns, size: int) -> Array:
@@ -35,7 +30,7 @@ def sums(formula: Formula, row: Table, samples: Columns, size: int) -> Array:
     ``samples`` is a NamedTuple of arrays (m,); the formula returns ``size`` numbers.
     """
     out = np.empty((len(row.rows), size))
-    if compiler() is None:
+    if loops.compiler() is None:
         _sum_numpy(formula, row, samples, out)
     else:
         loop = _compiled_sum(formula, row.kind, type(samples), size)
@@ -85,12 +80,14 @@ def _compiled_sum(
     formula: Formula, row: type[Columns], sample: type[Columns], size: int
 ) -> Callable[..., None]:
     """Return the compiled loop."""
-    numba = compiler()
+    numba = loops.compiler()
     assert numba is not None
     parts: Sequence[Callable[..., Any]] = [*registered(numba, formula), row, sample]
     fields = len(row._fields)  # type: ignore[attr-defined]
     samples = len(sample._fields)  # type: ignore[attr-defined]
-    name = digest_name(formula, [_text("loop", fields, samples, size)], parts)
+    name = digest_name(
+        formula, [_text("loop", fields, samples, size), *REORDERED], parts
+    )
     text = _text(name, fields, samples, size)
     loop = loop_of_text(formula, name, text, {"Row": row, "Sample": sample})
     table = numba.types.Array(numba.float64, 2, "C", readonly=True)

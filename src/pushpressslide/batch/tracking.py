@@ -17,16 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
-    Formula,
     columns_of,
     figures,
     leading_shape,
     table,
     values,
-    where,
 )
+from pushpressslide.batch.formulas import Column, Columns, Formula, where
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
 

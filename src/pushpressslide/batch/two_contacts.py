@@ -33,16 +33,8 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.contact_pair import Pair, contact_pair
-from pushpressslide.batch.elementwise import (
-    Column,
-    Columns,
-    columns_of,
-    figures,
-    greater,
-    leading_shape,
-    least,
-    where,
-)
+from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
+from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.nearest_wrench import edge_of, edge_parts
 from pushpressslide.batch.wrench_twist import WrenchColumns
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pushpressslide.batch.elementwise import Column
+from pushpressslide.batch.formulas import Column
 
 
 class WrenchColumns(NamedTuple):
