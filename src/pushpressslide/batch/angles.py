@@ -31,7 +31,7 @@ def quick_arctan2(y: Column, x: Column) -> Column:
     past = low > EIGHTH * high  # the angle is nearer to pi/4 than to 0
     top = where(past, low - high, low)
     bottom = where(past, low + high, high)
-    t = where(bottom > 0.0, top / bottom, 0.0)
+    t = top / where(bottom == 0.0, 1.0, bottom)
     z = t * t
     p = -8.750608600031904122785e-1
     p = p * z - 1.615753718733365076637e1
@@ -47,8 +47,7 @@ def quick_arctan2(y: Column, x: Column) -> Column:
     angle = where(past, 0.25 * math.pi + angle, angle)
     angle = where(steep, 0.5 * math.pi - angle, angle)
     angle = where(x < 0.0, math.pi - angle, angle)
-    angle = where(y < 0.0, -angle, angle)
-    return where((y == y) & (x == x), angle, math.nan)
+    return where(y < 0.0, -angle, angle)
 
 
 def quick_sin(angle: Column) -> Column:

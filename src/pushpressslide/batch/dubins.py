@@ -158,7 +158,9 @@ def shortest(start: Pose, goal: Pose, limits: Limits) -> Columns:
 
 
 def shortest_of_words(start: Pose, goal: Pose, limits: Limits) -> Path:
-    """Return the shortest path of the six words, those of three arcs twice each."""
+    """Return the shortest path of the six words, those of three arcs
+    with the middle one beyond half a turn: the other is never the shortest.
+    """
     c = circles_of(start, goal, limits)
     left = line_of(c.left_x, c.left_y - c.rl, c)
     right = line_of(c.right_x, c.right_y + c.rr, c)
@@ -170,12 +172,8 @@ def shortest_of_words(start: Pose, goal: Pose, limits: Limits) -> Path:
     path = shorter(path, path_of(RSR, c.rr * first, right.length, c.rr * last))
     path = shorter(path, inner_left(c))
     path = shorter(path, inner_right(c))
-    opening = opening_of(right.length, c)
-    path = shorter(path, three_right(right, opening, c))
-    path = shorter(path, three_right(right, -opening, c))
-    opening = opening_of(left.length, c)
-    path = shorter(path, three_left(left, opening, c))
-    return shorter(path, three_left(left, -opening, c))
+    path = shorter(path, three_right(right, c))
+    return shorter(path, three_left(left, c))
 
 
 def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:
@@ -202,8 +200,8 @@ def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:
 
 def turn(angle: Column) -> Column:
     """Return an angle in [0, 2 pi), zero where it is a full turn to round-off."""
-    rest = angle - TURN * np.floor(angle * TURNS)
-    return where((rest > ROUND_OFF) & (rest < TURN - ROUND_OFF), rest, 0.0)
+    rest = angle - TURN * np.floor((angle + ROUND_OFF) * TURNS)
+    return where(rest > ROUND_OFF, rest, 0.0)
 
 
 def line_of(dx: Column, dy: Column, c: Circles) -> Line:
@@ -271,24 +269,24 @@ def opening_of(length: Column, c: Circles) -> Column:
     return arctan2(np.sqrt((1.0 - half) * (1.0 + half)), half)
 
 
-def three_right(line: Line, side: Column, c: Circles) -> Path:
-    """Return RLR with the middle circle at ``side`` [rad] of the line of centres."""
-    to_middle = line.angle + side
-    back = line.angle + math.pi - side
+def three_right(line: Line, c: Circles) -> Path:
+    """Return RLR, infinitely long where the middle circle cannot touch both others."""
+    opening = opening_of(line.length, c)
+    to_middle = line.angle - opening
     first = turn(0.5 * math.pi - to_middle)
-    middle = turn(back - to_middle)
-    last = turn(back - 0.5 * math.pi - c.yaw)
+    middle = math.pi + 2.0 * opening
+    last = turn(line.angle + opening + 0.5 * math.pi - c.yaw)
     path = path_of(RLR, c.rr * first, c.rl * middle, c.rr * last)
     return possible(path, touches(line, c))
 
 
-def three_left(line: Line, side: Column, c: Circles) -> Path:
-    """Return LRL with the middle circle at ``side`` [rad] of the line of centres."""
-    to_middle = line.angle + side
-    back = line.angle + math.pi - side
+def three_left(line: Line, c: Circles) -> Path:
+    """Return LRL, infinitely long where the middle circle cannot touch both others."""
+    opening = opening_of(line.length, c)
+    to_middle = line.angle + opening
     first = turn(to_middle + 0.5 * math.pi)
-    middle = turn(to_middle - back)
-    last = turn(c.yaw - back - 0.5 * math.pi)
+    middle = math.pi + 2.0 * opening
+    last = turn(c.yaw - line.angle + opening + 0.5 * math.pi)
     path = path_of(LRL, c.rl * first, c.rr * middle, c.rl * last)
     return possible(path, touches(line, c))
 
