@@ -95,6 +95,8 @@ def allocations(
     """
     out = AllocationColumns.empty(math.prod(shape), contacts)
     run(first, arguments, out)
+    if out.status.max(initial=OK) < OPEN:
+        return out.shaped(shape)
     for status, formula in stages:
         rows = (out.status == status).nonzero()[0]
         if len(rows):

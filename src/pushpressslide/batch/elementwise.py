@@ -97,8 +97,8 @@ def _run_numpy(
 def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:
     """Return an array (..., k) as a table of the leading ``shape``, flattened."""
     k = array.shape[-1]
-    rows = np.broadcast_to(array, (*shape, k)).reshape(-1, k)
-    return Table(kind, np.ascontiguousarray(rows))
+    whole = array if array.shape[:-1] == shape else np.broadcast_to(array, (*shape, k))
+    return Table(kind, np.ascontiguousarray(whole.reshape(-1, k)))
 
 
 def column(array: Array, shape: tuple[int, ...]) -> Column:
@@ -138,6 +138,8 @@ NamedColumns = TypeVar("NamedColumns", bound=Columns)
 
 def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
     """Return figures as columns of the leading ``shape``; single numbers as they are."""
+    if not any(figure.ndim for figure in figures):
+        return figures
     return type(figures)(*(column(figure, shape) for figure in figures))
 
 
