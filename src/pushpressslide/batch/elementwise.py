@@ -1,0 +1,148 @@
+"""Formulas on columns: run by NumPy on whole columns, or by a loop over rows that numba
+compiles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pushpressslide.batch import loops
+from pushpressslide.batch.formulas import Column, Columns, Formula
+from pushpressslide.core.arrays import Array
+
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Columns side by side in one array, which loops read fastest."""
+
+    kind: type[Columns]  # the NamedTuple that a formula is given of it
+    rows: Array  # (n, k) a column for each field
+
+
+Argument = Columns | Table
+
+
+def run(
+    formula: Formula,
+    arguments: Sequence[Argument],
+    results: Sequence[Column],
+    rows: Rows | None = None,
+) -> None:
+    """Write ``formula(*arguments)`` into ``results``; of ``rows`` alone where these are
+    given.
+
+    Each argument is a NamedTuple of columns, or a table; the formula is given one row
+    of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
+    the other.
+    """
+    if loops.compiler() is None:
+        _run_numpy(formula, arguments, results, rows)
+        return
+    layout = loops.Layout(
+        tuple(map(_kind, arguments)),
+        tuple(map(_letters, arguments)),
+        tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results),
+        rows is not None,
+    )
+    inputs = [
+        float(item) if item.ndim == 0 else item
+        for argument in arguments
+        for item in ((argument.rows,) if isinstance(argument, Table) else argument)
+    ]
+    selection = () if rows is None else (rows,)
+    loops.compiled_loop(formula, layout)(*inputs, *results, *selection)
+
+
+def _kind(argument: Argument) -> type[Columns]:
+    return argument.kind if isinstance(argument, Table) else type(argument)
+
+
+def _letters(argument: Argument) -> str:
+    """Return a letter for each array of an argument: t table, c column, s one number."""
+    if isinstance(argument, Table):
+        return "t"
+    return "".join("s" if c.ndim == 0 else "c" for c in argument)
+
+
+def _run_numpy(
+    formula: Formula,
+    arguments: Sequence[Argument],
+    results: Sequence[Column],
+    rows: Rows | None,
+) -> None:
+    """Run a formula on whole columns."""
+    selection = slice(None) if rows is None else rows
+    inputs = []
+    for argument in arguments:
+        group = argument.rows.T if isinstance(argument, Table) else argument
+        chosen = (c if c.ndim == 0 else c[selection] for c in group)
+        inputs.append(_kind(argument)(*chosen))
+    with np.errstate(all="ignore"):
+        values = formula(*inputs)
+    columns = [
+        c for result in results for c in (result if result.ndim == 2 else [result])
+    ]
+    for column, value in zip(columns, values, strict=True):
+        column[selection] = value
+
+
+def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:
+    """Return an array (..., k) as a table of the leading ``shape``, flattened."""
+    k = array.shape[-1]
+    whole = array if array.shape[:-1] == shape else np.broadcast_to(array, (*shape, k))
+    return Table(kind, np.ascontiguousarray(whole.reshape(-1, k)))
+
+
+def column(array: Array, shape: tuple[int, ...]) -> Column:
+    """Return an array as a column of the leading ``shape``, flattened; a single number
+    as it is.
+    """
+    if array.ndim == 0:
+        return array
+    return np.broadcast_to(array, shape).reshape(-1)
+
+
+def figures(*values: ArrayLike) -> tuple[Array, ...]:
+    """Return numbers and sequences as arrays of floats."""
+    return tuple(np.asarray(value, dtype=np.float64) for value in values)
+
+
+def values(
+    formula: Formula,
+    arguments: Sequence[Argument],
+    shape: tuple[int, ...],
+    sizes: Sequence[int],
+) -> list[Array]:
+    """Return ``formula(*arguments)`` as arrays of the leading ``shape``, each with as
+    many columns as ``sizes`` says; 0: one, without an axis.
+    """
+    n = math.prod(shape)
+    flat = [np.empty((size, n) if size else n) for size in sizes]
+    run(formula, arguments, flat)
+    return [
+        array.T.reshape((*shape, size) if size else shape)
+        for array, size in zip(flat, sizes, strict=True)
+    ]
+
+
+NamedColumns = TypeVar("NamedColumns", bound=Columns)
+
+
+def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
+    """Return figures as columns of the leading ``shape``; single numbers as they are."""
+    if not any(figure.ndim for figure in figures):
+        return figures
+    return type(figures)(*(column(figure, shape) for figure in figures))
+
+
+def leading_shape(figures: Columns) -> tuple[int, ...]:
+    """Return the leading shape of figures."""
+    return np.broadcast_shapes(*(np.shape(figure) for figure in figures))
