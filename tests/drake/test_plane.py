@@ -62,6 +62,14 @@ def test_the_base_of_a_shape_is_its_footprint_in_few_cells(name: str) -> None:
     assert 40 < len(base) < MOST
 
 
+def test_on_a_wall_the_base_is_where_z_points_to() -> None:
+    on_table = area_vectors(triangles(base_mesh(L_SHAPE)))
+    on_wall = area_vectors(triangles(base_mesh(L_SHAPE, up=-1.0)))
+    outwards = on_wall[on_wall[:, 2] > 0.0][:, 2]
+    assert len(outwards) == (on_table[:, 2] < 0.0).sum()
+    assert outwards.sum() == pytest.approx(L_SHAPE.placed(Pose2()).area)
+
+
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_skin_is_closed_but_for_a_gap_over_the_base(name: str) -> None:
     shape = SHAPES[name]

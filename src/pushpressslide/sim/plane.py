@@ -59,6 +59,7 @@ class Plane:
     """The half-space of an even support in a plant, and the bases that stand on it."""
 
     support: GeometryId
+    frame: SupportFrame
     bases: dict[BodyIndex, GeometryId] = field(default_factory=dict)
 
     def stand(
@@ -73,7 +74,7 @@ class Plane:
         is narrow, and the rest of its skin, on which it lies once it has fallen over.
         """
         X = RigidTransform()
-        mesh = base_mesh(shape, cells)
+        mesh = base_mesh(shape, cells, self.frame.handedness)
         properties = rigid_properties(friction)
         base = plant.RegisterCollisionGeometry(body, X, mesh, "base", properties)
         self.bases[body.index()] = base
@@ -119,7 +120,7 @@ def add_plane(
     support = plant.RegisterCollisionGeometry(
         plant.world_body(), X, HalfSpace(), "support", properties
     )
-    return Plane(support)
+    return Plane(support, frame)
 
 
 def _told(record: logging.LogRecord) -> bool:
@@ -132,9 +133,10 @@ def _told(record: logging.LogRecord) -> bool:
 logging.getLogger("drake").addFilter(_told)
 
 
-def base_mesh(shape: Shape, cells: float = CELLS) -> Mesh:
+def base_mesh(shape: Shape, cells: float = CELLS, up: float = 1.0) -> Mesh:
     """Return the base of a ``shape`` in triangles, and its sides and top a little
-    higher; its frame is at G's origin in the plane, and at half height.
+    higher; its frame is at G's origin in the plane, and at half height. ``up`` is -1
+    where its z axis points into the support, as on a wall.
     """
     corners = _outline(shape)
     half = 0.5 * shape.height
@@ -148,6 +150,8 @@ def base_mesh(shape: Shape, cells: float = CELLS) -> Mesh:
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
     ]
     faces += [tuple((x, y, half) for x, y in triangle) for triangle in _cut(corners)]
+    if up < 0.0:
+        faces = [tuple((x, y, -z) for x, y, z in reversed(face)) for face in faces]
     vertices = [vertex for face in faces for vertex in face]
     ends = list(accumulate(map(len, faces), initial=0))
     numbers = [tuple(range(*each)) for each in pairwise(ends)]
