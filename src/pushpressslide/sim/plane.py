@@ -32,7 +32,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.pieces import triangles
 from pushpressslide.core.polygon import signed_area
 from pushpressslide.core.pose import Point, Pose2
-from pushpressslide.core.shapes import Cylinder, Shape
+from pushpressslide.core.shapes import Shape
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.sim.surfaces import (
     DISSIPATION,
@@ -47,7 +47,6 @@ Triangle = tuple[Point, Point, Point]
 
 CELLS = 7.0  # across a base where it is narrow
 MOST_CELLS = 16  # along a base, however long it is
-ROUND_SIDES = 32  # of the base of a cylinder
 SLIVER = 1e-3  # of a cell, smaller pieces of which are left out
 # [m] from the base up to where the sides begin, so that an upright body stands on its
 # base alone
@@ -159,15 +158,15 @@ def base_mesh(shape: Shape, cells: float = CELLS, up: float = 1.0) -> Mesh:
 
 
 def _outline(shape: Shape) -> tuple[Point, ...]:
-    """Return the corners [m] of a base, counter-clockwise: of a circle those of a
-    polygon as large as it is.
+    """Return the corners [m] of a base, counter-clockwise: those of a polygon as large
+    as the footprint.
     """
-    if not isinstance(shape, Cylinder):
-        return without_details(shape.corners)
-    step = 2.0 * math.pi / ROUND_SIDES
-    radius = shape.radius * math.sqrt(step / math.sin(step))
-    angles = (i * step for i in range(ROUND_SIDES))
-    return tuple((radius * math.cos(a), radius * math.sin(a)) for a in angles)
+    from shapely import Polygon, affinity
+
+    polygon = Polygon(without_details(shape.outline()))
+    grown = math.sqrt(shape.placed(Pose2()).area / polygon.area)
+    whole = affinity.scale(polygon, grown, grown, origin="centroid")
+    return tuple((x, y) for x, y in whole.exterior.coords[:-1])
 
 
 def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
