@@ -21,8 +21,9 @@ from pushpressslide.core.shapes import Box, Compound, Cylinder, Part, Prism
 from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
 from pushpressslide.sim.engine import run as run_drake
-from pushpressslide.sim.layered_mesh import LayeredMesh, layered_mesh
+from pushpressslide.sim.layered_mesh import layered_mesh
 from pushpressslide.sim.surfaces import convex_shapes
+from pushpressslide.sim.volume_mesh import VolumeMesh
 from pushpressslide.taskfile.load import load_task
 
 L_CORNERS = [[0, 0], [0.16, 0], [0.16, 0.06], [0.06, 0.06], [0.06, 0.16], [0, 0.16]]
@@ -46,7 +47,7 @@ NOTCHED = [[-0.1, -0.05], [0.1, -0.05], [0.1, 0.1], [0.05, 0.1]]
 NOTCHED += [[0.05, 0.05], [-0.05, 0.05], [-0.05, 0.1], [-0.1, 0.1]]
 
 
-def volumes(mesh: LayeredMesh) -> np.ndarray:
+def volumes(mesh: VolumeMesh) -> np.ndarray:
     """Return the signed volumes (m,) [m^3] of the tetrahedra."""
     corners = np.array(mesh.vertices)[np.array(mesh.tetrahedra)]
     edges = corners[:, 1:] - corners[:, :1]
@@ -55,7 +56,7 @@ def volumes(mesh: LayeredMesh) -> np.ndarray:
 
 @pytest.mark.parametrize("shape", [L_SHAPE, KEY], ids=["L", "key"])
 def test_the_tetrahedra_fill_the_body_and_meet_face_to_face(shape) -> None:
-    mesh = layered_mesh(shape.corners, shape.height)
+    mesh = layered_mesh(shape.corners, shape.height).mesh
     sizes = volumes(mesh)
     assert (sizes > 0.0).all()
     whole = signed_area(shape.corners) * shape.height
@@ -79,14 +80,14 @@ def test_the_tetrahedra_fill_the_body_and_meet_face_to_face(shape) -> None:
 
 @pytest.mark.parametrize("shape", [L_SHAPE, KEY], ids=["L", "key"])
 def test_inner_vertices_are_at_one_depth_under_the_surface(shape) -> None:
-    mesh = layered_mesh(shape.corners, shape.height)
+    layered = layered_mesh(shape.corners, shape.height)
     outline = shape.placed(Pose2()).exterior
     depths = []
-    for x, y, z in mesh.vertices:
+    for x, y, z in layered.mesh.vertices:
         depth = min(outline.distance(shapely.Point(x, y)), 0.5 * shape.height - abs(z))
         depths.append(round(depth, 9))
-    assert set(depths) == {0.0, round(mesh.depth, 9)}
-    assert mesh.depth > 0.15 * min(shape.height, shape.breadth)
+    assert set(depths) == {0.0, round(layered.depth, 9)}
+    assert layered.depth > 0.15 * min(shape.height, shape.breadth)
 
 
 @st.composite
@@ -106,7 +107,7 @@ def star_polygons(draw) -> tuple[tuple[float, float], ...]:
 @given(star_polygons())
 @settings(max_examples=60)
 def test_any_outline_has_a_sound_mesh(corners: tuple[tuple[float, float], ...]) -> None:
-    mesh = layered_mesh(corners, 0.05)
+    mesh = layered_mesh(corners, 0.05).mesh
     assert (volumes(mesh) > 0.0).all()
     assert volumes(mesh).sum() == pytest.approx(signed_area(corners) * 0.05, rel=1e-9)
 

@@ -1,15 +1,19 @@
 """What bodies stand on: their bases in cells, and the half-space under them."""
 
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
 import shapely
+from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
     ContactModel,
     DiscreteContactApproximation,
+    ExternallyAppliedSpatialForce,
 )
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
@@ -18,8 +22,15 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.shapes import Cylinder, Prism
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Box, ObjectModel
-from pushpressslide.sim.plane import SKIN_GAP, add_plane, base_mesh, base_triangles
-from pushpressslide.sim.scenes import add_object, mesh_size, softness, solid_inertia
+from pushpressslide.sim.plane import (
+    add_plane,
+    base_meshes,
+    base_triangles,
+    softness,
+)
+from pushpressslide.sim.scenes import add_object, mesh_size, solid_inertia
+from pushpressslide.sim.surfaces import partner_friction
+from pushpressslide.sim.volume_mesh import VolumeMesh
 
 L_SHAPE = Prism(
     ((0.0, 0.0), (0.16, 0.0), (0.16, 0.06), (0.06, 0.06), (0.06, 0.16), (0.0, 0.16)),
@@ -36,57 +47,70 @@ SHAPES = {
 MOST = 250  # triangles of a base: each is a constraint of the simulation
 
 
-def triangles(mesh):
-    """Corners (m, 3, 3) [m] of a mesh's faces, larger ones cut into triangles."""
-    text = mesh.source().in_memory().mesh_file.contents().decode()
-    rows = [line.split() for line in text.splitlines()]
-    vertices = np.array([row[1:] for row in rows if row[0] == "v"], dtype=float)
-    faces = [[int(i) - 1 for i in row[1:]] for row in rows if row[0] == "f"]
-    cut = [(f[0], f[i], f[i + 1]) for f in faces for i in range(1, len(f) - 1)]
-    return vertices[np.array(cut)]
+def volumes(mesh: VolumeMesh) -> np.ndarray:
+    """Signed volumes (m,) [m^3] of tetrahedra."""
+    corners = np.array(mesh.vertices)[np.array(mesh.tetrahedra)]
+    return np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
 
 
-def area_vectors(corners):
-    """Area vectors (m, 3) [m^2] of triangles, along their outer normals."""
-    return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+def surface(mesh: VolumeMesh) -> np.ndarray:
+    """Corners (m, 3, 3) [m] of the triangles that one tetrahedron alone has."""
+    cells = Counter(
+        frozenset(cell) - {left_out} for cell in mesh.tetrahedra for left_out in cell
+    )
+    faces = [sorted(face) for face, count in cells.items() if count == 1]
+    return np.array(mesh.vertices)[np.array(faces)]
+
+
+def areas(corners: np.ndarray) -> np.ndarray:
+    """Areas (m,) [m^2] of triangles."""
+    u = corners[:, 1] - corners[:, 0]
+    v = corners[:, 2] - corners[:, 0]
+    return 0.5 * np.linalg.norm(np.cross(u, v), axis=1)
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_base_of_a_shape_is_its_footprint_in_few_cells(name: str) -> None:
+def test_a_base_is_the_footprint_in_few_cells(name: str) -> None:
     shape = SHAPES[name]
-    corners = triangles(base_mesh(shape))
-    base = corners[(corners[:, :, 2] < -0.499 * shape.height).all(axis=1)]
-    downwards = -area_vectors(base)[:, 2]
-    assert (downwards > 0.0).all()
-    assert downwards.sum() == pytest.approx(shape.placed(Pose2()).area, rel=1e-3)
+    faces = np.concatenate([surface(mesh) for mesh in base_meshes(shape)])
+    base = faces[(faces[:, :, 2] == -0.5 * shape.height).all(axis=1)]
+    assert areas(base).sum() == pytest.approx(shape.placed(Pose2()).area, rel=1e-3)
     assert 40 < len(base) < MOST
 
 
-def test_on_a_wall_the_base_is_where_z_points_to() -> None:
-    on_table = area_vectors(triangles(base_mesh(L_SHAPE)))
-    on_wall = area_vectors(triangles(base_mesh(L_SHAPE, up=-1.0)))
-    outwards = on_wall[on_wall[:, 2] > 0.0][:, 2]
-    assert len(outwards) == (on_table[:, 2] < 0.0).sum()
-    assert outwards.sum() == pytest.approx(L_SHAPE.placed(Pose2()).area)
-
-
+@pytest.mark.parametrize("up", [1.0, -1.0])
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_skin_is_closed_but_for_a_gap_over_the_base(name: str) -> None:
+def test_the_parts_fill_a_shape_about_one_vertex_each(name: str, up: float) -> None:
     shape = SHAPES[name]
-    corners = triangles(base_mesh(shape))
-    vectors = area_vectors(corners)
-    low = corners[:, :, 2].min(axis=1) + 0.5 * shape.height
-    assert set(np.round(low[low > 1e-9], 9)) == {SKIN_GAP, shape.height}
-    # the area vectors of a closed surface sum to zero, and so do those of a gap
-    np.testing.assert_allclose(vectors.sum(axis=0), 0.0, atol=1e-3 * shape.height**2)
+    meshes = base_meshes(shape, up=up)
+    assert all((volumes(mesh) > 0.0).all() for mesh in meshes)
+    whole = sum(volumes(mesh).sum() for mesh in meshes)
+    expected = shape.placed(Pose2()).area * shape.height
+    assert whole == pytest.approx(expected, rel=1e-3)
+    for mesh in meshes:
+        # the vertex inside is on no surface, so that the pressure is greatest there
+        *_, inside = mesh.vertices
+        assert not (surface(mesh) == inside).all(axis=2).any()
+        assert 0.5 * shape.height + up * inside[2] == pytest.approx(softness(shape))
 
 
-def test_cells_cover_a_polygon_once() -> None:
-    corners = L_SHAPE.polygon
-    cut = [shapely.Polygon(triangle) for triangle in base_triangles(corners, 7, 5)]
+def test_cells_cover_a_polygon_once_and_meet_at_whole_edges() -> None:
+    corners = SHAPES["triangle"].polygon
+    xs = np.linspace(-0.07, 0.11, 8).tolist()
+    ys = np.linspace(-0.08, 0.10, 6).tolist()
+    flat = base_triangles(corners, xs, ys)
+    cut = [shapely.Polygon([flat.points[i] for i in t]) for t in flat.triangles]
     whole = shapely.Polygon(corners)
-    assert sum(piece.area for piece in cut) == pytest.approx(whole.area)
-    assert shapely.union_all(cut).symmetric_difference(whole).area < 1e-9
+    assert all(shapely.is_ccw(piece.exterior) for piece in cut)
+    assert sum(piece.area for piece in cut) == pytest.approx(whole.area, rel=1e-4)
+    assert shapely.union_all(cut).symmetric_difference(whole).area < 1e-6
+    around = [[flat.points[i] for i in side] for side in flat.sides]
+    ends = np.array([side[0] for side in around])
+    np.testing.assert_allclose(ends, corners, atol=1e-6)
+    for side in around:
+        line = shapely.LineString([side[0], side[-1]])
+        assert shapely.LineString(side).length == pytest.approx(line.length)
+        assert all(line.distance(shapely.Point(point)) < 2e-6 for point in side)
 
 
 class Standing:
@@ -99,7 +123,7 @@ class Standing:
         plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
         plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
         self.body = add_object(plant, body, 1.0, mesh_size(body.shape))
-        plane = add_plane(plant, frame, softness(body.shape), 0.3)
+        plane = add_plane(plant, frame, 0.3)
         plane.stand(plant, self.body, body.shape, 1.0)
         plant.Finalize()
         plane.let_bases_stand(plant, scene_graph)
@@ -129,8 +153,8 @@ def test_an_upright_body_stands_on_its_base_alone() -> None:
     X = standing.rest(0.2)
     assert X.translation()[2] == pytest.approx(0.03, abs=1e-4)
     (faces,) = standing.faces()
-    base = len(base_triangles(Box((0.12, 0.08, 0.06)).corners, 9, 7))
-    assert faces == base
+    # nine cells by seven, and slivers: one an edge of the rim, one more a corner
+    assert faces == 2 * 9 * 7 + 2 * (9 + 7) + 4
 
 
 def test_a_body_that_has_fallen_over_lies_on_its_side() -> None:
@@ -146,3 +170,51 @@ def test_a_plane_lies_where_its_frame_says() -> None:
     R = RollPitchYaw(0.0, -math.radians(10.0), 0.0).ToRotationMatrix()
     X = Standing(RigidTransform(R, height), frame).rest(0.3)
     assert frame.coordinates(tuple(X.translation()))[2] == pytest.approx(0.03, abs=1e-4)
+
+
+def pushed(time_step: float) -> tuple[float, float]:
+    """Return the force [N] and the turn rate [rad/s] of a small, high box that is
+    pushed at two thirds of its height, so that it stands on a third of its base.
+    """
+    body = ObjectModel(Box((0.032, 0.095, 0.05)), 0.1, (0.0, 0.0))
+    place = np.array([0.016, 0.003, 0.005])
+    along = np.array([-math.cos(0.1), -math.sin(0.1), 0.0])
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+    box = add_object(plant, body, 1.0, mesh_size(body.shape))
+    plane = add_plane(plant, TABLE, partner_friction(0.4))
+    plane.stand(plant, box, body.shape, 1.0)
+    plant.Finalize()
+    plane.let_bases_stand(plant, scene_graph)
+    port = plant.get_applied_spatial_force_input_port()
+    builder.ExportInput(port, "push")
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    root = simulator.get_mutable_context()
+    context = plant.GetMyMutableContextFromRoot(root)
+    plant.SetFreeBodyPose(context, box, RigidTransform([0.0, 0.0, 0.025]))
+    force = 0.0
+    while root.get_time() < 0.8:
+        X = plant.EvalBodyPoseInWorld(context, box)
+        V = plant.EvalBodySpatialVelocityInWorld(context, box)
+        direction = X.rotation() @ along
+        moving = V.Shift(X.rotation() @ place).translational() @ direction
+        force = 4.0 * (min(root.get_time(), 0.3) / 0.3 * 0.15 - moving)
+        push = ExternallyAppliedSpatialForce()
+        push.body_index = box.index()
+        push.p_BoBq_B = place
+        push.F_Bq_W = SpatialForce(np.zeros(3), force * direction)
+        diagram.GetInputPort("push").FixValue(root, Value([push]))
+        simulator.AdvanceTo(root.get_time() + time_step)
+    return force, float(V.rotational()[2])
+
+
+def test_what_slides_on_a_part_of_its_base_is_not_braked_by_long_steps() -> None:
+    force, turn_rate = pushed(0.004)
+    fine_force, fine_turn_rate = pushed(0.001)
+    assert force == pytest.approx(fine_force, rel=2e-3)
+    assert turn_rate == pytest.approx(fine_turn_rate, rel=2e-2)
+    # turning, it takes a little less than the whole of its friction
+    assert 0.95 < force / (0.4 * 0.1 * 9.81) < 1.005

@@ -33,7 +33,6 @@ from pushpressslide.sim.scenes import (
     add_object,
     mesh_size,
     rest_height,
-    softness,
     tip_properties,
 )
 from pushpressslide.sim.surfaces import SurfaceFrictions
@@ -141,7 +140,7 @@ class _Rig:
         frictions = SurfaceFrictions.of_task(task)
         shape = body.shape
         self._object = add_object(plant, body, frictions.object, mesh_size(shape))
-        plane = add_plane(plant, TABLE, softness(shape), frictions.support)
+        plane = add_plane(plant, TABLE, frictions.support)
         plane.stand(plant, self._object, shape, frictions.object, probe.cells)
         tip = tip_properties(hand, frictions)
         self._hand = add_robot(plant, hand, 0, tip_properties=tip)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.pieces import triangles
 from pushpressslide.core.pose import Point, cross
+from pushpressslide.sim.volume_mesh import Tetrahedron, VolumeMesh
 
-Tetrahedron = tuple[int, int, int, int]
 Prism = tuple[int, int, int, int, int, int]  # a triangle, and the one above it
 
 DEEPEST = 0.45  # of the height: the inner surface has room between base and top
@@ -28,29 +28,10 @@ SOUND = 0.9
 
 @dataclass(frozen=True, slots=True)
 class LayeredMesh:
-    """Vertices [m] and tetrahedra; z is zero at half height."""
+    """A mesh with an inner surface."""
 
-    vertices: tuple[Vector3, ...]
-    tetrahedra: tuple[Tetrahedron, ...]
+    mesh: VolumeMesh
     depth: float  # [m] of the inner surface under the outer one
-
-    def vtk(self) -> str:
-        """Return the text of a VTK file."""
-        points = [f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in self.vertices]
-        cells = ["4 " + " ".join(map(str, cell)) for cell in self.tetrahedra]
-        lines = [
-            "# vtk DataFile Version 3.0",
-            "object",
-            "ASCII",
-            "DATASET UNSTRUCTURED_GRID",
-            f"POINTS {len(points)} double",
-            *points,
-            f"CELLS {len(cells)} {5 * len(cells)}",
-            *cells,
-            f"CELL_TYPES {len(cells)}",
-            *["10"] * len(cells),
-        ]
-        return "\n".join(lines) + "\n"
 
 
 def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
@@ -81,7 +62,8 @@ def layered_mesh(corners: tuple[Point, ...], height: float) -> LayeredMesh:
         for lower, upper in ((below, low), (low, high), (high, above)):
             prisms.append((lower[i], lower[j], lower[k], upper[i], upper[j], upper[k]))
     cells = tuple(cell for prism in prisms for cell in _cut(prism))
-    return LayeredMesh(vertices, tuple(_turned(vertices, c) for c in cells), depth)
+    mesh = VolumeMesh(vertices, tuple(_turned(vertices, c) for c in cells))
+    return LayeredMesh(mesh, depth)
 
 
 def _inner(

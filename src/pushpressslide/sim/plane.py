@@ -1,56 +1,53 @@
-"""An even support as a compliant half-space, and the bases that stand on it.
+"""An even support as a rigid half-space, and the bases that stand on it.
 
-Friction acts at the centroids of contact polygons. Against a half-space each triangle
-of a rigid base is one polygon, fixed to the body: the friction wrench does not depend
-on where the body is, and there are no more polygons than it needs.
+Friction acts at the centroids of contact polygons. A half-space cuts each tetrahedron
+of a compliant base in one polygon, nearly fixed to the body: the friction wrench does
+not depend on where the body is, and there are no more polygons than it needs.
+
+It is the half-space that is rigid, since polygons lie on what is rigid. On a base that
+leans by a hundredth of a degree their normals lean too, and in a step of 4 ms it slides
+on by a twentieth of its indentation along them, which a solver that takes the friction
+from the load at the beginning of the step answers with as much more friction.
 """
 
 from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise, product
+from itertools import chain, pairwise
 
 import numpy as np
 from pydrake.geometry import (
-    AddCompliantHydroelasticPropertiesForHalfSpace,
-    AddContactMaterial,
     CollisionFilterDeclaration,
     GeometryId,
     GeometrySet,
     HalfSpace,
-    Mesh,
-    ProximityProperties,
     SceneGraph,
 )
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 
-from pushpressslide.core.control import Vector3
-from pushpressslide.core.pieces import triangles
-from pushpressslide.core.polygon import signed_area
+from pushpressslide.core.pieces import convex_pieces, triangles
+from pushpressslide.core.polygon import turns
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.shapes import Shape
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.sim.surfaces import (
-    DISSIPATION,
-    HYDROELASTIC_MODULUS,
-    obj_mesh,
+    compliant_properties,
     rigid_properties,
     without_details,
 )
+from pushpressslide.sim.volume_mesh import VolumeMesh
 
-Face = tuple[Vector3, ...]  # counter-clockwise, seen from outside
-Triangle = tuple[Point, Point, Point]
+Triangle = tuple[int, int, int]
 
 CELLS = 7.0  # across a base where it is narrow
 MOST_CELLS = 16  # along a base, however long it is
-SLIVER = 1e-3  # of a cell, smaller pieces of which are left out
-# [m] from the base up to where the sides begin, so that an upright body stands on its
-# base alone
-SKIN_GAP = 5e-4
+STRAIGHT = 1e-3  # [rad] of a corner that is only a point of a side
+FINEST = 1e-6  # [m] of the corners of cells; lines that are nearer together are one
 
 
 @dataclass
@@ -59,7 +56,7 @@ class Plane:
 
     support: GeometryId
     frame: SupportFrame
-    bases: dict[BodyIndex, GeometryId] = field(default_factory=dict)
+    bases: dict[BodyIndex, list[GeometryId]] = field(default_factory=dict)
 
     def stand(
         self,
@@ -69,18 +66,20 @@ class Plane:
         friction: float,
         cells: float = CELLS,
     ) -> None:
-        """Give a body of a ``shape`` what it stands on: its base, in ``cells`` where it
-        is narrow, and the rest of its skin, on which it lies once it has fallen over.
+        """Give a body of a ``shape`` what it stands on, in ``cells`` where its base is
+        narrow, and what it lies on once it has fallen over.
         """
-        X = RigidTransform()
-        mesh = base_mesh(shape, cells, self.frame.handedness)
-        properties = rigid_properties(friction)
-        base = plant.RegisterCollisionGeometry(body, X, mesh, "base", properties)
-        self.bases[body.index()] = base
+        properties = compliant_properties(friction, 1.0)
+        self.bases[body.index()] = [
+            plant.RegisterCollisionGeometry(
+                body, RigidTransform(), mesh.drake(), f"base_{i}", properties
+            )
+            for i, mesh in enumerate(base_meshes(shape, cells, self.frame.handedness))
+        ]
 
     def let_bases_stand(self, plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
         """Let each base touch the support alone, and nothing else of its body do so."""
-        bases = set(self.bases.values())
+        bases = set(chain.from_iterable(self.bases.values()))
         standing = GeometrySet(list(bases))
         others = GeometrySet()
         beside = GeometrySet()
@@ -100,24 +99,11 @@ class Plane:
         )
 
 
-def add_plane(
-    plant: MultibodyPlant, frame: SupportFrame, thickness: float, friction: float
-) -> Plane:
-    """Add the plane of a support's ``frame`` to the world; it gives way as a layer of
-    ``thickness`` [m].
-    """
-    properties = ProximityProperties()
-    AddCompliantHydroelasticPropertiesForHalfSpace(
-        thickness, HYDROELASTIC_MODULUS, properties
-    )
-    AddContactMaterial(
-        dissipation=DISSIPATION,
-        friction=CoulombFriction(friction, friction),
-        properties=properties,
-    )
+def add_plane(plant: MultibodyPlant, frame: SupportFrame, friction: float) -> Plane:
+    """Add the plane of a support's ``frame`` to the world."""
     X = HalfSpace.MakePose(np.array(frame.normal), np.array(frame.origin))
     support = plant.RegisterCollisionGeometry(
-        plant.world_body(), X, HalfSpace(), "support", properties
+        plant.world_body(), X, HalfSpace(), "support", rigid_properties(friction)
     )
     return Plane(support, frame)
 
@@ -132,29 +118,28 @@ def _told(record: logging.LogRecord) -> bool:
 logging.getLogger("drake").addFilter(_told)
 
 
-def base_mesh(shape: Shape, cells: float = CELLS, up: float = 1.0) -> Mesh:
-    """Return the base of a ``shape`` in triangles, and its sides and top a little
-    higher; its frame is at G's origin in the plane, and at half height. ``up`` is -1
-    where its z axis points into the support, as on a wall.
+def softness(shape: Shape) -> float:
+    """Return the thickness [m] of the layer that gives way under an object."""
+    return 0.5 * min(shape.height, shape.breadth)
+
+
+def base_meshes(
+    shape: Shape, cells: float = CELLS, up: float = 1.0
+) -> list[VolumeMesh]:
+    """Return the convex parts of a ``shape`` in tetrahedra, with ``cells`` across the
+    base where it is narrow. ``up`` is -1 where the shape's z axis points into the
+    support, as on a wall.
     """
-    corners = _outline(shape)
+    counts = _cell_counts(shape, cells)
+    x_min, x_max, y_min, y_max = shape.bounds(Pose2())
+    xs = np.linspace(x_min, x_max, counts[0] + 1).tolist()
+    ys = np.linspace(y_min, y_max, counts[1] + 1).tolist()
     half = 0.5 * shape.height
-    low = SKIN_GAP - half
-    faces: list[Face] = [
-        tuple((x, y, -half) for x, y in reversed(triangle))
-        for triangle in base_triangles(corners, *_cell_counts(shape, cells))
+    middle = softness(shape) - half
+    return [
+        _prism(base_triangles(_turning(part), xs, ys), half, middle, up)
+        for part in convex_pieces(_outline(shape))
     ]
-    faces += [
-        ((*a, low), (*b, low), (*b, half), (*a, half))
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
-    ]
-    faces += [tuple((x, y, half) for x, y in triangle) for triangle in _cut(corners)]
-    if up < 0.0:
-        faces = [tuple((x, y, -z) for x, y, z in reversed(face)) for face in faces]
-    vertices = [vertex for face in faces for vertex in face]
-    ends = list(accumulate(map(len, faces), initial=0))
-    numbers = [tuple(range(*each)) for each in pairwise(ends)]
-    return Mesh(obj_mesh(vertices, numbers, "base.obj"))
 
 
 def _outline(shape: Shape) -> tuple[Point, ...]:
@@ -169,6 +154,12 @@ def _outline(shape: Shape) -> tuple[Point, ...]:
     return tuple((x, y) for x, y in whole.exterior.coords[:-1])
 
 
+def _turning(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Return the corners at which the border turns."""
+    by = zip(corners, turns(corners), strict=True)
+    return tuple(corner for corner, turn in by if turn > STRAIGHT)
+
+
 def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
     """Return the numbers of cells along x and y: more of them along a long side, but
     longer ones.
@@ -181,41 +172,94 @@ def _cell_counts(shape: Shape, cells: float) -> tuple[int, int]:
     return nx, ny
 
 
-def base_triangles(corners: tuple[Point, ...], nx: int, ny: int) -> list[Triangle]:
-    """Return the triangles, counter-clockwise, of a polygon cut by a grid of ``nx`` and
-    ``ny`` cells over its bounding rectangle.
+@dataclass(frozen=True)
+class Flat:
+    """Triangles, counter-clockwise, that make up a convex polygon and meet at whole
+    edges.
+    """
+
+    points: tuple[Point, ...]  # [m]
+    triangles: tuple[Triangle, ...]
+    corners: tuple[int, ...]  # of the polygon, counter-clockwise
+
+    @property
+    def sides(self) -> list[list[int]]:
+        """The points along each side of the polygon, with its ends."""
+        edges = {(t[i], t[(i + 1) % 3]) for t in self.triangles for i in range(3)}
+        after = {a: b for a, b in edges if (b, a) not in edges}
+        out = []
+        for corner in self.corners:
+            side = [corner, after[corner]]
+            while side[-1] not in self.corners:
+                side.append(after[side[-1]])
+            out.append(side)
+        return out
+
+
+def base_triangles(
+    corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
+) -> Flat:
+    """Return a convex polygon cut along the lines at ``xs`` and ``ys`` [m], and each
+    cell into triangles.
     """
     import shapely
 
     polygon = shapely.Polygon(corners)
-    shapely.prepare(polygon)
     x_min, y_min, x_max, y_max = polygon.bounds
-    xs = np.linspace(x_min, x_max, nx + 1).tolist()
-    ys = np.linspace(y_min, y_max, ny + 1).tolist()
+    along_y = [shapely.LineString([(x, y_min), (x, y_max)]) for x in xs]
+    along_x = [shapely.LineString([(x_min, y), (x_max, y)]) for y in ys]
+    inside = shapely.intersection([*along_x, *along_y], polygon)
+    # lines that meet get a common point there, so that neighbours have the same corners
+    noded = shapely.union_all([*inside, polygon.exterior], grid_size=FINEST)
+    numbers: dict[Point, int] = {}
     out: list[Triangle] = []
-    for i, j in product(range(nx), range(ny)):
-        a, b, c, d = _cell(xs[i : i + 2], ys[j : j + 2])
-        cell = shapely.Polygon((a, b, c, d))
-        if shapely.covers(polygon, cell):
-            # the diagonal alternates, so that the base has no handedness
-            out += (
-                [(a, b, c), (a, c, d)] if (i + j) % 2 == 0 else [(a, b, d), (b, c, d)]
-            )
-            continue
-        for piece in shapely.get_parts(shapely.intersection(polygon, cell)):
-            if piece.area == 0.0:  # a line or a point
-                continue
-            around = shapely.orient_polygons(piece).exterior.coords[:-1]
-            cut = _cut(tuple((x, y) for x, y in around))
-            out += [t for t in cut if signed_area(t) > SLIVER * cell.area]
-    return out
+    for cell in shapely.get_parts(shapely.polygonize([noded])):
+        around = shapely.orient_polygons(cell).exterior.coords[:-1]
+        vertices = tuple((x, y) for x, y in around)
+        for triangle in _cut(vertices, xs, ys):
+            a, b, c = (numbers.setdefault(vertices[i], len(numbers)) for i in triangle)
+            out.append((a, b, c))
+    points = tuple(numbers)
+    at_corners = (
+        min(numbers.values(), key=lambda i: math.dist(points[i], corner))
+        for corner in corners
+    )
+    return Flat(points, tuple(out), tuple(at_corners))
 
 
-def _cut(corners: tuple[Point, ...]) -> list[Triangle]:
-    """Return triangles, counter-clockwise, that make up a polygon."""
-    return [(corners[a], corners[b], corners[c]) for a, b, c in triangles(corners)]
+def _cut(
+    corners: tuple[Point, ...], xs: Sequence[float], ys: Sequence[float]
+) -> Sequence[Triangle]:
+    """Return triangles that make up a cell, by the numbers of its corners."""
+    if len(corners) != 4 or min(turns(corners)) < STRAIGHT:
+        return triangles(corners)
+    # the diagonal alternates, so that the base has no handedness
+    first = corners.index(min(corners))
+    x, y = np.mean(corners, axis=0)
+    parity = int(np.searchsorted(xs, x) + np.searchsorted(ys, y)) % 2
+    a, b, c, d = ((first + parity + i) % 4 for i in range(4))
+    return (a, b, c), (a, c, d)
 
 
-def _cell(x: list[float], y: list[float]) -> tuple[Point, Point, Point, Point]:
-    """Return the corners of a cell, counter-clockwise."""
-    return (x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])
+def _prism(base: Flat, half: float, middle: float, up: float) -> VolumeMesh:
+    """Return an upright prism of a height of twice ``half`` [m] on ``base``, all its
+    triangles joined to a vertex at the height ``middle`` [m], where the pressure is
+    greatest.
+
+    Few tetrahedra meet the base but its own: the support cuts slivers from the others.
+    """
+    sides = base.sides
+    n = len(base.points)
+    m = len(sides)
+    foot = [(x, y, -up * half) for x, y in base.points]
+    head = [(*base.points[side[0]], up * half) for side in sides]
+    inside = (*np.mean([base.points[side[0]] for side in sides], axis=0), up * middle)
+    faces = [(c, b, a) for a, b, c in base.triangles]
+    faces += [(n, n + i, n + i + 1) for i in range(1, m - 1)]
+    for i, side in enumerate(sides):
+        faces += [(a, b, n + i) for a, b in pairwise(side)]
+        faces.append((side[-1], n + (i + 1) % m, n + i))
+    # the fourth vertex is on the side to which the first three turn left
+    turned = [(a, c, b) if up > 0.0 else (a, b, c) for a, b, c in faces]
+    tetrahedra = tuple((a, b, c, n + m) for a, b, c in turned)
+    return VolumeMesh((*foot, *head, inside), tetrahedra)

@@ -244,18 +244,13 @@ def _add_plane(
 ) -> Plane:
     """Add a support without edges, and the bases of all bodies that move."""
     shape = task.object.shape
-    plane = add_plane(plant, task.support.frame, softness(shape), frictions.support)
+    plane = add_plane(plant, task.support.frame, frictions.support)
     plane.stand(plant, moved, shape, frictions.object)
     for obstacle in task.obstacles:
         if obstacle.movable:
             friction = frictions.obstacle(obstacle.friction)
             plane.stand(plant, bodies[obstacle.name], obstacle.shape, friction)
     return plane
-
-
-def softness(shape: model.Shape) -> float:
-    """Return the thickness [m] of the layer that gives way as an object does."""
-    return 0.5 * min(shape.height, shape.breadth)
 
 
 def _add_grid(plant: MultibodyPlant, plan: Plan, frictions: SurfaceFrictions) -> Bounds:

@@ -353,13 +353,12 @@ def touched_shape(
     if shape.convex:
         return drawn_shape(shape), compliant_properties(friction, resolution)
     outline = without_details(shape.corners)
-    mesh = layered_mesh(outline, shape.height)
-    file = MemoryFile(mesh.vtk(), ".vtk", "object.vtk")
-    share = mesh.depth / (0.5 * min(shape.height, shape.breadth))
+    layered = layered_mesh(outline, shape.height)
+    share = layered.depth / (0.5 * min(shape.height, shape.breadth))
     properties = compliant_properties(
         friction, resolution, share * HYDROELASTIC_MODULUS
     )
-    return Mesh(InMemoryMesh(mesh_file=file), 1.0), properties
+    return layered.mesh.drake(), properties
 
 
 def without_details(corners: tuple[Point, ...]) -> tuple[Point, ...]:

@@ -1,0 +1,45 @@
+"""Volume meshes in memory, for hydroelastic contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pydrake.common import MemoryFile
+from pydrake.geometry import InMemoryMesh, Mesh
+
+from pushpressslide.core.control import Vector3
+
+Tetrahedron = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class VolumeMesh:
+    """Vertices [m] and tetrahedra, the fourth vertex of each on the side to which the
+    first three turn left; z is zero at half height.
+    """
+
+    vertices: tuple[Vector3, ...]
+    tetrahedra: tuple[Tetrahedron, ...]
+
+    def vtk(self) -> str:
+        """Return the text of a VTK file."""
+        points = [f"{x:.12g} {y:.12g} {z:.12g}" for x, y, z in self.vertices]
+        cells = ["4 " + " ".join(map(str, cell)) for cell in self.tetrahedra]
+        lines = [
+            "# vtk DataFile Version 3.0",
+            "object",
+            "ASCII",
+            "DATASET UNSTRUCTURED_GRID",
+            f"POINTS {len(points)} double",
+            *points,
+            f"CELLS {len(cells)} {5 * len(cells)}",
+            *cells,
+            f"CELL_TYPES {len(cells)}",
+            *["10"] * len(cells),
+        ]
+        return "\n".join(lines) + "\n"
+
+    def drake(self) -> Mesh:
+        """Return Drake's mesh."""
+        file = MemoryFile(self.vtk(), ".vtk", "object.vtk")
+        return Mesh(InMemoryMesh(mesh_file=file), 1.0)
