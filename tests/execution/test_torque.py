@@ -9,6 +9,7 @@ from pushpressslide.execution.torque import (
     kept_inside,
     task_inertia,
     task_torque,
+    yielding,
 )
 
 N = 7
@@ -63,6 +64,43 @@ def test_a_joint_on_its_way_out_is_braked() -> None:
     out[4] = 0.5
     still = kept_inside(J, q, REST, LOWER, UPPER)
     assert kept_inside(J, q, out, LOWER, UPPER)[4] < still[4]
+
+
+def turning_jacobian(seed: int) -> np.ndarray:
+    """Return the Jacobian of seven turning joints: their axes are unit vectors."""
+    J = jacobian(seed)
+    J[:3] /= np.linalg.norm(J[:3], axis=0)
+    return J
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_tool_is_not_turned_by_a_joint_at_its_limit(seed: int, side: float) -> None:
+    J = turning_jacobian(seed)
+    joint = seed % N
+    axis = J[:3, joint]
+    q = near_limit(joint, side, 0.01)
+    held = yielding(J, side * axis, q, LOWER, UPPER)
+    np.testing.assert_allclose(held.T @ [*axis, 0.0, 0.0, 0.0], 0.0, atol=1e-12)
+    # about all other axes, and along all, it is held as before
+    across = np.cross(axis, [0.3, -0.5, 0.8])
+    wrench = [*across, 1.0, 2.0, 3.0]
+    np.testing.assert_allclose(held.T @ wrench, J.T @ wrench, atol=1e-12)
+    # a moment that leads the joint back in is given in full
+    assert yielding(J, -side * axis, q, LOWER, UPPER) is not J
+    np.testing.assert_array_equal(yielding(J, -side * axis, q, LOWER, UPPER), J)
+
+
+def test_a_tool_gives_way_smoothly() -> None:
+    J = turning_jacobian(3)
+    buffer = margins.ARM.joint_buffer
+    gaps = [
+        np.abs(yielding(J, J[:3, 2], near_limit(2, 1.0, left), LOWER, UPPER) - J).max()
+        for left in (buffer, 0.95 * buffer, 0.9 * buffer, 0.8 * buffer, 0.5 * buffer)
+    ]
+    assert gaps[0] == 0.0
+    assert 0.0 < gaps[1] < gaps[2] < gaps[3]
+    assert gaps[4] == pytest.approx(gaps[3])
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -21,6 +21,7 @@ from pushpressslide.execution.torque import (
     limited,
     task_inertia,
     task_torque,
+    yielding,
 )
 
 ROTATION_STIFFNESS = 60.0
@@ -106,7 +107,8 @@ class ArmExecutor:
         )
         error = q_ref - arm.q
         posture = POSTURE_STIFFNESS * error + POSTURE_DAMPING * (v_ref - arm.v)
-        tau = task_torque(arm.J, moment, force, posture, arm.bias)
+        J = yielding(arm.J, moment, arm.q, self.lower, self.upper)
+        tau = task_torque(J, moment, force, posture, arm.bias)
         tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
         tau += arm.J.T @ self._inertial(arm, command, velocity)
         if self.joint_stiffness > 0.0:

@@ -14,6 +14,8 @@ from pushpressslide.core.arrays import Array
 
 LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
 LIMIT_DAMPING = 10.0
+# of the buffer before a joint's limit, in which the tool ceases to be turned about it
+YIELDING = 0.2
 # squares of the singular values below which the tool's rotation, and the tip's motion,
 # are left to the posture
 SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
@@ -64,6 +66,28 @@ def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Arr
     near = inside < buffer
     spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
     return _unfelt(J[3:], spring, SOFTENING[3:])
+
+
+def yielding(J: Array, moment: Array, q: Array, lower: Array, upper: Array) -> Array:
+    """Return ``J`` (6, n) for a tool that is no longer turned about the axes of joints
+    which its ``moment`` (3,) [N m] presses into their limits: the less, the nearer.
+
+    World axes; ``lower``, ``upper`` (n,) [rad]. Such a joint gives no moment about its
+    axis. Asked for all the same, it comes from the other joints, with a force at the
+    tip.
+    """
+    buffer = margins.ARM.joint_buffer
+    inside = np.minimum(q - lower, upper - q)
+    if inside.min() >= buffer:
+        return J
+    out = J.copy()
+    for j in np.flatnonzero(inside < buffer):
+        axis = J[:3, j]
+        outwards = 2.0 * q[j] - lower[j] - upper[j]
+        if outwards * float(axis @ moment) > 0.0:
+            share = min(1.0, (1.0 - inside[j] / buffer) / YIELDING)
+            out[:3] -= share * np.outer(axis, axis @ out[:3])
+    return out
 
 
 def _unfelt(J: Array, torque: Array, softening: Array) -> Array:
