@@ -84,14 +84,14 @@ MODES = (
 )
 KNOWN = (
     *(
-        Table(mode, f"`{mode}`", task, 1800 + i, attempts, ALONE)
+        Table(mode, f"`{mode}`", task, 1900 + i, attempts, ALONE)
         for i, (mode, task, attempts) in enumerate(MODES)
     ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1805, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1806, 40, OPEN),
+    Table("open-one-arm", "any mode, one arm", "press-slide", 1905, 40, OPEN),
+    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1906, 40, OPEN),
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1810 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1910 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 AMONG_OBSTACLES = (
