@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 from pushpressslide.core import margins
@@ -354,7 +355,7 @@ class Restart:
     legs: tuple[Leg, ...] | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Task:
     """One manipulation task, complete and checked."""
 
@@ -459,7 +460,7 @@ class Task:
             told.belief.center_error,
         )
 
-    @property
+    @cached_property
     def told(self) -> Task:
         """The task as planner and controller are told it: what is believed stands in
         place of what is true.
@@ -484,7 +485,7 @@ class Task:
             start_error=Pose2(),
         )
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
         """The physical question, as believed."""
         told = self.told

@@ -22,7 +22,7 @@ from pushpressslide.core.plan import ENOUGH as ENOUGH
 from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
-from pushpressslide.core.task import Task, Vehicle
+from pushpressslide.core.task import Motion, Task, Vehicle
 from pushpressslide.identification.center import CenterIdentifier
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleIdentifier
@@ -109,12 +109,9 @@ class Mode(ABC):
         """Return a time [s] that no choice of the mode is below, contacts held at the
         start; quickly.
         """
-        start, goal = task.body_ends
-        turn = math.remainder(goal.yaw - start.yaw, 2.0 * math.pi)
-        # a contact may be as far off the CoM as the object's edge
-        swept = 2.0 * task.object.radius * abs(math.sin(0.5 * turn))
-        far = math.dist(start.position, goal.position) - swept
-        return max(far, 0.0) / (margins.CONTACT_PACE * task.motion.speed)
+        body = task.object
+        center = body.center_of_mass
+        return straight_time(task.start, task.goal, center, body.radius, task.motion)
 
     def drafts(self, task: Task) -> Sequence[Draft | Choice]:
         """Return a draft for each placement of the contacts, or a choice with what
@@ -215,6 +212,20 @@ class Mode(ABC):
         planned with it at ``center`` [m] in B; None where it is of no use.
         """
         return None
+
+
+def straight_time(
+    start: Pose2, goal: Pose2, center: Point, radius: float, motion: Motion
+) -> float:
+    """Return the time [s] of a contact's straight way between two poses X_WG of an
+    object with its ``center`` of mass [m] in G; ``radius`` [m]: as far from there as a
+    contact may be.
+    """
+    begin = start.apply(center)
+    end = goal.apply(center)
+    swept = 2.0 * radius * abs(math.sin(0.5 * (goal.yaw - start.yaw)))
+    far = math.dist(begin, end) - swept
+    return max(far, 0.0) / (margins.CONTACT_PACE * motion.speed)
 
 
 def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Choice]:

@@ -67,6 +67,7 @@ from pushpressslide.planning.pressed.placements import (
     press_placements,
 )
 from pushpressslide.planning.segments import ends_onward
+from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
 from pushpressslide.rom.drives import (
     ORIGIN,
     PressedDrive,
@@ -106,6 +107,11 @@ class PressSlide(Mode):
             placements = press_placements(task)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
+        if task.searched:
+            contacts = tuple(c for c in placements.contacts if _reached(task, c))
+            if not contacts:
+                return [Choice(self.name, refusal=UNKNOWN)]
+            placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
         for kind, choices in self._alternatives(task, placements, enough):
             found[kind] = choices
@@ -481,3 +487,13 @@ def _steered_by(
 
 MODE = PressSlide()
 allocator = MODE.allocator
+
+
+def _reached(task: Task, contact: Contact) -> bool:
+    """Return whether some arm reaches a contact at start and goal, as the tables know."""
+    scene = task.scene
+    by_arms = [replace(contact, arm=arm) for arm in scene.arms]
+    return any(
+        contact_refusal(scene, each, task.body_ends, quick=True) is None
+        for each in by_arms
+    )

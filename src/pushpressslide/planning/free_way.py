@@ -108,7 +108,7 @@ class WaysTo:
         more where they are narrow; infinite where there is none.
         """
         if self._grid is None:
-            return np.array([moved(self.space.shape, X, self.goal) for X in poses])
+            return lengths_from(self.space.shape, self.goal, poses)
         return np.array([self._grid.length(X) for X in poses])
 
     def way(self, start: Pose2) -> list[Pose2] | None:
@@ -127,6 +127,14 @@ def moved(shape: Shape, X: Pose2, Y: Pose2) -> float:
     """Return how far [m] a footprint is moved from one pose to another, turns included."""
     turn = abs(math.remainder(Y.yaw - X.yaw, 2.0 * math.pi))
     return math.dist(X.position, Y.position) + shape.circumradius * turn
+
+
+def lengths_from(shape: Shape, X: Pose2, poses: Sequence[Pose2]) -> Array:
+    """Return how far (n,) [m] a footprint is moved from one pose to others."""
+    x, y, yaw = np.array([(Y.x, Y.y, Y.yaw) for Y in poses]).T
+    turn = np.remainder(yaw - X.yaw + math.pi, 2.0 * math.pi) - math.pi
+    out: Array = np.hypot(x - X.x, y - X.y) + shape.circumradius * np.abs(turn)
+    return out
 
 
 def alike(X: Pose2, Y: Pose2) -> bool:

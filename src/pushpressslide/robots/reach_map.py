@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -29,12 +28,38 @@ TRIAL = 0.5  # [rad] by which the first joint is turned to see whether it turns 
 DISTANCES = np.arange(STEP, FARTHEST, STEP)
 
 
-@dataclass(frozen=True)
-class _Line:
-    """What is reached straight ahead of the base, at DISTANCES."""
+class _Table:
+    """What a robot at the origin reaches at one height with its tool leaned by one
+    tilt, at DISTANCES; a line for each direction of the lean, made when it is asked
+    for.
+    """
 
-    ok: NDArray[np.bool_]
-    turned: Array  # [rad] of the first joint there
+    def __init__(self, robot: Robot, height: float, tilt: float) -> None:
+        """Know nothing yet."""
+        self._robot = robot
+        self._height = height
+        self.tilt = tilt
+        self._known = np.full(LEANS, False)
+        self.ok = np.full((LEANS, len(DISTANCES)), False)
+        # [rad] of the first joint
+        self.turned = np.zeros((LEANS, len(DISTANCES)))
+
+    def know(self, leans: NDArray[np.intp]) -> None:
+        """Make the lines at some ``leans`` that are not made yet."""
+        for k in set(leans[~self._known[leans]].tolist()):
+            self.ok[k], self.turned[k] = self._line(k)
+            self._known[k] = True
+
+    def _line(self, lean: int) -> tuple[NDArray[np.bool_], Array]:
+        """Return what is reached straight ahead, and the first joint there."""
+        kin = arm_kinematics(self._robot)
+        points = np.zeros((len(DISTANCES), 3))
+        points[:, 0] = DISTANCES
+        points[:, 2] = self._height
+        hold = ToolAttitude(self.tilt, 2.0 * math.pi * lean / LEANS)
+        seeds = default_seeds(kin, points)[:, :STRUCTURED_SEEDS][:, QUICK_SEEDS]
+        found = solve_ik(kin, points, hold, None, seeds, REACH_MARGIN, QUICK)
+        return found.converged, found.q[:, 0]
 
 
 def surely_reached(
@@ -56,65 +81,65 @@ def surely_reached(
     bearing = np.arctan2(out[:, 1], out[:, 0]) - robot.base_yaw
     bearing = np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi
     height = float(p[0, 2]) - z
-    standing = Robot(
+    standing = _standing(robot)
+    for hold in holds:
+        lean = hold.azimuth - robot.base_yaw - bearing
+        table = _table(standing, height, hold.tilt)
+        if _held(table, _first_joint(standing), distance, bearing, lean):
+            return True
+    return False
+
+
+def _held(
+    table: _Table,
+    first_joint: tuple[float, float],
+    distance: Array,
+    bearing: Array,
+    lean: Array,
+) -> bool:
+    """Return whether places (m,) are reached, at neighbouring cells of a table."""
+    row = distance / STEP - 1.0
+    low = np.floor(row).astype(int)
+    if low.min() < 0 or low.max() + 1 >= len(DISTANCES):
+        return False
+    leans = [np.zeros(len(row), dtype=int)]
+    if table.tilt > 0.0:
+        around = lean * (LEANS / (2.0 * math.pi))
+        leans = [
+            np.floor(around).astype(int) % LEANS,
+            np.ceil(around).astype(int) % LEANS,
+        ]
+    right, left = first_joint
+    for column in leans:
+        table.know(column)
+        for near in (low, low + 1):
+            turned = table.turned[column, near] + bearing
+            inside = (turned >= right) & (turned <= left)
+            if not (table.ok[column, near] & inside).all():
+                return False
+    return True
+
+
+@lru_cache(maxsize=64)
+def _standing(robot: Robot) -> Robot:
+    """Return a robot like another, at the origin."""
+    return Robot(
         robot.model,
         (0.0, 0.0, 0.0),
         tip_frame=robot.tip_frame,
         tip_radius=robot.tip_radius,
         tip_length=robot.tip_length,
     )
-    for hold in holds:
-        lean = hold.azimuth - robot.base_yaw - bearing
-        if _held(standing, height, hold.tilt, distance, bearing, lean):
-            return True
-    return False
 
 
-def _held(
-    robot: Robot,
-    height: float,
-    tilt: float,
-    distance: Array,
-    bearing: Array,
-    lean: Array,
-) -> bool:
-    """Return whether places (m,) are reached, at neighbouring cells of the tables."""
-    row = distance / STEP - 1.0
-    low = np.floor(row).astype(int)
-    if low.min() < 0 or low.max() + 1 >= len(DISTANCES):
-        return False
-    leans = [np.zeros(len(row), dtype=int)]
-    if tilt > 0.0:
-        around = lean * (LEANS / (2.0 * math.pi))
-        leans = [
-            np.floor(around).astype(int) % LEANS,
-            np.ceil(around).astype(int) % LEANS,
-        ]
+@lru_cache(maxsize=64)
+def _first_joint(robot: Robot) -> tuple[float, float]:
+    """Return between which angles [rad] the first joint of a robot may be."""
     facts = arm_kinematics(robot).facts
-    right = facts.lower[0] + REACH_MARGIN
-    left = facts.upper[0] - REACH_MARGIN
-    for column in leans:
-        for k in np.unique(column):
-            line = _line(robot, height, tilt, int(k))
-            mine = column == k
-            for near in (low[mine], low[mine] + 1):
-                turned = line.turned[near] + bearing[mine]
-                if not (line.ok[near] & (turned >= right) & (turned <= left)).all():
-                    return False
-    return True
+    return facts.lower[0] + REACH_MARGIN, facts.upper[0] - REACH_MARGIN
 
 
-@lru_cache(maxsize=4096)
-def _line(robot: Robot, height: float, tilt: float, lean: int) -> _Line:
-    """Return what a robot at the origin reaches straight ahead at a ``height`` [m]."""
-    kin = arm_kinematics(robot)
-    points = np.zeros((len(DISTANCES), 3))
-    points[:, 0] = DISTANCES
-    points[:, 2] = height
-    hold = ToolAttitude(tilt, 2.0 * math.pi * lean / LEANS)
-    seeds = default_seeds(kin, points)[:, :STRUCTURED_SEEDS][:, QUICK_SEEDS]
-    found = solve_ik(kin, points, hold, None, seeds, REACH_MARGIN, QUICK)
-    return _Line(found.converged, found.q[:, 0])
+_table = lru_cache(maxsize=1024)(_Table)
 
 
 @lru_cache(maxsize=64)

@@ -18,7 +18,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Obstacle, Shape, Task
 from pushpressslide.planning.carried import carried_ways
-from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.free_way import lengths_from
 from pushpressslide.planning.swept import SWEEP_STEP, swept
 from pushpressslide.selection.edge import edge_refusal
 from pushpressslide.selection.opening_path import opening_refusal
@@ -44,7 +44,7 @@ def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
     poses = swept(task.object, segments, task.motion.clearance)
     return (
         obstacle_refusal(task, poses)
-        or tips_refusal(task, segments)
+        or tips_refusal(task, segments, poses)
         or edge_refusal(task, segments)
         or opening_refusal(task, segments[0], poses)
         or tool_refusal(task, poses)
@@ -82,15 +82,16 @@ def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     return _too_near(name, pushed.shape, poses, ends, others, clearance)
 
 
-def tips_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
-    """Return where a tip on the object's way would touch an obstacle that stands as high
-    as its contact, or None.
+def tips_refusal(
+    task: Task, segments: Sequence[Segment], poses: Sequence[Pose2]
+) -> Refusal | None:
+    """Return where a tip on the object's way, along ``poses`` X_WG, would touch an
+    obstacle that stands as high as its contact, or None.
     """
     import shapely
 
     scene = task.scene
     contacts = {contact for segment in segments for contact in segment.contacts}
-    poses = swept(task.object, segments, task.motion.clearance)
     ways = carried_ways(task, poses)
     for contact in contacts:
         radius = scene.robots[contact.arm].tip_radius
@@ -204,8 +205,10 @@ def allowed_gaps(
     """
     at_ends = np.minimum(gaps(shape, ends, others), clearance)
     allowed = np.full((len(poses), len(others)), clearance)
+    if (at_ends == clearance).all():
+        return allowed - ROUND_OFF
     for end, there in zip(ends, at_ends, strict=True):
-        far = np.array([moved(shape, end, X) for X in poses])
+        far = lengths_from(shape, end, poses)
         share = np.minimum(far / margins.ARM.leaving, 1.0)[:, None]
         allowed = np.minimum(allowed, there + (clearance - there) * share)
     return allowed - ROUND_OFF

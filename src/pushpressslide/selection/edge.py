@@ -18,7 +18,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.pressing import resting_cop
-from pushpressslide.planning.free_way import moved
+from pushpressslide.planning.free_way import lengths_from
 from pushpressslide.planning.swept import swept
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _segment_refusal(
     margin = margins.EDGE_MARGIN * shape.half_width
     begin = np.array([first.apply(task.object.center_of_mass)])
     there = min(float(edge_depths(shape, [first], begin, region)[0]), margin)
-    far = np.array([moved(shape, first, X) for X in poses])
+    far = lengths_from(shape, first, poses)
     share = np.minimum(far / margins.ARM.leaving, 1.0)
     allowed = there + (margin - there) * share - ROUND_OFF
     for points in _loads(task, segment, poses):

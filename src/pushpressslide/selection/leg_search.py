@@ -21,6 +21,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
+from pushpressslide.modes.base import straight_time
 from pushpressslide.planning.free_way import WaysTo, alike, moved
 from pushpressslide.planning.overhead import overhead
 from pushpressslide.selection.searched import (
@@ -94,6 +95,7 @@ class Motion:
     to: int  # index of a pose
     mode: str
     held: bool  # with the contacts that it has
+    timed: bool = False  # whether the mode was asked for its least time
 
 
 @dataclass
@@ -120,6 +122,10 @@ class LegSearch:
     _able: list[NDArray[np.bool_]] = field(default_factory=list)  # arms at each pose
     _led_on: set[int] = field(default_factory=set)  # poses that others were added for
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Ask the object how large it is."""
+        self._radius = self.task.object.radius
 
     def know(self, choices: Sequence[Choice]) -> None:
         """Take over what was judged of the motion from start to goal; modes that cannot
@@ -176,6 +182,13 @@ class LegSearch:
                 for due, motion in self._motions(item, range(1, len(self.poses))):
                     heappush(heap, (due, next(order), motion))
                 continue
+            if not self._worth_asking(item):
+                continue
+            if not item.timed:
+                heappush(
+                    heap, (self._due(item), next(order), replace(item, timed=True))
+                )
+                continue
             for after in self._after(item):
                 due = after.time + self._ahead(after.state.pose)
                 if after.state in done or due > self.task.limits.time:
@@ -202,8 +215,8 @@ class LegSearch:
     def _motions(
         self, here: Reached, targets: Iterable[int]
     ) -> list[tuple[float, Motion]]:
-        """Return the motions from a state to some poses, with the least time [s] of
-        their sequences.
+        """Return the motions from a state to some poses, with a time [s] that their
+        sequences are not below.
         """
         left = self.task.limits.legs - len(here.steps)
         if left == 0 or here.state.pose == GOAL:
@@ -216,16 +229,22 @@ class LegSearch:
         for to in targets:
             if to in behind or self._short(here.state.pose, to):
                 continue
-            rest = here.time + self._ahead(to)
+            due = here.time + self._ahead(to) + self._straight(here.state.pose, to)
             arms = self._arms(here.state.pose, to)
             for mode in self.modes:
                 if MODES[mode].arms > arms:
                     continue
-                due = rest + self._least(here.state.pose, to, mode)
                 if held is not None and held[0] == mode:
                     out.append((due, Motion(here, to, mode, held=True)))
                 out.append((due + self._regrasp, Motion(here, to, mode, held=False)))
         return out
+
+    def _due(self, motion: Motion) -> float:
+        """Return the least time [s] of the sequences that begin with a motion."""
+        here = motion.before
+        least = self._least(here.state.pose, motion.to, motion.mode)
+        regrasp = 0.0 if motion.held else self._regrasp
+        return here.time + self._ahead(motion.to) + least + regrasp
 
     def _arms(self, begin: int, end: int) -> int:
         """Return how many arms are long enough for the object at both of two poses."""
@@ -254,14 +273,25 @@ class LegSearch:
             out.append(Reached(end, (*here.steps, step), here.time + time))
         return out
 
+    def _key(self, motion: Motion) -> tuple[int, int, str, Placement | None]:
+        """Return under what the choices of a motion are kept."""
+        begin = motion.before.state
+        placement = begin.placement if motion.held else None
+        return (begin.pose, motion.to, motion.mode, placement)
+
+    def _worth_asking(self, motion: Motion) -> bool:
+        """Return whether a motion has choices, or may be judged."""
+        key = self._key(motion)
+        if key in self._found:
+            return bool(self._found[key])
+        return self.judged < self.most and motion.mode in self.modes
+
     def _choices(self, motion: Motion) -> list[Choice]:
         """Return the feasible choices of a motion, judged the first time."""
         begin = motion.before.state
-        placement = begin.placement if motion.held else None
-        key = (begin.pose, motion.to, motion.mode, placement)
+        key = self._key(motion)
+        *_, placement = key
         if key not in self._found:
-            if self.judged >= self.most or motion.mode not in self.modes:
-                return []
             self.judged += 1
             part = self._part(begin.pose, motion.to, motion.mode)
             if placement is not None:
@@ -300,6 +330,12 @@ class LegSearch:
             return False
         shape = self.task.object.shape
         return moved(shape, self.poses[begin], self.poses[end]) < SHORTEST
+
+    def _straight(self, begin: int, end: int) -> float:
+        """Return a time [s] that no motion between two poses is below."""
+        ends = (self.poses[begin], self.poses[end])
+        center = self.task.object.center_of_mass
+        return straight_time(*ends, center, self._radius, self.task.motion)
 
     def _least(self, begin: int, end: int, mode: str) -> float:
         """Return about the least time [s] of a motion between two poses, contacts held;

@@ -52,7 +52,7 @@ def test_a_low_object_is_a_unicycle_pulled_and_pushed_with_the_axle_of_the_close
     for backward in (False, True):
         straight = [
             t
-            for t in pressed_turns([press], SPEED)[0]
+            for t in pressed_turns(press, SPEED)
             if abs(t.angle) == (math.pi if backward else 0.0)
         ]
         ahead, reach = press.steered(0.0, backward)

@@ -165,15 +165,12 @@ def pressed_manoeuvres(
     press at one of ``contacts``; ``swing`` [rad]: how far the object may be turned from
     where it is meanwhile.
     """
-    pressed = [
-        (contact, press_of(task.scene, contact))
-        for contact in contacts
-        if contact.point != (0.0, 0.0)
-    ]
     _, goal = task.body_ends
     out = []
-    turns = pressed_turns([press for _, press in pressed], task.motion.speed)
-    for (contact, _), usable in zip(pressed, turns, strict=True):
+    for contact in contacts:
+        if contact.point == (0.0, 0.0):
+            continue
+        usable = pressed_turns(press_of(task.scene, contact), task.motion.speed)
         if usable:
             out += _by_press(task, (X_WB, goal), contact, usable, swing)
     return sorted(out, key=lambda manoeuvre: manoeuvre.time)
@@ -192,7 +189,7 @@ def _by_press(
     task: Task,
     ends: tuple[Pose2, Pose2],
     contact: Contact,
-    turns: list[PressedTurn],
+    turns: Sequence[PressedTurn],
     swing: float,
 ) -> list[Manoeuvre]:
     """Return the quickest manoeuvres of one press with each of its run-ins."""
@@ -247,7 +244,7 @@ def straightest(body: ObjectModel) -> float:
     return margins.STRAIGHTEST / body.radius
 
 
-def _both_ways(turns: list[PressedTurn], straight: float) -> list[PressedTurn]:
+def _both_ways(turns: Sequence[PressedTurn], straight: float) -> list[PressedTurn]:
     """Return turns, and those of less curvature than ``straight`` [1/m] bent to their
     other side besides.
     """

@@ -45,7 +45,7 @@ def pressed_at(
     stays as planned.
     """
     most_speed = task.motion.speed
-    (found,) = pressed_turns([press_of(task.scene, contact)], most_speed)
+    found = pressed_turns(press_of(task.scene, contact), most_speed)
     straight = straightest(task.object)
     turns = {turn.angle: turn for turn in found}
     out = []

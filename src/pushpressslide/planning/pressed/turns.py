@@ -197,28 +197,20 @@ def _free(
     return STEP * steps
 
 
-def pressed_turns(presses: Sequence[Press], speed: float) -> list[list[PressedTurn]]:
-    """Return the turns that each press of one object can be driven with at ``speed``
-    [m/s].
-    """
-    if not presses:
-        return []
-    table = turn_table(tuple(presses), speed)
-    return [
-        [
-            _turn(table, row, int(column) * EVERY, press)
-            for column in np.flatnonzero(table.usable[row, ::EVERY])
-        ]
-        for row, press in enumerate(presses)
-    ]
+@lru_cache(maxsize=1024)
+def pressed_turns(press: Press, speed: float) -> tuple[PressedTurn, ...]:
+    """Return the turns that a press can be driven with at ``speed`` [m/s]."""
+    table = turn_table((press,), speed)
+    columns = np.flatnonzero(table.usable[0, ::EVERY])
+    return tuple(_turn(table, int(column) * EVERY, press) for column in columns)
 
 
-def _turn(table: TurnTable, row: int, column: int, press: Press) -> PressedTurn:
-    """Return the turn of one press at one angle."""
+def _turn(table: TurnTable, column: int, press: Press) -> PressedTurn:
+    """Return the turn of a table's only press at one angle."""
 
     def entry(quantity: Array) -> float:
         """Return the quantity of this turn."""
-        return float(quantity[row, column])
+        return float(quantity[0, column])
 
     ex, ey = press.axis
     cx, cy = press.cop
@@ -244,7 +236,7 @@ def steering_of(press: Press, backward: bool, speed: float) -> float:
     """
     turns = [
         t
-        for t in pressed_turns([press], speed)[0]
+        for t in pressed_turns(press, speed)
         if abs(t.angle) == (math.pi if backward else 0.0)
     ]
     return min((min(-turn.right, turn.left) for turn in turns), default=0.0)
