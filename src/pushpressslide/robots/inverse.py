@@ -18,6 +18,7 @@ from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 POSITION_TOLERANCE = 1e-6  # [m] of a solution
 ANGLE_TOLERANCE = 1e-6  # [rad]
 SHARPNESS = 8.0  # [1/rad] of the smooth minimum over the joints' margins
+NEARLY = 0.01  # [rad; m] of error, with which a posture has nearly come to its target
 LARGEST_STEP = 0.4  # [rad] of any joint in one iteration
 POLISHING = 8  # last iterations, without regard to the margin
 # the home posture with its elbow and its wrist varied, and with the wrist turned over
@@ -43,6 +44,8 @@ class IkSearch:
     iterations: int = 60
     # take the first posture found for a target, its margin as it is
     first_found: bool = False
+    # after so many iterations, how many starts of each target are followed further
+    kept: tuple[tuple[int, int], ...] = ((8, 6), (16, 3))
 
 
 THOROUGH = IkSearch()
@@ -294,7 +297,13 @@ def _descent(
     e, J = targets.error(kin, q)
     errors = e
     active = np.arange(len(q))
+    kept = {} if search.first_found else dict(search.kept)
     for i in range(search.iterations):
+        if kept.get(i, starts) < starts:
+            best = _best(kin, q[active], e, len(active) * starts // len(q), kept[i])
+            active = active[best]
+            e = e[best]
+            J = J[best]
         if search.first_found:
             met = np.repeat(_solved(errors).reshape(-1, starts).any(axis=1), starts)
             unmet = ~met[active]
@@ -314,6 +323,21 @@ def _descent(
         e, J = targets[active].error(kin, q[active])
         errors[active] = e
     return q, errors
+
+
+def _best(
+    kin: ArmKinematics, q: Array, e: Array, starts: int, count: int
+) -> NDArray[np.intp]:
+    """Return the rows of the ``count`` postures of each target that are nearest to it
+    or, of those that are there, farthest from the joint limits; ``starts`` rows in turn
+    belong to one target.
+    """
+    off = np.linalg.norm(e, axis=-1)
+    score = np.where(off < NEARLY, kin.joint_margin(q), -off)
+    order = np.argsort(-score.reshape(-1, starts), axis=1, kind="stable")
+    best = np.sort(order[:, :count], axis=1)
+    out: NDArray[np.intp] = (best + starts * np.arange(len(best))[:, None]).ravel()
+    return out
 
 
 def _solved(e: Array) -> NDArray[np.bool_]:
