@@ -6,6 +6,8 @@ import pytest
 from pushpressslide.core import margins
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
+    SINGULAR,
+    braked,
     kept_inside,
     task_inertia,
     task_torque,
@@ -101,6 +103,35 @@ def test_a_tool_gives_way_smoothly() -> None:
     assert gaps[0] == 0.0
     assert 0.0 < gaps[1] < gaps[2] < gaps[3]
     assert gaps[4] == pytest.approx(gaps[3])
+
+
+def squeezed(seed: int, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a Jacobian whose least singular value is ``least``, and the motion (n,) of
+    the joints that belongs to it.
+    """
+    U, s, Vt = np.linalg.svd(jacobian(seed), full_matrices=False)
+    s[-1] = least
+    return U @ np.diag(s) @ Vt, Vt[-1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_arm_is_braked_along_what_hardly_moves_its_tip(seed: int) -> None:
+    J, motion = squeezed(seed, 1e-2 * SINGULAR)
+    v = np.random.default_rng(seed + 10).normal(size=N)
+    tau = braked(J, -14.0 * v)
+    # along that motion alone, against it, by next to all of the damping
+    assert tau == pytest.approx(-14.0 * (motion @ v) * motion, rel=1e-3)
+
+
+def test_an_arm_with_all_its_motions_is_not_braked() -> None:
+    v = np.ones(N)
+    sizes = []
+    for share in (0.5, 0.9, 0.999, 1.001):
+        J, motion = squeezed(4, share * SINGULAR)
+        sizes.append(abs(float(braked(J, v) @ motion)))
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[2] < 1e-4
+    assert sizes[3] == 0.0
 
 
 @pytest.mark.parametrize("seed", range(5))

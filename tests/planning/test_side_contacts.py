@@ -94,8 +94,23 @@ def test_what_stands_against_a_push_is_told_with_the_number() -> None:
     assert "allowed up to 158.3 mm" in str(drag_refusal(tall, (rear,), 1, 0.4))
 
 
+def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> None:
+    radius = max(robot.tip_radius for robot in TASK.robots)
+    top = TASK.object.shape.height
+
+    def refused(over: float, friction: float) -> bool:
+        task = replace(TASK, contact_friction=friction)
+        refusal = drag_refusal(task, (REAR,), 1, top + over * radius)
+        return refusal is not None and refusal.code == "above_object"
+
+    assert not refused(0.99 * margins.OVER_EDGE, 0.8)
+    assert refused(1.01 * margins.OVER_EDGE, 0.8)
+    assert not refused(0.13, 0.2)
+    assert refused(0.15, 0.2)
+
+
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
-    """A box of 30 g slides at 0.09 N; a contact is felt from 0.2 N on."""
+    """A box of 30 g slides at 0.09 N; a contact is felt from 0.1 N on."""
     light = replace(TASK, belief=replace(TASK.believed, mass=0.03))
     refusal = drag_refusal(light, (REAR,), 1, 0.09)
     assert refusal is not None

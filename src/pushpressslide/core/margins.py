@@ -33,6 +33,10 @@ the way there tells.
 """
 LEVER_SHARE = 0.5
 """Of the longest lever about a pinned point: places with less are left out."""
+OVER_EDGE = 0.3
+"""Tip radii by which a pushing tip's centre may be above the object's upper edge: its
+force then leans down by 17 degrees. The same over the tip's friction is 0.7 at most.
+"""
 WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)
 """Of the room on a face: half the distances of two contacts on it that are tried."""
 
@@ -273,7 +277,7 @@ class ArmMargins:
     """
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
     """Of a placement beside its motion: the way there, the touch, the release."""
-    felt_force: float = field(default=0.2, metadata={"unit": "N"})
+    felt_force: float = field(default=0.1, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Of an object that two tips push: below it one tip alone moves it off the other."""

@@ -16,6 +16,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.execution.impedance import tip_force, tip_moment
 from pushpressslide.execution.torque import (
     LimitedTorque,
+    braked,
     joint_torque,
     kept_inside,
     limited,
@@ -106,14 +107,16 @@ class ArmExecutor:
             ROTATION_DAMPING,
         )
         error = q_ref - arm.q
-        posture = POSTURE_STIFFNESS * error + POSTURE_DAMPING * (v_ref - arm.v)
+        damping = POSTURE_DAMPING * (v_ref - arm.v)
+        posture = POSTURE_STIFFNESS * error + damping
         J = yielding(arm.J, moment, arm.q, self.lower, self.upper)
         tau = task_torque(J, moment, force, posture, arm.bias)
+        tau += braked(arm.J, damping)
         tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
         tau += arm.J.T @ self._inertial(arm, command, velocity)
         if self.joint_stiffness > 0.0:
-            damping = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
-            tau += self.joint_stiffness * error - damping * arm.v
+            viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
+            tau += self.joint_stiffness * error - viscosity * arm.v
         return limited(tau, previous, self.effort, self.rate, self.dt)
 
     def _inertial(self, arm: ArmState, command: TipCommand, velocity: Vector3) -> Array:

@@ -21,6 +21,9 @@ YIELDING = 0.2
 SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
 # [1/kg], [1/(kg m^2)]: an arm that weighs more at its tip is hardly driven there
 LEAST_MOBILITY = 0.003
+# singular value of the Jacobian, below which the joints are braked that then hardly move
+# the tip: neither its servo nor the posture holds them
+SINGULAR = 0.06
 FULL_RANK = 1e-6  # added to those squares, so that a singular posture has an inverse
 
 
@@ -66,6 +69,22 @@ def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Arr
     near = inside < buffer
     spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
     return _unfelt(J[3:], spring, SOFTENING[3:])
+
+
+def braked(J: Array, damping: Array) -> Array:
+    """Return what of a ``damping`` torque (n,) acts on the joints' motion that moves
+    the tip least; nothing where that moves it by ``SINGULAR`` or more.
+
+    ``J`` (6, n) as in ``task_torque``. An arm that is stretched out coasts through that
+    posture, and bends to the other side, while its tip rests.
+    """
+    if float(np.linalg.eigvalsh(J @ J.T)[0]) >= SINGULAR**2:
+        return np.zeros(len(damping))
+    _, sizes, motions = np.linalg.svd(J, full_matrices=False)
+    motion = motions[-1]
+    share = (1.0 - min(float(sizes[-1]) / SINGULAR, 1.0) ** 2) ** 2
+    out: Array = share * float(motion @ damping) * motion
+    return out
 
 
 def yielding(J: Array, moment: Array, q: Array, lower: Array, upper: Array) -> Array:

@@ -84,7 +84,9 @@ def drag_refusal(
     """
     scene = task.scene
     top = scene.body.shape.height
-    if height >= top:
+    radius = max(robot.tip_radius for robot in scene.tips)
+    over = min(margins.OVER_EDGE, 0.7 * scene.contact_friction) * radius
+    if height > top + over:
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
     ahead = min(room_ahead(scene.body, face) for face in pushed)
