@@ -15,7 +15,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +46,7 @@ class Table:
     samples: int = 0  # where no attempts are asked for
     vary: str = "tasks"
     draw: str = "any"
-
-    @property
-    def refusals(self) -> int:
-        """Refused samples that are checked."""
-        return REFUSALS if self.world == "known" and self.attempts else 0
+    refusals: int = 0  # refused samples that are checked
 
     @property
     def command(self) -> str:
@@ -82,13 +78,26 @@ MODES = (
     ("orthogonal_push", "orthogonal-push", 40),
     ("bimanual_press_slide", "bimanual-slide", 40),
 )
-KNOWN = (
-    *(
-        Table(mode, f"`{mode}`", task, 1900 + i, attempts, ALONE)
-        for i, (mode, task, attempts) in enumerate(MODES)
-    ),
-    Table("open-one-arm", "any mode, one arm", "press-slide", 1905, 40, OPEN),
-    Table("open-two-arms", "any mode, two arms", "bimanual-slide", 1906, 40, OPEN),
+KNOWN = tuple(
+    Table(name, what, task, 1900 + i, attempts, sets, refusals=REFUSALS)
+    for i, (name, what, task, attempts, sets) in enumerate(
+        (
+            *((mode, f"`{mode}`", task, count, ALONE) for mode, task, count in MODES),
+            ("open-one-arm", "any mode, one arm", "press-slide", 40, OPEN),
+            ("open-two-arms", "any mode, two arms", "bimanual-slide", 40, OPEN),
+        )
+    )
+)
+# as many samples as are likely to have so many refused ones
+REFUSED = tuple(
+    replace(
+        table,
+        name=f"{table.name}-refused",
+        seed=table.seed + 20,
+        attempts=0,
+        samples=samples,
+    )
+    for table, samples in zip(KNOWN, (15, 18, 7, 12, 10, 22, 32), strict=True)
 )
 UNCERTAIN = tuple(
     Table(f"{mode}-uncertain", f"`{mode}`", task, 1910 + i, 20, ALONE, "uncertain")
@@ -105,7 +114,7 @@ KNOCKS = tuple(
     Table(f"knocks-{task}", f"`{task}`", task, 2000, samples=10, vary="knocks")
     for task in (*(task for _, task, _ in MODES), "pivot")
 )
-TABLES = KNOWN + UNCERTAIN + AMONG_OBSTACLES + KNOCKS
+TABLES = KNOWN + REFUSED + UNCERTAIN + AMONG_OBSTACLES + KNOCKS
 
 
 def run(table: Table, jobs: int) -> None:
@@ -213,7 +222,7 @@ def lines_of(tables: Iterable[Table]) -> list[str]:
                 f"{checked['could_not_be_run']} could not"
             )
         number = f"{summary['attempted']}"
-        if summary["attempted"] < table.attempts:
+        if table.attempts > summary["attempted"]:
             number += f" of {table.attempts} so far"
         reached = percent(summary["reached_share"], summary["reached_interval"])
         cells = (
@@ -324,6 +333,7 @@ def write() -> None:
         *section("What is believed is true", lines_of(KNOWN)),
         *modes_chosen(),
         "",
+        *section("Refusals alone", lines_of(REFUSED)),
         *section("An uncertain world", lines_of(UNCERTAIN)),
         *section(
             "Among obstacles, from anywhere to anywhere", lines_of_all(AMONG_OBSTACLES)
