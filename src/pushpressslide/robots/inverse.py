@@ -45,7 +45,7 @@ class IkSearch:
     # take the first posture found for a target, its margin as it is
     first_found: bool = False
     # after so many iterations, how many starts of each target are followed further
-    kept: tuple[tuple[int, int], ...] = ((8, 6), (16, 3))
+    kept: tuple[tuple[int, int], ...] = ((12, 6), (24, 3))
 
 
 THOROUGH = IkSearch()

@@ -135,7 +135,7 @@ class _Rig:
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
         self._plant = plant
-        plant.set_contact_model(ContactModel.kHydroelastic)
+        plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
         plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
         frictions = SurfaceFrictions.of_task(task)
         shape = body.shape
