@@ -93,7 +93,7 @@ REFUSED = tuple(
     replace(
         table,
         name=f"{table.name}-refused",
-        seed=table.seed + 20,
+        seed=table.seed + 30,
         attempts=0,
         samples=samples,
     )
