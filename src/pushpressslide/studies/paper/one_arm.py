@@ -118,15 +118,15 @@ JOINT_TRACKING = Experiment(
         "A force fixes the direction of a quasi-static slide, not its speed. Just "
         "below friction the object creeps or sticks; just above it the surplus sets "
         "the speed. The joint term closes that loop: a lagging object is pushed "
-        "harder and a leading one less, so that the motion takes the same 20 s for "
-        "each of the three forces, and keeps the box closer to its reference. The "
-        "paper's time of over 100 s suggests that, but the paper does not state its "
-        "force. A velocity servo at the contact, the default here, is as fast and "
-        "many times tighter, since it follows the motion of the contact itself; with "
+        "harder and a leading one less. Where the force is 3 % too little, the "
+        "motion so takes its planned 20 s. The paper's time of over 100 s suggests "
+        "that, but the paper does not state its force. A velocity servo at the "
+        "contact, the default here, is as fast and many times tighter, since it follows the motion of the contact itself; with "
         "the servo, the joint term only pulls the tip off its place. The joint term "
         "alone is not robust: it holds the tip at the planned place in the world, not "
-        "on the object. On the shipped path, whose bends are closer, the tip leaves "
-        "the face where the path bends the other way."
+        "on the object. With 3 % too much force the object is left behind, and on the "
+        "shipped path, whose bends are closer, the tip leaves the face where the path "
+        "bends the other way."
     ),
     comparisons=(
         Comparison("less", "less-joint", "with 3 % too little force, the joint term"),
