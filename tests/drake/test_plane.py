@@ -26,10 +26,9 @@ from pushpressslide.sim.plane import (
     add_plane,
     base_meshes,
     base_triangles,
-    softness,
 )
 from pushpressslide.sim.scenes import add_object, mesh_size, solid_inertia
-from pushpressslide.sim.surfaces import partner_friction
+from pushpressslide.sim.surfaces import partner_friction, softness
 from pushpressslide.sim.volume_mesh import VolumeMesh
 
 L_SHAPE = Prism(

@@ -109,9 +109,9 @@ class Mode(ABC):
         """Return a time [s] that no choice of the mode is below, contacts held at the
         start; quickly.
         """
-        body = task.object
-        center = body.center_of_mass
-        return straight_time(task.start, task.goal, center, body.radius, task.motion)
+        ends = (task.start, task.goal)
+        center = task.X_GB.position
+        return straight_time(*ends, center, task.object.radius, task.motion)
 
     def drafts(self, task: Task) -> Sequence[Draft | Choice]:
         """Return a draft for each placement of the contacts, or a choice with what

@@ -38,6 +38,7 @@ from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.sim.surfaces import (
     compliant_properties,
     rigid_properties,
+    softness,
     without_details,
 )
 from pushpressslide.sim.volume_mesh import VolumeMesh
@@ -116,11 +117,6 @@ def _told(record: logging.LogRecord) -> bool:
 
 
 logging.getLogger("drake").addFilter(_told)
-
-
-def softness(shape: Shape) -> float:
-    """Return the thickness [m] of the layer that gives way under an object."""
-    return 0.5 * min(shape.height, shape.breadth)
 
 
 def base_meshes(

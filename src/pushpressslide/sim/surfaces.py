@@ -341,6 +341,11 @@ def convex_shapes(shape: model.Shape) -> list[DrakeShape]:
     ]
 
 
+def softness(shape: model.Shape) -> float:
+    """Return the thickness [m] of the layer of an object that gives way."""
+    return 0.5 * min(shape.height, shape.breadth)
+
+
 def touched_shape(
     shape: model.Shape, friction: float, resolution: float
 ) -> tuple[DrakeShape, ProximityProperties]:
@@ -354,7 +359,7 @@ def touched_shape(
         return drawn_shape(shape), compliant_properties(friction, resolution)
     outline = without_details(shape.corners)
     layered = layered_mesh(outline, shape.height)
-    share = layered.depth / (0.5 * min(shape.height, shape.breadth))
+    share = layered.depth / softness(shape)
     properties = compliant_properties(
         friction, resolution, share * HYDROELASTIC_MODULUS
     )
