@@ -93,7 +93,7 @@ REFUSED = tuple(
     replace(
         table,
         name=f"{table.name}-refused",
-        seed=table.seed + 30,
+        seed=table.seed + 60,
         attempts=0,
         samples=samples,
     )

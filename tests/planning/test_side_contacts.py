@@ -110,8 +110,8 @@ def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> No
 
 
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:
-    """A box of 30 g slides at 0.09 N; a contact is felt from 0.15 N on."""
-    light = replace(TASK, belief=replace(TASK.believed, mass=0.03))
+    """A box of 15 g slides at 0.045 N; a contact is felt from 0.05 N on."""
+    light = replace(TASK, belief=replace(TASK.believed, mass=0.015))
     refusal = drag_refusal(light, (REAR,), 1, 0.09)
     assert refusal is not None
     assert refusal.code == "light"

@@ -277,7 +277,7 @@ class ArmMargins:
     """
     regrasp: float = field(default=10.0, metadata={"unit": "s"})
     """Of a placement beside its motion: the way there, the touch, the release."""
-    felt_force: float = field(default=0.15, metadata={"unit": "N"})
+    felt_force: float = field(default=0.05, metadata={"unit": "N"})
     """Of a contact, that a sensor without noise is sure of."""
     least_friction: float = field(default=0.5, metadata={"unit": "N"})
     """Of an object that two tips push: below it one tip alone moves it off the other."""

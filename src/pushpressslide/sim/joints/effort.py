@@ -10,9 +10,11 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.mechanics.pressing import resting_cop
 from pushpressslide.sim.arm_model import ArmModel
 
 SAMPLES = 24  # postures of a path that are checked
+STILL = 1e-9  # [m] between two samples, of a point that stays
 
 
 def largest_share(
@@ -26,15 +28,18 @@ def largest_share(
     its effort limit.
 
     The arm is at rest under gravity and the contact's planned force. A press applies
-    its load, and the drag in the worst direction along the support; a push applies its
-    part of the drag. ``bodies`` are the poses X_WB (k).
+    its load, and the drag: alone on the object it drags the centre of pressure the way
+    that goes, beside other contacts any way along the support. A push applies its part
+    of the drag. ``bodies`` are the poses X_WB (k).
     """
     frame = plan.task.support.frame
     effort = model.instance.facts.effort_limit
-    along = np.array(
+    plane = np.array(
         [frame.direction((1.0, 0.0, 0.0)), frame.direction((0.0, 1.0, 0.0))]
     )
     normal, shear = _forces(plan, contact)
+    ahead = _drag_directions(plan, bodies)
+    alone = len(plan.contacts) == 1
     share = 0.0
     samples = np.linspace(0, len(postures) - 1, SAMPLES).round().astype(int)
     for i in np.unique(samples):
@@ -42,9 +47,26 @@ def largest_share(
         J = state.J[3:]
         push = np.array(frame.direction(contact.direction(bodies[i])))
         pressed = state.bias + normal * push @ J
-        needed = np.abs(pressed) + shear * np.linalg.norm(along @ J, axis=0)
+        if alone:  # the way there, and the way from there
+            along = [
+                frame.direction((x, y, 0.0)) for x, y in ahead[max(i - 1, 0) : i + 1]
+            ]
+            needed = np.abs(pressed + shear * np.array(along) @ J).max(axis=0)
+        else:
+            needed = np.abs(pressed) + shear * np.linalg.norm(plane @ J, axis=0)
         share = max(share, float(np.max(needed / effort)))
     return share
+
+
+def _drag_directions(plan: Plan, bodies: Sequence[Pose2]) -> Array:
+    """Return unit vectors (k - 1, 2) along which the object's centre of pressure goes
+    between poses X_WB (k); zero where it stays, as in a turn on the spot.
+    """
+    presses = [contact for contact in plan.contacts if contact.kind == "top"]
+    cop = resting_cop(plan.task.scene, presses)
+    steps = np.diff([X.apply(cop) for X in bodies], axis=0)
+    lengths = np.linalg.norm(steps, axis=1, keepdims=True)
+    return np.asarray(steps / np.maximum(lengths, STILL))
 
 
 def _forces(plan: Plan, contact: Contact) -> tuple[float, float]:
