@@ -105,6 +105,12 @@ class Mode(ABC):
         """
         return search(task, self.drafts(task), enough)
 
+    def touches(self, task: Task) -> Sequence[Contact]:
+        """Return all contacts by which one arm may move the object; none where the mode
+        does not say so, as with two arms.
+        """
+        return ()
+
     def least_time(self, task: Task) -> float:
         """Return a time [s] that no choice of the mode is below, contacts held at the
         start; quickly.
@@ -312,11 +318,17 @@ def arms_refusal(task: Task, choice: Choice, quick: bool) -> Refusal | None:
     if choice.time is not None and choice.time > limit:
         text = "needs about {figure:s.0f}, limits.time is {allowed:sg}"
         return Refusal("time_limit", text, choice.time, limit, "s")
+    poses = []
     for piece in choice.segments:
-        poses = poses_along(piece)
-        refusal = workspace_refusal(task.object, task.limits, poses)
-        for contact in piece.contacts:
-            refusal = refusal or contact_refusal(task.scene, contact, poses, quick)
+        along = poses_along(piece)
+        poses += along
+        refusal = workspace_refusal(task.object, task.limits, along)
+        if refusal is not None:
+            return refusal
+    contacts = choice.segments[0].contacts
+    alone = [contact.kind for contact in contacts] == ["top"]
+    for contact in contacts:
+        refusal = contact_refusal(task.scene, contact, poses, alone=alone, quick=quick)
         if refusal is not None:
             return refusal
     return None

@@ -98,6 +98,13 @@ class PressSlide(Mode):
     drives = (UnicycleDrive, TurnDrive, SpinDrive)
     vehicles = tuple(DIRECTIONS)
 
+    def touches(self, task: Task) -> Sequence[Contact]:
+        """Return all places where a press may be."""
+        try:
+            return press_placements(task).contacts
+        except RefusedError:
+            return ()
+
     def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
         """Return choices, feasible and quick ones first.
 
@@ -494,6 +501,6 @@ def _reached(task: Task, contact: Contact) -> bool:
     scene = task.scene
     by_arms = [replace(contact, arm=arm) for arm in scene.arms]
     return any(
-        contact_refusal(scene, each, task.body_ends, quick=True) is None
+        contact_refusal(scene, each, task.body_ends, alone=True, quick=True) is None
         for each in by_arms
     )

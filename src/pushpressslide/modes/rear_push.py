@@ -41,7 +41,7 @@ from pushpressslide.planning.segments import (
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import contact_height
+from pushpressslide.planning.side_contacts import contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -58,6 +58,16 @@ class RearPush(Mode):
     carries_weight = False
     pushed_faces = 1
     drives = (RearSteerDrive,)
+
+    def touches(self, task: Task) -> list[Contact]:
+        """Return the middles of the faces that can be pushed."""
+        scene = task.scene
+        height = contact_height(scene, task.motion)
+        arm = scene.arms[0]
+        return [
+            Contact(arm, "side", face.foot, face.normal, height)
+            for face in pushable(scene, task.motion.face)
+        ]
 
     def least_time(self, task: Task) -> float:
         """Return the time [s] of the shortest path of any face's car, at full speed."""

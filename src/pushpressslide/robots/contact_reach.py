@@ -10,13 +10,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pushpressslide.core import margins
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.robots.reach import held_somehow_problem
-from pushpressslide.robots.reach_map import surely_reached
+from pushpressslide.robots.reach_map import each_reached, surely_reached
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
 # [rad] that a tool tilted away from its arm leans along the face: less is not tried,
@@ -29,12 +30,19 @@ TURNING = 0.3  # [rad] of the object on its path, from which such tools are trie
 
 
 def contact_refusal(
-    scene: Scene, contact: Contact, bodies: Sequence[Pose2], quick: bool = False
+    scene: Scene,
+    contact: Contact,
+    bodies: Sequence[Pose2],
+    *,
+    alone: bool = False,
+    quick: bool = False,
 ) -> Refusal | None:
-    """Return why the arm of a contact cannot follow it along the body poses X_WB; None
-    if it can.
+    """Return why the arm of a contact cannot follow it along the body poses X_WB, its
+    tool held the same way; None if it can.
 
-    ``quick``: what the tables of reach do not know is refused without a search.
+    ``alone``: it is a press, and nothing else touches the object, so that its tip must
+    not roll far. ``quick``: what the tables of reach do not know is refused without a
+    search.
     """
     robot = scene.robots[contact.arm]
     frame = scene.support.frame
@@ -42,8 +50,13 @@ def contact_refusal(
     points = [frame.point((*X_WB.apply(point), height)) for X_WB in bodies]
     middle = bodies[len(bodies) // 2]
     azimuths = tool_azimuths(contact, middle, scene.bases[contact.arm])
+    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
+    turned = float(np.ptp(yaws))
     tilted = [(tilt, azimuth) for tilt in TOOL_TILTS[1:] for azimuth in azimuths]
     fixed = [ToolAttitude(*held, frame.axes) for held in [(0.0, 0.0), *tilted]]
+    if alone:
+        most = margins.ROLLED * math.hypot(*contact.point)
+        fixed = [h for h in fixed if h.rolled(robot.tip_radius, turned) <= most]
     if frame == TABLE:
         if surely_reached(robot, points, fixed if quick else fixed[:1]):
             return None
@@ -51,8 +64,7 @@ def contact_refusal(
             return UNKNOWN
     holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
     holds += [(hold, None) for hold in fixed]
-    yaws = np.unwrap([X_WB.yaw for X_WB in bodies])
-    if np.ptp(yaws) > TURNING:
+    if turned > TURNING:
         behind = math.atan2(contact.normal[1], contact.normal[0])
         holds += [
             (
@@ -64,6 +76,27 @@ def contact_refusal(
         ]
     problem = held_somehow_problem(robot, points, holds)
     return None if problem is None else Refusal("reach", literal(problem))
+
+
+def contacts_reached(
+    scene: Scene, arm: int, contacts: Sequence[Contact], bodies: Sequence[Pose2]
+) -> NDArray[np.bool_]:
+    """Return which of m contacts of one kind an arm reaches at n body poses X_WB, (n, m),
+    as the tables of reach know it; all of them where tables do not apply.
+    """
+    shape = (len(bodies), len(contacts))
+    robot = scene.robots[arm]
+    frame = scene.support.frame
+    if frame != TABLE or 0 in shape:
+        return np.full(shape, True)
+    base = scene.bases[arm]
+    tips = [contact.tip_place(robot.tip_radius) for contact in contacts]
+    points = [frame.point((*X.apply(p), h)) for X in bodies for p, h in tips]
+    azimuths = [tool_azimuths(contact, X, base) for X in bodies for contact in contacts]
+    widest = max(map(len, azimuths))
+    filled = [(*each, *[each[0]] * (widest - len(each))) for each in azimuths]
+    able = each_reached(robot, np.array(points), np.array(filled))
+    return able.reshape(shape)
 
 
 def tool_azimuths(

@@ -16,10 +16,16 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
-from pushpressslide.robots.inverse import STRUCTURED_SEEDS, default_seeds, solve_ik
+from pushpressslide.robots.inverse import default_seeds, solve_ik
 from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
-from pushpressslide.robots.reach import QUICK, QUICK_SEEDS, REACH_MARGIN
-from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.robots.reach import (
+    HOPELESS,
+    QUICK,
+    QUICK_SEEDS,
+    REACH_MARGIN,
+    first_look,
+)
+from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
 STEP = 0.02  # [m] between the distances that are searched
 FARTHEST = 1.1  # [m]
@@ -57,9 +63,15 @@ class _Table:
         points[:, 0] = DISTANCES
         points[:, 2] = self._height
         hold = ToolAttitude(self.tilt, 2.0 * math.pi * lean / LEANS)
-        seeds = default_seeds(kin, points)[:, :STRUCTURED_SEEDS][:, QUICK_SEEDS]
-        found = solve_ik(kin, points, hold, None, seeds, REACH_MARGIN, QUICK)
-        return found.converged, found.q[:, 0]
+        first = first_look(kin, points, hold)
+        near = np.flatnonzero(~first.ok & (first.miss < HOPELESS))
+        seeds = default_seeds(kin, points[near])[:, QUICK_SEEDS]
+        again = solve_ik(kin, points[near], hold, None, seeds, REACH_MARGIN, QUICK)
+        ok = first.ok.copy()
+        ok[near] = again.converged
+        turned = first.q[:, 0].copy()
+        turned[near] = again.q[:, 0]
+        return ok, turned
 
 
 def surely_reached(
@@ -88,6 +100,38 @@ def surely_reached(
         if _held(table, _first_joint(standing), distance, bearing, lean):
             return True
     return False
+
+
+def each_reached(robot: Robot, points: Array, azimuths: Array) -> NDArray[np.bool_]:
+    """Return which of ``points`` (m, 3) [m] in the world, of one height, a robot's tip
+    reaches (m,), as the tables know it: its tool upright, or leaned towards one of the
+    point's ``azimuths`` (m, k) [rad]. False where the tables know nothing.
+    """
+    out = np.full(len(points), False)
+    if robot.model == "hand" or not _turns_upright(robot) or len(points) == 0:
+        return out
+    x, y, z = robot.base
+    ahead = points[:, :2] - (x, y)
+    bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - robot.base_yaw
+    bearing = np.remainder(bearing + math.pi, 2.0 * math.pi) - math.pi
+    cell = np.rint(np.hypot(ahead[:, 0], ahead[:, 1]) / STEP).astype(int) - 1
+    covered = (cell >= 0) & (cell < len(DISTANCES))
+    cell = np.clip(cell, 0, len(DISTANCES) - 1)
+    lean = azimuths - robot.base_yaw - bearing[:, None]
+    leans = np.rint(lean * (LEANS / (2.0 * math.pi))).astype(int) % LEANS
+    standing = _standing(robot)
+    right, left = _first_joint(standing)
+    height = float(points[0, 2]) - z
+    for tilt in TOOL_TILTS:
+        table = _table(standing, height, tilt)
+        columns = [np.zeros(len(points), dtype=int)] if tilt == 0.0 else list(leans.T)
+        for column in columns:
+            asked = covered & ~out
+            table.know(column[asked])
+            turned = table.turned[column, cell] + bearing
+            inside = (turned >= right) & (turned <= left)
+            out |= asked & table.ok[column, cell] & inside
+    return out
 
 
 def _held(

@@ -60,6 +60,15 @@ class ToolAttitude:
         out: Array = np.array(self.axes) @ np.array(axis_S)
         return out
 
+    def rolled(self, radius: float, turned: float) -> float:
+        """Return how far a tip of ``radius`` [m] rolls on what it presses while that is
+        ``turned`` [rad]: a tool that leans turns about another axis than it.
+        """
+        if self.turns:
+            return 0.0
+        half = 0.5 * min(turned, math.pi)
+        return 2.0 * radius * math.sin(self.tilt) * math.sin(half)
+
     def rotation(self, tool_yaw: Array | float) -> Array:
         """Return R_WT (..., 3, 3) for tool yaws (...) [rad]."""
         yaw = np.asarray(tool_yaw, dtype=np.float64)

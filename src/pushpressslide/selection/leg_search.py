@@ -13,9 +13,6 @@ from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED
@@ -29,6 +26,7 @@ from pushpressslide.selection.searched import (
     RefusedMotions,
     Searched,
 )
+from pushpressslide.selection.touching import Touching
 
 START = 0
 GOAL = 1
@@ -105,7 +103,7 @@ class LegSearch:
     task: Task
     ways: WaysTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
-    in_span: Callable[[Sequence[Pose2]], NDArray[np.bool_]]  # of which arms
+    touching: Touching
     judge: Judge
     most: int  # motions that may be judged in all
     # where one push may lead from a pose X_WG; None: only to ``poses``
@@ -119,7 +117,6 @@ class LegSearch:
         default_factory=dict
     )
     _lengths: list[float] = field(default_factory=list)
-    _able: list[NDArray[np.bool_]] = field(default_factory=list)  # arms at each pose
     _led_on: set[int] = field(default_factory=set)  # poses that others were added for
     _least_times: dict[tuple[int, int, str], float] = field(default_factory=dict)
 
@@ -230,9 +227,8 @@ class LegSearch:
             if to in behind or self._short(here.state.pose, to):
                 continue
             due = here.time + self._ahead(to) + self._straight(here.state.pose, to)
-            arms = self._arms(here.state.pose, to)
             for mode in self.modes:
-                if MODES[mode].arms > arms:
+                if not self.touching.able(mode, self.poses, here.state.pose, to):
                     continue
                 if held is not None and held[0] == mode:
                     out.append((due, Motion(here, to, mode, held=True)))
@@ -245,12 +241,6 @@ class LegSearch:
         least = self._least(here.state.pose, motion.to, motion.mode)
         regrasp = 0.0 if motion.held else self._regrasp
         return here.time + self._ahead(motion.to) + least + regrasp
-
-    def _arms(self, begin: int, end: int) -> int:
-        """Return how many arms are long enough for the object at both of two poses."""
-        if len(self._able) < len(self.poses):
-            self._able += list(self.in_span(self.poses[len(self._able) :]))
-        return int((self._able[begin] & self._able[end]).sum())
 
     def _after(self, motion: Motion) -> list[Reached]:
         """Return the states that a motion leads to."""

@@ -30,7 +30,8 @@ from pushpressslide.selection.select import (
     placements,
     select,
 )
-from pushpressslide.selection.waypoints import free_space, in_span, onward, waypoints
+from pushpressslide.selection.touching import Touching
+from pushpressslide.selection.waypoints import free_space, onward, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
 SEQUENCES = 16  # whose joint paths are looked for
@@ -167,8 +168,7 @@ def _searched(
     told = task.told
     ways = free_space(told).ways(told.goal)
     poses = [told.start, told.goal, *waypoints(told, ways)]
-    touch = partial(in_span, told)
-    search = LegSearch(told, ways, poses, touch, judged_motion, JUDGED)
+    search = LegSearch(told, ways, poses, Touching(told), judged_motion, JUDGED)
     search.know(choices)
     lacking = ""
     for _ in range(SEQUENCES):

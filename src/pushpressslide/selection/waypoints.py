@@ -22,6 +22,7 @@ from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, b
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.reach import reachable
+from pushpressslide.selection.touching import touching
 
 STRAIGHTS = (0.12, 0.25)  # [m] of straight push that leads to the goal
 ONWARD = (0.15, 0.3, 0.5)  # [m] of straight push from a pose on the way
@@ -31,6 +32,10 @@ SPREAD = 16  # poses of the even sample
 FACES = 2  # by which a pose on the way is turned to be pushed along it
 SIDES = 4  # faces by which a straight push to the goal is tried
 ROOM = 0.3  # [m] about start and goal, within which the way may lead
+HAND_OVER = 0.06  # [m] between the places at which an arm may take an object over
+HANDED_OVER = 8  # such poses
+FOLLOWED = 3  # of them, from which the ways to the goal are looked at
+HANDED_OVER_BY = "press_slide"  # both before and after
 # of the sample over x, y and yaw: the fractional parts of multiples of these fill the
 # cube evenly (Roberts' sequence, from the root of x^4 = x + 1)
 STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
@@ -85,7 +90,15 @@ def waypoints(task: Task, ways: WaysTo) -> list[Pose2]:
     if way is None:
         return []
     axes = push_axes(task)
-    kinds = (way[1:-1], _before(task, axes), _gates(way, axes), _turned(task, axes))
+    handed_over = _handed_over(task, ways.space)
+    kinds = (
+        handed_over,
+        _onward_ways(ways, handed_over[:FOLLOWED]),
+        way[1:-1],
+        _before(task, axes),
+        _gates(way, axes),
+        _turned(task, axes),
+    )
     in_turn = [X for row in zip_longest(*kinds) for X in row if X is not None]
     space = ways.space
     return _usable(task, space, [*in_turn, *_sample(task, space.bounds)])
@@ -182,6 +195,56 @@ def _nearest(axes: Sequence[float], bearing: float) -> list[float]:
     return [axis for _, axis in sorted(off)[:SIDES]]
 
 
+def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
+    """Return poses at which an arm that reaches the goal takes the object over from one
+    that reaches the start, with the least way through them; none where one arm reaches
+    both, or where there is one arm.
+    """
+    ends = [task.start, task.goal]
+    gives, takes = np.any(touching(task, HANDED_OVER_BY, ends), axis=2)
+    if (gives & takes).any() or not (gives.any() and takes.any()):
+        return []
+    x_min, x_max, y_min, y_max = space.bounds
+    xs, ys = np.meshgrid(
+        np.arange(x_min, x_max, HAND_OVER), np.arange(y_min, y_max, HAND_OVER)
+    )
+    yaws = dict.fromkeys(X.yaw for X in ends)
+    found = []
+    for yaw in yaws:
+        grid = [Pose2(x, y, yaw) for x, y in zip(xs.flat, ys.flat, strict=True)]
+        there = np.any(touching(task, HANDED_OVER_BY, grid), axis=2)
+        both = np.any(there[:, gives], axis=1) & np.any(there[:, takes], axis=1)
+        found += [X for X, able in zip(grid, both, strict=True) if able]
+    if not found:
+        return []
+    found = [X for X, free in zip(found, space.free(found), strict=True) if free]
+    found.sort(key=lambda X: sum(math.dist(X.position, end.position) for end in ends))
+    return _apart(found)
+
+
+def _onward_ways(ways: WaysTo, poses: Sequence[Pose2]) -> list[Pose2]:
+    """Return the places of the ways that lead from ``poses`` to the goal, in turn."""
+    found = [ways.way(X) for X in poses]
+    each = [way[1:-1] for way in found if way is not None]
+    return [X for row in zip_longest(*each) for X in row if X is not None]
+
+
+def _apart(poses: Sequence[Pose2]) -> list[Pose2]:
+    """Return the first poses that are apart from each other."""
+    out: list[Pose2] = []
+    for X in poses:
+        near = (
+            math.dist(X.position, other.position) < 2.0 * HAND_OVER
+            for other in out
+            if other.yaw == X.yaw
+        )
+        if not any(near):
+            out.append(X)
+        if len(out) == HANDED_OVER:
+            break
+    return out
+
+
 def _sample(task: Task, region: Bounds) -> list[Pose2]:
     """Return poses spread evenly over the region and all yaws."""
     x_min, x_max, y_min, y_max = region
@@ -226,24 +289,6 @@ def _reached(robot: Robot, task: Task, poses: Sequence[Pose2]) -> NDArray[np.boo
     points = [frame.point((*X.apply(place), height)) for X in poses for place in places]
     able = reachable(arm_kinematics(robot), np.array(points), quick=True).ok
     return np.asarray(able.reshape(len(poses), len(places)).any(axis=1))
-
-
-def in_span(task: Task, poses: Sequence[Pose2]) -> NDArray[np.bool_]:
-    """Return which arms are long enough to touch the object somewhere at each of n
-    poses, (n, arms). Joint limits are left aside: what is not in span is out of reach.
-    """
-    import shapely
-
-    shape = task.object.shape
-    placed = [shape.placed(X) for X in poses]
-    out = []
-    for robot in task.robots:
-        shoulder, wrist, span = arm_kinematics(robot).span
-        x, y, z = task.support.frame.coordinates(shoulder.tolist())
-        level = max(z - shape.height - robot.tip_radius, 0.0)
-        apart = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
-        out.append(np.hypot(apart, level) <= span + abs(wrist))
-    return np.column_stack(out)
 
 
 def _side_middles(shape: Shape) -> list[Point]:

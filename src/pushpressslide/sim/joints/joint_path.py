@@ -298,12 +298,9 @@ def _contact_miss(
 
 def _rolled(problem: ArmProblem, along: ContactPath, attitude: ToolAttitude) -> float:
     """Return how far a single press rolls from where it began [m]; else zero."""
-    single_press = [c.kind for c in problem.plan.contacts] == ["top"]
-    if attitude.turns or not single_press:
+    if [contact.kind for contact in problem.plan.contacts] != ["top"]:
         return 0.0
-    turned = min(float(np.ptp(along.tip.yaws)), math.pi)
-    lean = math.sin(attitude.tilt)
-    return 2.0 * problem.robot.tip_radius * lean * math.sin(0.5 * turned)
+    return attitude.rolled(problem.robot.tip_radius, float(np.ptp(along.tip.yaws)))
 
 
 def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:

@@ -1,0 +1,78 @@
+"""Which arms can do what, by how far they reach: asked for many motions at once, before
+any of them is judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.modes import MODES
+from pushpressslide.robots.contact_reach import contacts_reached
+from pushpressslide.robots.kinematics import arm_kinematics
+
+Able = NDArray[np.bool_]
+
+
+class Touching:
+    """What the arms of a task reach of its object, at poses that are asked for again and
+    again.
+    """
+
+    def __init__(self, task: Task) -> None:
+        """Know nothing yet."""
+        self._task = task
+        self._spans: list[Able] = []  # (arms,) at each pose
+        self._contacts: dict[str, list[Able]] = {}  # (arms, places) at each pose
+
+    def able(self, mode: str, poses: Sequence[Pose2], begin: int, end: int) -> bool:
+        """Return whether ``mode`` may lead the object from one of ``poses`` X_WG to
+        another, contacts kept; ``poses`` only grow. What is not able is out of reach.
+        """
+        new = poses[len(self._spans) :]
+        if new:
+            self._spans += list(_in_span(self._task, new))
+        arms = int((self._spans[begin] & self._spans[end]).sum())
+        if arms < MODES[mode].arms:
+            return False
+        known = self._contacts.setdefault(mode, [])
+        new = poses[len(known) :]
+        if new:
+            known += list(touching(self._task, mode, new))
+        return bool((known[begin] & known[end]).any())
+
+
+def touching(task: Task, mode: str, poses: Sequence[Pose2]) -> Able:
+    """Return which contacts of ``mode`` are reached at n ``poses`` X_WG by each arm that
+    may touch the object, (n, arms, contacts); one that always is where the mode does
+    not say which there are.
+    """
+    scene = task.scene
+    contacts = MODES[mode].touches(task)
+    if not contacts:
+        return np.full((len(poses), len(scene.arms), 1), True)
+    bodies = [X.compose(task.X_GB) for X in poses]
+    by_arm = [contacts_reached(scene, arm, contacts, bodies) for arm in scene.arms]
+    return np.stack(by_arm, axis=1)
+
+
+def _in_span(task: Task, poses: Sequence[Pose2]) -> Able:
+    """Return which arms are long enough to touch the object somewhere at each of n
+    poses, (n, arms). Joint limits are left aside: what is not in span is out of reach.
+    """
+    import shapely
+
+    shape = task.object.shape
+    placed = [shape.placed(X) for X in poses]
+    out = []
+    for robot in task.robots:
+        shoulder, wrist, span = arm_kinematics(robot).span
+        x, y, z = task.support.frame.coordinates(shoulder.tolist())
+        level = max(z - shape.height - robot.tip_radius, 0.0)
+        apart = shapely.distance(placed, shapely.Point(x, y)) - robot.tip_radius
+        out.append(np.hypot(apart, level) <= span + abs(wrist))
+    return np.column_stack(out)
