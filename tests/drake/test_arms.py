@@ -25,7 +25,7 @@ from pushpressslide.jobs.sampling import random_task
 from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints import joint_path
-from pushpressslide.sim.joints.approach import FEELING_CONDITION, LEAST_GAP
+from pushpressslide.sim.joints.approach import CAREFUL, LEAST_GAP
 from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
 from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
@@ -222,5 +222,5 @@ def test_an_arm_feels_for_its_contact_from_where_it_is_not_stretched() -> None:
         kin = arm_kinematics(plan.task.robots[arm])
         assert path.touch is not None
         conditions = np.linalg.cond(kin.jacobian(path.touch))
-        assert conditions.max() <= max(FEELING_CONDITION, conditions[-1])
+        assert conditions.max() <= max(CAREFUL.condition, conditions[-1])
         assert LEAST_GAP <= path.gap <= plan.task.motion.approach_distance

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import ClassVar, NamedTuple, Protocol
@@ -28,7 +28,7 @@ from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import AxleIdentifier
 from pushpressslide.planning.side_contacts import given_to
 from pushpressslide.planning.workspace import poses_along, workspace_refusal
-from pushpressslide.robots.contact_reach import contact_refusal
+from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
 
 PATIENCE = 8  # choices out of reach, before the others are asked by the tables alone
 CROSSING = Refusal("arms_cross", "the arms would cross")
@@ -234,12 +234,17 @@ def straight_time(
     return max(far, 0.0) / (margins.CONTACT_PACE * motion.speed)
 
 
-def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Choice]:
+def search(
+    task: Task,
+    drafts: Iterable[Draft | Choice],
+    enough: int,
+    arms: Arms | None = None,
+) -> list[Choice]:
     """Return the choices that ``drafts`` make, the feasible ones first, the quickest
     first; after ``enough`` feasible ones no other is evaluated.
 
     Drafts are made in the order of their least times. The arms are asked for a choice
-    once no draft that is left can be quicker.
+    once no draft that is left can be quicker; ``arms`` may have been asked before.
     """
     number = count()
     waiting: list[tuple[float, bool, int, Draft | Choice]] = []
@@ -250,7 +255,7 @@ def search(task: Task, drafts: Iterable[Draft | Choice], enough: int) -> list[Ch
         else:
             out.append(draft)
     heapify(waiting)
-    arms = Arms(task)
+    arms = arms or Arms(task)
     feasible = 0
     while waiting:
         *_, item = heappop(waiting)
@@ -295,17 +300,34 @@ def promptness(choice: Choice) -> tuple[bool, float]:
 class Arms:
     """The arms of a task, asked for one choice after another: with patience, until so
     many are out of reach that a hold known to the tables has to do for the others.
+
+    In a search over sequences the tables do for all.
     """
 
     task: Task
     missed: int = 0  # choices out of reach so far
+    _at_ends: dict[Contact, bool] = field(default_factory=dict)
 
     def refusal(self, choice: Choice) -> Refusal | None:
         """Return what stands against the path of a choice; None if nothing."""
-        quick = self.task.searched or self.missed >= PATIENCE
+        searched = self.task.searched
+        if searched and not all(map(self.reach_ends, choice.contacts)):
+            return UNKNOWN
+        quick = searched or self.missed >= PATIENCE
         refusal = arms_refusal(self.task, choice, quick)
         self.missed += refusal is not None and refusal.code == "reach"
         return refusal
+
+    def reach_ends(self, contact: Contact) -> bool:
+        """Return whether the arm of a contact reaches it at start and goal, its tool held
+        the same way, as the tables know.
+        """
+        place = replace(contact, load=0.0)
+        if place not in self._at_ends:
+            task = self.task
+            refusal = contact_refusal(task.scene, place, task.body_ends, quick=True)
+            self._at_ends[place] = refusal is None
+        return self._at_ends[place]
 
 
 def arms_refusal(task: Task, choice: Choice, quick: bool) -> Refusal | None:

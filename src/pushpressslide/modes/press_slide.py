@@ -67,7 +67,7 @@ from pushpressslide.planning.pressed.placements import (
     press_placements,
 )
 from pushpressslide.planning.segments import ends_onward
-from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
+from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import (
     ORIGIN,
     PressedDrive,
@@ -114,13 +114,14 @@ class PressSlide(Mode):
             placements = press_placements(task)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
+        arms = Arms(task)
         if task.searched:
-            contacts = tuple(c for c in placements.contacts if _reached(task, c))
+            contacts = tuple(c for c in placements.contacts if _reached(arms, c))
             if not contacts:
                 return [Choice(self.name, refusal=UNKNOWN)]
             placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
-        for kind, choices in self._alternatives(task, placements, enough):
+        for kind, choices in self._alternatives(arms, placements, enough):
             found[kind] = choices
             if any(choice.feasible for choice in choices):
                 break
@@ -132,16 +133,22 @@ class PressSlide(Mode):
         return sorted([*found["vehicle"], *manoeuvres], key=promptness)
 
     def _alternatives(
-        self, task: Task, placements: PressPlacements, enough: int
+        self, arms: Arms, placements: PressPlacements, enough: int
     ) -> Iterator[tuple[str, list[Choice]]]:
         """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
         that is well steered; last a path of a vehicle however steered.
         """
 
+        task = arms.task
+
         def manoeuvres() -> list[Choice]:
             """Return the choices of manoeuvres."""
-            asked = Arms(task).refusal
-            return manoeuvre_choices(task, self.name, placements, enough, asked)
+            return manoeuvre_choices(task, self.name, placements, enough, arms.refusal)
+
+        def vehicles(least: float) -> list[Choice]:
+            """Return those of a vehicle that is steered by ``least`` [rad] or more."""
+            steered = _steered(task, straight, least)
+            return search(task, steered, enough, arms)
 
         free = task.motion.vehicle is None and task.tool is None
         given = bool(task.motion.contacts)
@@ -149,13 +156,10 @@ class PressSlide(Mode):
             yield "manoeuvre", manoeuvres()
         straight = vehicle_choices(task, self.name, placements)
         straight.sort(key=promptness)
-        yield (
-            "vehicle",
-            search(task, _steered(task, straight, margins.CORRECTING), enough),
-        )
+        yield "vehicle", vehicles(margins.CORRECTING)
         if free and given:
             yield "manoeuvre", manoeuvres()
-        yield "vehicle", search(task, _steered(task, straight, 0.0), enough)
+        yield "vehicle", vehicles(0.0)
 
     def tracker(self, task: Task, segment: Segment) -> UnicycleTracker | PivotTracker:
         """Return the look-ahead law for a segment, or that of a turn on the spot."""
@@ -496,11 +500,7 @@ MODE = PressSlide()
 allocator = MODE.allocator
 
 
-def _reached(task: Task, contact: Contact) -> bool:
+def _reached(arms: Arms, contact: Contact) -> bool:
     """Return whether some arm reaches a contact at start and goal, as the tables know."""
-    scene = task.scene
-    by_arms = [replace(contact, arm=arm) for arm in scene.arms]
-    return any(
-        contact_refusal(scene, each, task.body_ends, alone=True, quick=True) is None
-        for each in by_arms
-    )
+    each = (replace(contact, arm=arm) for arm in arms.task.scene.arms)
+    return any(map(arms.reach_ends, each))

@@ -22,6 +22,8 @@ from pushpressslide.robots.kinematics import ArmKinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.connect import Free, connect
 from pushpressslide.sim.joints.postures import (
+    CONDITION_LIMIT,
+    JOINT_MARGIN,
     Posture,
     TipPath,
     tool_attitude,
@@ -41,10 +43,22 @@ DRAWN = 480  # random postures to begin with where the ready one is not free
 SPREAD = 1.2  # [rad] or [m] of these about the ready posture
 TURNS = (0.5, -0.5, 1.0, -1.0, 1.5, -1.5, 2.0, -2.0)  # [rad] of a base, out of the way
 BACK = 11  # samples of the straight line from the contact to beside the object
-# condition number of the Jacobian up to which a tip follows its reference at the speed
-# of a touch: the spring of the tip moves the joints of a stretched arm by its square
-FEELING_CONDITION = 30.0
 LEAST_GAP = 0.015  # [m] of that line, where the arm cannot follow all of it
+
+
+@dataclass(frozen=True)
+class Care:
+    """How well an arm has to be placed where it feels for its contact."""
+
+    margin: float  # [rad] to the joint limits
+    # of the Jacobian: the spring of the tip moves a stretched arm's joints by its square
+    condition: float
+
+
+# with which a tip follows its reference at the speed of a touch
+CAREFUL = Care(DESCENT_MARGIN, 30.0)
+# as along the contact, where nothing better is found
+BARELY = Care(JOINT_MARGIN, CONDITION_LIMIT)
 
 
 @dataclass(frozen=True)
@@ -63,7 +77,8 @@ class Descent:
 
     points: Array  # (k, 3) [m] of the tip, drawn back
     retreat: Continuation  # along the points
-    needed: int  # samples of it, for the least gap
+    reached: int  # samples of it on which the arm can feel for its contact
+    needed: int  # of these, for the least gap
     gap: float  # [m] between the contact and the place beside the object
     # (m, n) postures from beside the object upwards; none where the gap is too small
     up: Array
@@ -72,7 +87,7 @@ class Descent:
     @property
     def touch(self) -> Array:
         """Postures (k, n) from beside the object to the contact, evenly spaced."""
-        return self.retreat.q[: _touching(self.retreat)][::-1]
+        return self.retreat.q[: self.reached][::-1]
 
     def down(self, count: int) -> tuple[Array, float]:
         """Return the last ``count`` postures (count, n) down to beside the object, and
@@ -146,20 +161,21 @@ class Approach:
         normal: Vector3,
         posture: Posture,
         least_gap: float = LEAST_GAP,
+        care: Care = CAREFUL,
     ) -> Descent:
         """Return the last part of every approach to the start of a tip path.
 
         ``normal`` points from the tip into the object, in the world; ``posture`` is how
         the arm follows the path; the tip must be drawn back by ``least_gap`` [m] at
-        least.
+        least, placed with ``care``.
         """
         first = tip.positions[0]
         yaw = float(tip.yaws[0]) + posture.offset
         q = posture.q[0]
         wanted = self.before
         points = np.linspace(first, first - wanted * np.array(normal), BACK)
-        retreat = self._follow(points, yaw, q, posture.attitude)
-        reached = _touching(retreat)
+        retreat = self._follow(points, yaw, q, posture.attitude, care.margin)
+        reached = _touching(retreat, care.condition)
         gap = wanted * (reached - 1) / (BACK - 1)
         needed = 1 + math.ceil((BACK - 1) * min(1.0, least_gap / wanted))
         up = np.zeros((0, len(q)))
@@ -167,12 +183,17 @@ class Approach:
         if reached >= needed:
             beside = points[reached - 1]
             up, heights = self._rise(
-                beside, yaw, retreat.q[reached - 1], posture.attitude
+                beside, yaw, retreat.q[reached - 1], posture.attitude, care.margin
             )
-        return Descent(points, retreat, needed, gap, up, heights)
+        return Descent(points, retreat, reached, needed, gap, up, heights)
 
     def _rise(
-        self, place: Array, yaw: float, q: Array, attitude: ToolAttitude
+        self,
+        place: Array,
+        yaw: float,
+        q: Array,
+        attitude: ToolAttitude,
+        margin: float = DESCENT_MARGIN,
     ) -> tuple[Array, Array]:
         """Return postures (m, n) straight up from a place (3,), as high as the arm can
         or need be, and their heights (m,) [m] above it.
@@ -181,19 +202,21 @@ class Approach:
         top = max(self.hover, height + LEAST_RISE)
         steps = max(4, math.ceil((top - height) / RISE_STEP))
         levels = np.linspace(height, top, steps + 1)
-        rise = self._follow(
-            place + (levels - height)[:, None] * self._up, yaw, q, attitude
-        )
+        above = place + (levels - height)[:, None] * self._up
+        rise = self._follow(above, yaw, q, attitude, margin)
         count = _reached(rise)
         return rise.q[:count], levels[:count] - height
 
     def _follow(
-        self, points: Array, yaw: float, q: Array, attitude: ToolAttitude
+        self,
+        points: Array,
+        yaw: float,
+        q: Array,
+        attitude: ToolAttitude,
+        margin: float,
     ) -> Continuation:
         yaws = np.full((1, len(points)), yaw)
-        (path,) = continuations(
-            self.kin, points, yaws, q[None], attitude, DESCENT_MARGIN
-        )
+        (path,) = continuations(self.kin, points, yaws, q[None], attitude, margin)
         return path
 
     @property
@@ -388,12 +411,12 @@ def _reached(path: Continuation) -> int:
     return max(1, path.failed_at)
 
 
-def _touching(retreat: Continuation) -> int:
+def _touching(retreat: Continuation, condition: float) -> int:
     """Return the number of samples on which an arm can feel for its contact: those that
-    it can follow, and where it is not stretched more than at the contact itself.
+    it can follow, with a ``condition`` number up to that, or as at the contact itself.
     """
     count = _reached(retreat)
-    allowed = max(FEELING_CONDITION, retreat.conditions[0])
+    allowed = max(condition, retreat.conditions[0])
     beyond = np.flatnonzero(retreat.conditions[:count] > allowed)
     return count if len(beyond) == 0 else int(beyond[0])
 

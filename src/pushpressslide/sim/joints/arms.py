@@ -302,12 +302,13 @@ class _TwoArms:
         self, arm: int, solution: Solution, others: dict[int, Array]
     ) -> Solution | None:
         """Return an arm's move with an approach around ``others``, if there is one."""
+        care = solution.care
         path = path_of_move(
-            self.problems[arm], solution.move, others=others, thorough=True
+            self.problems[arm], solution.move, others=others, thorough=True, care=care
         )
         if isinstance(path, Miss):
             return None
-        return Solution(solution.move, path)
+        return Solution(solution.move, path, care)
 
     def _delayed(
         self, pair: Pair, delays: Sequence[float], along: float, *, force: bool = False

@@ -24,7 +24,14 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.joints.approach import LEAST_GAP, Descent, Trajectory
+from pushpressslide.sim.joints.approach import (
+    BARELY,
+    CAREFUL,
+    LEAST_GAP,
+    Care,
+    Descent,
+    Trajectory,
+)
 from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem, ContactPath
 from pushpressslide.sim.joints.clearance import ClearanceModel
 from pushpressslide.sim.joints.effort import largest_share
@@ -62,6 +69,7 @@ class Solution:
 
     move: Move
     path: JointPath
+    care: Care = CAREFUL  # with which its approach was found
 
 
 @dataclass(frozen=True)
@@ -108,9 +116,9 @@ def joint_path(plan: Plan, arm: int = 0, *, force: bool = False) -> ArmPath:
 def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult]:
     """Yield the result after each joint path that is found, the preferred one first.
 
-    A search that finds nothing yields one result, with the misses. Refined moves are
-    tried only where the grid has no joint path. Work is done only for the results that
-    are asked for.
+    A search that finds nothing yields one result, with the misses. Arms that are placed
+    barely well enough for the touch, and refined moves, are tried only where the grid
+    has no other joint path. Work is done only for the results that are asked for.
     """
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
@@ -126,6 +134,17 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
         solutions = (*solutions, Solution(move, path))
         yield SearchResult(solutions)
     if solutions:
+        return
+    for i, miss in enumerate(blocked):
+        if miss.drawn_back:
+            continue
+        move = Move.of(problem.kin, miss.posture)
+        path = path_of_move(problem, move, care=BARELY)
+        if isinstance(path, Miss):
+            blocked[i] = path
+            continue
+        solutions = (Solution(move, path, BARELY),)
+        yield SearchResult(solutions)
         return
     blocked.sort(key=SHORTFALL)
     unreached.sort(key=SHORTFALL)
@@ -149,11 +168,13 @@ def path_of_move(
     others: Mapping[int, Array] | None = None,
     force: bool = False,
     thorough: bool = False,
+    care: Care = CAREFUL,
 ) -> JointPath | Miss:
     """Return the whole joint path of a move, its approach included.
 
     ``others`` are postures (n,) of further arms that stand still during the approach;
-    ``thorough`` also searches for approaches around what is in the way.
+    ``thorough`` also searches for approaches around what is in the way; ``care`` says
+    how well the arm has to be placed where the touch begins.
     """
     posture = move.posture
     along = problem.along
@@ -166,7 +187,8 @@ def path_of_move(
     if problem.holds:
         return _joint_path(problem, move, _standing(problem.posture), clear, math.inf)
     least_gap = 0.0 if force else LEAST_GAP
-    descent = problem.approach.descent(along.tip, along.normal, posture, least_gap)
+    approach = problem.approach
+    descent = approach.descent(along.tip, along.normal, posture, least_gap, care)
     touching = problem.touch_clearance(descent.touch)
     if touching[0] < CLEARANCE and not force:
         return _approach_miss(posture, descent, *touching)
@@ -264,7 +286,7 @@ def _approach_miss(posture: Posture, descent: Descent, clear: float, pair: str) 
         if not descent.retreat.ok:
             why = problem_text(descent.retreat, descent.points)
         lack = shortfall(descent.retreat, descent.needed)
-        return Miss(lack, f"before the contact, {why}", posture)
+        return Miss(lack, f"before the contact, {why}", posture, drawn_back=False)
     return Miss(
         10.0 * (CLEARANCE - clear),
         f"on the way to the object {too_near(pair, clear)}",
@@ -344,9 +366,9 @@ def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution
             move = _refined_move(problem, along, miss.posture)
         if move is None:
             continue
-        path = path_of_move(problem, move, thorough=True)
+        path = path_of_move(problem, move, thorough=True, care=BARELY)
         if isinstance(path, JointPath):
-            yield Solution(move, path)
+            yield Solution(move, path, BARELY)
 
 
 def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:

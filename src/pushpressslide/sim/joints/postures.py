@@ -122,6 +122,7 @@ class Miss:
     why: str
     posture: Posture
     in_approach: bool = False  # only the approach fails; the contact path is allowed
+    drawn_back: bool = True  # False: the tip cannot be drawn back from its contact
 
 
 def tool_attitude(
