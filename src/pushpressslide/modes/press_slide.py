@@ -45,7 +45,7 @@ from pushpressslide.modes.base import (
     promptness,
     search,
 )
-from pushpressslide.planning.either_arm import either_arm
+from pushpressslide.planning.either_arm import either_arm, nearest_arms
 from pushpressslide.planning.pressed.driven import (
     DIRECTIONS,
     driven_again,
@@ -67,7 +67,7 @@ from pushpressslide.planning.pressed.placements import (
     press_placements,
 )
 from pushpressslide.planning.segments import ends_onward
-from pushpressslide.robots.contact_reach import UNKNOWN
+from pushpressslide.robots.contact_reach import UNKNOWN, span_refusal
 from pushpressslide.rom.drives import (
     ORIGIN,
     PressedDrive,
@@ -115,11 +115,14 @@ class PressSlide(Mode):
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
         arms = Arms(task)
-        if task.searched:
-            contacts = tuple(c for c in placements.contacts if _reached(arms, c))
-            if not contacts:
-                return [Choice(self.name, refusal=UNKNOWN)]
-            placements = replace(placements, contacts=contacts)
+        near = _reached if task.searched else _in_span
+        contacts = tuple(c for c in placements.contacts if near(arms, c))
+        if not contacts:
+            (arm, *_) = nearest_arms(task, ORIGIN)
+            nearest = replace(placements.contacts[0], arm=arm)
+            beyond = span_refusal(task.scene, nearest, task.body_ends)
+            return [Choice(self.name, refusal=beyond or UNKNOWN)]
+        placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
         for kind, choices in self._alternatives(arms, placements, enough):
             found[kind] = choices
@@ -504,3 +507,10 @@ def _reached(arms: Arms, contact: Contact) -> bool:
     """Return whether some arm reaches a contact at start and goal, as the tables know."""
     each = (replace(contact, arm=arm) for arm in arms.task.scene.arms)
     return any(map(arms.reach_ends, each))
+
+
+def _in_span(arms: Arms, contact: Contact) -> bool:
+    """Return whether some arm is long enough for a contact at start and goal."""
+    task = arms.task
+    each = (replace(contact, arm=arm) for arm in task.scene.arms)
+    return any(span_refusal(task.scene, one, task.body_ends) is None for one in each)

@@ -16,7 +16,8 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.support_frame import TABLE
-from pushpressslide.robots.reach import held_somehow_problem
+from pushpressslide.robots.kinematics import arm_kinematics
+from pushpressslide.robots.reach import held_somehow_problem, short_by
 from pushpressslide.robots.reach_map import each_reached, surely_reached
 from pushpressslide.robots.tool import SIDES, TOOL_TILTS, ToolAttitude
 
@@ -62,6 +63,9 @@ def contact_refusal(
             return None
         if quick:
             return UNKNOWN
+    beyond = span_refusal(scene, contact, bodies)
+    if beyond is not None:
+        return beyond
     holds: list[tuple[ToolAttitude, NDArray[np.float64] | None]] = []
     holds += [(hold, None) for hold in fixed]
     if turned > TURNING:
@@ -76,6 +80,39 @@ def contact_refusal(
         ]
     problem = held_somehow_problem(robot, points, holds)
     return None if problem is None else Refusal("reach", literal(problem))
+
+
+def span_refusal(
+    scene: Scene, contact: Contact, bodies: Sequence[Pose2]
+) -> Refusal | None:
+    """Return where along the body poses X_WB a contact is farther from its arm's
+    shoulder than the arm is long, the tool leaned towards the base; None if nowhere.
+    """
+    robot = scene.robots[contact.arm]
+    kin = arm_kinematics(robot)
+    frame = scene.support.frame
+    base_x, base_y, _ = scene.bases[contact.arm]
+    point, height = contact.tip_place(robot.tip_radius)
+    places = [X_WB.apply(point) for X_WB in bodies]
+    points = np.array([frame.point((x, y, height)) for x, y in places])
+    away = np.array([math.atan2(y - base_y, x - base_x) for x, y in places])
+    shortest = np.full(len(places), math.inf)
+    for tilt in TOOL_TILTS:
+        lean = math.sin(tilt)
+        down = np.full(len(places), -math.cos(tilt))
+        axes = np.column_stack([lean * np.cos(away), lean * np.sin(away), down])
+        short = short_by(kin, points, axes @ np.array(frame.axes).T)
+        shortest = np.minimum(shortest, short)
+    worst = int(shortest.argmax())
+    if shortest[worst] <= 0.0:
+        return None
+    x, y, z = points[worst].tolist()
+    far = math.dist(places[worst], (base_x, base_y))
+    text = (
+        f"{literal(kin.facts.name)} cannot bring its tip to ({x:.3f}, {y:.3f}, "
+        f"{z:.3f}), {far:.3f} m from its base's axis: {{figure:mm.0f}} beyond its span"
+    )
+    return Refusal("reach", text, float(shortest[worst]), 0.0, "m")
 
 
 def contacts_reached(

@@ -195,8 +195,8 @@ class _Course:
     hardest: list[int]  # indices of the places that are looked at first
 
     def short(self, held: Array) -> Array:
-        """Return ``_short`` of the hardest places."""
-        return _short(self.kin, self.p[self.hardest], held[self.hardest])
+        """Return ``short_by`` of the hardest places."""
+        return short_by(self.kin, self.p[self.hardest], held[self.hardest])
 
     def first_search(self, held: Array) -> tuple[list[int], Reach]:
         """Return the places that were looked at, and what is reached of them.
@@ -265,7 +265,7 @@ def _worst(found: Reach) -> int:
     return int(np.argmax(np.where(found.ok, -1.0, found.miss)))
 
 
-def _short(kin: ArmKinematics, p: Array, held: Array) -> Array:
+def short_by(kin: ArmKinematics, p: Array, held: Array) -> Array:
     """Return by how much [m] the stretched links are too short for points (m, 3), < 0
     within their span.
     """
@@ -293,7 +293,7 @@ def _retried(
     failed but is not farther from the shoulder than the stretched links are long.
     ``each`` counts for itself; else no more is searched once one is hopeless.
     """
-    short = _short(kin, p, held)
+    short = short_by(kin, p, held)
     near = (short <= 0.0) & ((found.miss < HOPELESS) | (short < -FOLDED))
     again = np.flatnonzero(~found.ok & near)
     if len(again) and (each or near[~found.ok].all()):

@@ -24,6 +24,7 @@ from pushpressslide.robots.reach import (
     QUICK_SEEDS,
     REACH_MARGIN,
     first_look,
+    short_by,
 )
 from pushpressslide.robots.tool import TOOL_TILTS, ToolAttitude
 
@@ -63,13 +64,21 @@ class _Table:
         points[:, 0] = DISTANCES
         points[:, 2] = self._height
         hold = ToolAttitude(self.tilt, 2.0 * math.pi * lean / LEANS)
-        first = first_look(kin, points, hold)
-        near = np.flatnonzero(~first.ok & (first.miss < HOPELESS))
+        ok = np.full(len(points), False)
+        turned = np.zeros(len(points))
+        axes = np.broadcast_to(hold.axis, points.shape)
+        near = np.flatnonzero(short_by(kin, points, axes) <= 0.0)
+        if len(near) == 0:
+            return ok, turned
+        first = first_look(kin, points[near], hold)
+        ok[near] = first.ok
+        turned[near] = first.q[:, 0]
+        near = near[~first.ok & (first.miss < HOPELESS)]
+        if len(near) == 0:
+            return ok, turned
         seeds = default_seeds(kin, points[near])[:, QUICK_SEEDS]
         again = solve_ik(kin, points[near], hold, None, seeds, REACH_MARGIN, QUICK)
-        ok = first.ok.copy()
         ok[near] = again.converged
-        turned = first.q[:, 0].copy()
         turned[near] = again.q[:, 0]
         return ok, turned
 
