@@ -103,13 +103,20 @@ UNCERTAIN = tuple(
     Table(f"{mode}-uncertain", f"`{mode}`", task, 1910 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
-STRONG = ("limits.normal_force=100",)  # [N]
 AMONG_OBSTACLES = (
     *(
-        Table(name, what, task, seed, sets=STRONG, samples=40, draw="cluttered")
-        for name, what, task, seed in (
-            ("cluttered-one-arm", "a Panda", "post", 2000),
-            ("cluttered-two-arms", "two iiwa7", "slot", 2001),
+        Table(
+            name,
+            what,
+            task,
+            seed,
+            sets=(f"limits.normal_force={force}",),
+            samples=40,
+            draw="cluttered",
+        )
+        for name, what, task, seed, force in (
+            ("cluttered-one-arm", "a Panda", "post", 2000, 60),
+            ("cluttered-two-arms", "two iiwa7", "slot", 2001, 100),
         )
     ),
     Table("push-t", "`push-t`, other starts", "push-t", 2000, samples=40, vary="start"),

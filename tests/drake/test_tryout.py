@@ -209,7 +209,8 @@ def test_an_obstacle_near_the_start_is_no_reason_to_refuse() -> None:
     }
     along = {"name": "wall", "box": size, "pose": {"x": 0.578, "y": -0.15}}
     assert pps.select(task(object=box, goal=goal, obstacles=[apart]))[0].feasible
-    refused = pps.select(task(object=box, goal=goal, obstacles=[along]))
+    pushed = ["rear_push"]
+    refused = pps.select(task(object=box, goal=goal, obstacles=[along], modes=pushed))
     assert refused[0].refusal is not None
     assert refused[0].refusal.code == "obstacle"
 

@@ -22,7 +22,7 @@ from pushpressslide.core.shapes import Box, Cylinder, Prism, Shape
 from pushpressslide.core.task import Belief, ObjectModel, Task
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.jobs.sampling import random_task
-from pushpressslide.modes import base
+from pushpressslide.modes import base, press_slide
 from pushpressslide.selection.select import select
 from pushpressslide.taskfile.load import load_task
 
@@ -123,6 +123,7 @@ def scaled_arm(k: float, m: float) -> margins.ArmMargins:
 @pytest.fixture
 def no_reach(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(base, "contact_refusal", lambda *_, **__: None)
+    monkeypatch.setattr(press_slide, "span_refusal", lambda *_, **__: None)
 
 
 @cache

@@ -10,7 +10,7 @@ from pushpressslide.core.plan import Choice
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.modes import base
-from pushpressslide.modes.base import PATIENCE, Draft, search
+from pushpressslide.modes.base import PATIENCE, Draft, Judge, search
 
 TASK = load_task("rear-push-rear")
 OUT_OF_REACH = Refusal("reach", "out of reach")
@@ -48,7 +48,7 @@ class Bench:
         """Search with these arms."""
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(base, "arms_refusal", self.arms)
-            return search(TASK, drafts, enough)
+            return search(drafts, enough, Judge(TASK))
 
 
 def test_drafts_are_made_in_the_order_of_their_least_times() -> None:
@@ -132,6 +132,6 @@ def test_patience_with_arms_that_do_not_reach_ends() -> None:
     drafts = [bench.draft(float(i), float(i)) for i in range(PATIENCE + 6)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(base, "arms_refusal", far)
-        found = search(TASK, drafts, 1)
+        found = search(drafts, 1, Judge(TASK))
     assert asked == [False] * PATIENCE + [True] * 6
     assert [choice.label for choice in found if choice.feasible] == [LAST]

@@ -65,15 +65,16 @@ def refused(part: Task, why: str) -> str:
 
 
 def test_what_may_move_is_pushed_where_no_way_leads_past_it() -> None:
-    made = plan(task())
+    made = plan(task(modes=["rear_push"]))
     assert made.task.pushes
     assert [body.name for body in made.task.yielding] == ["can"]
 
 
 def test_it_is_not_pushed_where_a_way_leads_past_it() -> None:
-    several = plan(task(limits={"legs": 4}))
+    around = plan(task())
+    several = plan(task(modes=["rear_push"], limits={"legs": 4}))
     beside = plan(task({"pose": {"x": 0.62, "y": 0.0}}))
-    for made in (several, beside):
+    for made in (around, several, beside):
         assert not made.task.pushes
         poses = swept(made.task.object, made.segments, 0.01)
         can = made.task.obstacles[0].footprint
@@ -82,7 +83,7 @@ def test_it_is_not_pushed_where_a_way_leads_past_it() -> None:
 
 def test_it_is_not_pushed_where_the_task_does_not_say_so() -> None:
     with pytest.raises(InfeasibleTaskError, match="can"):
-        plan(task({"may_move": False}))
+        plan(task({"may_move": False}, modes=["rear_push"]))
 
 
 def test_the_goal_may_lie_where_it_stands() -> None:
@@ -93,7 +94,7 @@ def test_the_goal_may_lie_where_it_stands() -> None:
 
 
 def test_it_goes_on_with_the_object_and_never_overlaps_it() -> None:
-    made = plan(task())
+    made = plan(task(modes=["rear_push"]))
     part = made.task
     poses = swept(part.object, made.segments, 0.01)
     way = carried_ways(part, poses)["can"]

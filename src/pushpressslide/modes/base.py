@@ -19,7 +19,13 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.drive import Drive
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.plan import ENOUGH as ENOUGH
-from pushpressslide.core.plan import Choice, Contact, MotionPath, Segment
+from pushpressslide.core.plan import (
+    Choice,
+    Contact,
+    MotionPath,
+    Segment,
+    same_places,
+)
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.task import Motion, Task, Vehicle
@@ -31,6 +37,8 @@ from pushpressslide.planning.workspace import poses_along, workspace_refusal
 from pushpressslide.robots.contact_reach import UNKNOWN, contact_refusal
 
 PATIENCE = 8  # choices out of reach, before the others are asked by the tables alone
+MOST_BLOCKED = 3 * ENOUGH  # choices with something in the way, before no other is asked
+NO_PLACEMENT = Refusal("placement", "it has no placement with these contacts")
 CROSSING = Refusal("arms_cross", "the arms would cross")
 BOTH_CROSSING = replace(CROSSING, text=f"{CROSSING}, whichever takes which contact")
 
@@ -64,6 +72,8 @@ class Draft:
     make: Callable[[bool], list[Choice]]
     # whether its choices are judged in the order of the drafts, not of their own times
     ordered: bool = False
+    # where its choices touch, by whichever arms; None: it does not say
+    contacts: tuple[Contact, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +109,29 @@ class Mode(ABC):
     drives: ClassVar[tuple[type[Drive], ...]]  # the classes of its segments' drives
     vehicles: ClassVar[tuple[Vehicle, ...]] = ()  # that ``motion.vehicle`` may name
 
-    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
+    def choices(
+        self, task: Task, enough: int = ENOUGH, judge: Judge | None = None
+    ) -> list[Choice]:
         """Return every placement of the contacts that was considered, best first, each
-        judged feasible or not; evaluated until ``enough`` are feasible.
+        judged feasible or not; evaluated until ``enough`` are feasible. ``judge``: of
+        the paths, by default by the arms' reach alone.
         """
-        return search(task, self.drafts(task), enough)
+        return search(self.drafts(task), enough, judge or Judge(task))
+
+    def connect(
+        self, task: Task, X_from: Pose2, X_to: Pose2, contacts: Sequence[Contact]
+    ) -> Choice:
+        """Return the quickest motion of the object of ``task`` from one pose X_WG to
+        another with ``contacts`` as they are, or that choice with the reason against it.
+
+        The arms' reach, and what may be in the way, are left aside.
+        """
+        part = replace(task, start=X_from, goal=X_to, modes=(self.name,))
+        held = tuple(contacts)
+        found = self.choices(part, 1, Judge(part, held=held, arms=False))
+        if not found:
+            return Choice(self.name, contacts=held, refusal=NO_PLACEMENT)
+        return found[0]
 
     def touches(self, task: Task) -> Sequence[Contact]:
         """Return all contacts by which one arm may move the object; none where the mode
@@ -234,46 +262,55 @@ def straight_time(
     return max(far, 0.0) / (margins.CONTACT_PACE * motion.speed)
 
 
-def search(
-    task: Task,
-    drafts: Iterable[Draft | Choice],
-    enough: int,
-    arms: Arms | None = None,
-) -> list[Choice]:
+def search(drafts: Iterable[Draft | Choice], enough: int, judge: Judge) -> list[Choice]:
     """Return the choices that ``drafts`` make, the feasible ones first, the quickest
     first; after ``enough`` feasible ones no other is evaluated.
 
-    Drafts are made in the order of their least times. The arms are asked for a choice
-    once no draft that is left can be quicker; ``arms`` may have been asked before.
+    Drafts are made in the order of their least times. A choice is judged once no draft
+    that is left can be quicker.
     """
     number = count()
+    held = judge.held
     waiting: list[tuple[float, bool, int, Draft | Choice]] = []
     out = []
     for draft in drafts:
+        if held is not None and not _may_hold(draft, held):
+            continue
         if isinstance(draft, Draft):
             waiting.append((draft.least_time, True, next(number), draft))
         else:
             out.append(draft)
     heapify(waiting)
-    arms = arms or Arms(task)
     feasible = 0
     while waiting:
         *_, item = heappop(waiting)
         if isinstance(item, Draft):
             for choice in item.make(feasible < enough):
+                if held is not None and not same_places(choice.contacts, held):
+                    continue
                 if not choice.feasible or choice.time is None:
                     out.append(choice)
                     continue
                 due = item.least_time if item.ordered else choice.time
                 heappush(waiting, (due, False, next(number), choice))
             continue
-        refusal = arms.refusal(item) if feasible < enough else NOT_EVALUATED
+        refusal = judge.refusal(item) if feasible < enough else NOT_EVALUATED
         if refusal is None:
             feasible += 1
             out.append(item)
         else:
             out.append(item.refused(refusal))
     return sorted(out, key=promptness)
+
+
+def _may_hold(draft: Draft | Choice, held: Sequence[Contact]) -> bool:
+    """Return whether a draft may have a choice with the contacts ``held``, by whichever
+    arms; a choice that stands for all placements may.
+    """
+    if not draft.contacts:
+        return True
+    mine = {replace(contact, arm=0, load=0.0) for contact in draft.contacts}
+    return mine == {replace(contact, arm=0, load=0.0) for contact in held}
 
 
 def in_arms(choice: Choice, assigned: Iterable[Sequence[int]]) -> list[Choice]:
@@ -297,25 +334,40 @@ def promptness(choice: Choice) -> tuple[bool, float]:
 
 
 @dataclass
-class Arms:
-    """The arms of a task, asked for one choice after another: with patience, until so
-    many are out of reach that a hold known to the tables has to do for the others.
+class Judge:
+    """Judges one choice after another by its path: are the arms able to follow it, is
+    it free? With patience, until so many are out of reach that a hold known to the
+    tables has to do for the others, and so many are blocked that no other is looked at.
 
     In a search over sequences the tables do for all.
     """
 
     task: Task
-    missed: int = 0  # choices out of reach so far
+    blocks: Callable[[Choice], Refusal | None] | None = None  # what is in the way
+    held: tuple[Contact, ...] | None = None  # the only contacts that are asked for
+    arms: bool = True  # whether the arms are asked at all
+    unreached: int = 0  # choices out of reach so far
+    blocked: int = 0  # choices with something in the way so far
     _at_ends: dict[Contact, bool] = field(default_factory=dict)
 
     def refusal(self, choice: Choice) -> Refusal | None:
         """Return what stands against the path of a choice; None if nothing."""
+        if self.blocked >= MOST_BLOCKED:
+            return NOT_EVALUATED
+        refusal = self._arms_refusal(choice) if self.arms else None
+        if refusal is None and self.blocks is not None:
+            refusal = self.blocks(choice)
+            self.blocked += refusal is not None
+        return refusal
+
+    def _arms_refusal(self, choice: Choice) -> Refusal | None:
+        """Return why the arms cannot follow a choice; None if they can."""
         searched = self.task.searched
         if searched and not all(map(self.reach_ends, choice.contacts)):
             return UNKNOWN
-        quick = searched or self.missed >= PATIENCE
+        quick = searched or self.unreached >= PATIENCE
         refusal = arms_refusal(self.task, choice, quick)
-        self.missed += refusal is not None and refusal.code == "reach"
+        self.unreached += refusal is not None and refusal.code == "reach"
         return refusal
 
     def reach_ends(self, contact: Contact) -> bool:

@@ -82,7 +82,8 @@ class BimanualPressSlide(Mode):
         label = f"pressed at {describe_points(points)}"
         time = _time(task, pair.path)
         choice = Choice(self.name, label, pair.contacts, time=time, refusal=refusal)
-        return Draft(time or inf, partial(self._pressed, task, choice, pair.path))
+        make = partial(self._pressed, task, choice, pair.path)
+        return Draft(time or inf, make, contacts=pair.contacts)
 
     def _pressed(
         self, task: Task, placed: Choice, path: TwistPath, evaluated: bool

@@ -87,7 +87,7 @@ class OrthogonalPush(TwistPushes):
             return [Choice(self.name, refusal=Refusal("no_faces", text))]
         placed.sort(key=_rank)
         return [
-            Draft(float(i), partial(_in_arms, task, choice), ordered=True)
+            Draft(float(i), partial(_in_arms, task, choice), True, choice.contacts)
             for i, choice in enumerate(placed)
         ]
 

@@ -109,7 +109,9 @@ class ParallelPush(TwistPushes):
 
         return [
             Draft(
-                _least_time(task, face), partial(self._push, task, face, contacts, cars)
+                _least_time(task, face),
+                partial(self._push, task, face, contacts, cars),
+                contacts=contacts,
             )
             for face, contacts in placed
         ]

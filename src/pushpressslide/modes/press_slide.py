@@ -36,10 +36,11 @@ from pushpressslide.identification.online import (
 from pushpressslide.mechanics.pressing import pressed_cop
 from pushpressslide.modes.base import (
     ENOUGH,
+    NO_PLACEMENT,
     Allocator,
-    Arms,
     Course,
     Draft,
+    Judge,
     Measured,
     Mode,
     promptness,
@@ -105,7 +106,9 @@ class PressSlide(Mode):
         except RefusedError:
             return ()
 
-    def choices(self, task: Task, enough: int = ENOUGH) -> list[Choice]:
+    def choices(
+        self, task: Task, enough: int = ENOUGH, judge: Judge | None = None
+    ) -> list[Choice]:
         """Return choices, feasible and quick ones first.
 
         Alternatives are evaluated in order until one has a feasible choice.
@@ -114,9 +117,13 @@ class PressSlide(Mode):
             placements = press_placements(task)
         except RefusedError as error:
             return [Choice(self.name, refusal=error.refusal)]
-        arms = Arms(task)
-        near = _reached if task.searched else _in_span
-        contacts = tuple(c for c in placements.contacts if near(arms, c))
+        judge = judge or Judge(task)
+        contacts = _those_held(placements.contacts, judge.held)
+        if not contacts:
+            return [Choice(self.name, refusal=NO_PLACEMENT)]
+        if judge.arms:
+            near = _reached if task.searched else _in_span
+            contacts = tuple(c for c in contacts if near(judge, c))
         if not contacts:
             (arm, *_) = nearest_arms(task, ORIGIN)
             nearest = replace(placements.contacts[0], arm=arm)
@@ -124,7 +131,7 @@ class PressSlide(Mode):
             return [Choice(self.name, refusal=beyond or UNKNOWN)]
         placements = replace(placements, contacts=contacts)
         found: dict[str, list[Choice]] = {}
-        for kind, choices in self._alternatives(arms, placements, enough):
+        for kind, choices in self._alternatives(judge, placements, enough):
             found[kind] = choices
             if any(choice.feasible for choice in choices):
                 break
@@ -136,22 +143,21 @@ class PressSlide(Mode):
         return sorted([*found["vehicle"], *manoeuvres], key=promptness)
 
     def _alternatives(
-        self, arms: Arms, placements: PressPlacements, enough: int
+        self, judge: Judge, placements: PressPlacements, enough: int
     ) -> Iterator[tuple[str, list[Choice]]]:
         """Yield what to try, in order: a manoeuvre before or after a path of one vehicle
         that is well steered; last a path of a vehicle however steered.
         """
 
-        task = arms.task
+        task = judge.task
 
         def manoeuvres() -> list[Choice]:
             """Return the choices of manoeuvres."""
-            return manoeuvre_choices(task, self.name, placements, enough, arms.refusal)
+            return manoeuvre_choices(task, self.name, placements, enough, judge.refusal)
 
         def vehicles(least: float) -> list[Choice]:
             """Return those of a vehicle that is steered by ``least`` [rad] or more."""
-            steered = _steered(task, straight, least)
-            return search(task, steered, enough, arms)
+            return search(_steered(task, straight, least), enough, judge)
 
         free = task.motion.vehicle is None and task.tool is None
         given = bool(task.motion.contacts)
@@ -503,14 +509,24 @@ MODE = PressSlide()
 allocator = MODE.allocator
 
 
-def _reached(arms: Arms, contact: Contact) -> bool:
+def _those_held(
+    contacts: tuple[Contact, ...], held: Sequence[Contact] | None
+) -> tuple[Contact, ...]:
+    """Return the places that are ``held``; all if it is None."""
+    if held is None:
+        return contacts
+    points = [contact.point for contact in held]
+    return tuple(contact for contact in contacts if [contact.point] == points)
+
+
+def _reached(judge: Judge, contact: Contact) -> bool:
     """Return whether some arm reaches a contact at start and goal, as the tables know."""
-    each = (replace(contact, arm=arm) for arm in arms.task.scene.arms)
-    return any(map(arms.reach_ends, each))
+    each = (replace(contact, arm=arm) for arm in judge.task.scene.arms)
+    return any(map(judge.reach_ends, each))
 
 
-def _in_span(arms: Arms, contact: Contact) -> bool:
+def _in_span(judge: Judge, contact: Contact) -> bool:
     """Return whether some arm is long enough for a contact at start and goal."""
-    task = arms.task
+    task = judge.task
     each = (replace(contact, arm=arm) for arm in task.scene.arms)
     return any(span_refusal(task.scene, one, task.body_ends) is None for one in each)

@@ -81,8 +81,10 @@ class RearPush(Mode):
     def drafts(self, task: Task) -> list[Draft]:
         """Return one draft per face."""
         return [
-            Draft(0.0, partial(self._push, task, fitted))
-            for fitted in fitted_faces(task.scene, task.motion)
+            Draft(0.0, partial(self._push, task, fitted), contacts=(contact,))
+            for fitted, contact in zip(
+                fitted_faces(task.scene, task.motion), self.touches(task), strict=True
+            )
         ]
 
     def _push(self, task: Task, fitted: FittedFace, evaluated: bool) -> list[Choice]:

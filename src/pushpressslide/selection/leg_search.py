@@ -54,7 +54,8 @@ ALWAYS = frozenset(
 # of those, that stand against it with whatever contacts
 HOPELESS = frozenset({"smooth_tip"})
 
-Judge = Callable[[Task], list[Choice]]
+# of a motion, with whatever contacts or with those that are held
+JudgeMotion = Callable[[Task, tuple[Contact, ...] | None], list[Choice]]
 Placement = tuple[str, tuple[Contact, ...]]
 
 
@@ -104,7 +105,7 @@ class LegSearch:
     ways: WaysTo  # to the goal
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
-    judge: Judge
+    judge: JudgeMotion
     most: int  # motions that may be judged in all
     # where one push may lead from a pose X_WG; None: only to ``poses``
     onward: Callable[[Pose2], list[Pose2]] | None = None
@@ -284,10 +285,8 @@ class LegSearch:
         if key not in self._found:
             self.judged += 1
             part = self._part(begin.pose, motion.to, motion.mode)
-            if placement is not None:
-                part = _holding(part, placement)
-            judged = self.judge(part)
-            self._found[key] = _best(judged, placement)
+            judged = self.judge(part, None if placement is None else placement[1])
+            self._found[key] = _best(judged)
             if not self._found[key]:
                 self._note(motion.mode, judged)
             if _hopeless(judged) and motion.mode in self.modes:
@@ -367,32 +366,10 @@ def _placement(choice: Choice) -> Placement:
     return (choice.mode, contacts)
 
 
-def _best(
-    choices: Sequence[Choice], placement: Placement | None = None
-) -> list[Choice]:
-    """Return the feasible choices of some placements, or of one, the quickest one of
-    each.
-    """
+def _best(choices: Sequence[Choice]) -> list[Choice]:
+    """Return the feasible choices of some placements, the quickest one of each."""
     out: dict[Placement, Choice] = {}
     for choice in choices:
-        if not choice.feasible or len(out) == KEPT:
-            continue
-        made = _placement(choice)
-        if placement is None or made == placement:
-            out.setdefault(made, choice)
+        if choice.feasible and len(out) < KEPT:
+            out.setdefault(_placement(choice), choice)
     return list(out.values())
-
-
-def _holding(part: Task, placement: Placement) -> Task:
-    """Return a task that is to be done with a placement."""
-    mode, contacts = placement
-    x, y = part.told.object.center_of_mass
-    points = tuple(
-        (contact.point[0] + x, contact.point[1] + y)
-        for contact in contacts
-        if contact.kind == "top"
-    )
-    motion = part.motion
-    if len(points) == len(contacts):
-        motion = replace(motion, contacts=points)
-    return replace(part, modes=(mode,), motion=motion)

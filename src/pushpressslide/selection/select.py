@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,14 +13,12 @@ from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
-from pushpressslide.modes.base import ENOUGH, Mode, promptness
+from pushpressslide.modes.base import ENOUGH, Judge, Mode, promptness
 from pushpressslide.planning.either_arm import nearest_arms
 from pushpressslide.selection.clearance import path_refusal
 
 MANY = 3 * ENOUGH
-"""Choices of a mode that are judged where obstacles or joint paths stand against the
-first ones.
-"""
+"""Choices of a mode that are judged where joint paths stand against the first ones."""
 
 Way = tuple[tuple[Contact, ...], tuple[MotionPath, ...]]
 FALLS = Refusal(
@@ -84,11 +82,11 @@ def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
     return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def judged_motion(task: Task) -> list[Choice]:
+def judged_motion(task: Task, held: tuple[Contact, ...] | None) -> list[Choice]:
     """Return the choices for one motion from a told task's start to its goal, best
-    first; few are judged.
+    first; few are judged. ``held``: the only contacts that are asked for.
     """
-    return _select(task, 2)
+    return _select(task, 2, held)
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:
@@ -139,7 +137,9 @@ def _squeeze(choice: Choice) -> float:
     return round(1.0 - math.hypot(x, y) / len(normals), 6)
 
 
-def _select(task: Task, enough: int) -> list[Choice]:
+def _select(
+    task: Task, enough: int, held: tuple[Contact, ...] | None = None
+) -> list[Choice]:
     """Return all choices for a task without legs, best first."""
     out: list[Choice] = []
     arms = len(task.scene.arms)
@@ -158,7 +158,7 @@ def _select(task: Task, enough: int) -> list[Choice]:
             out.append(Choice(name, refusal=Refusal("support", text)))
         else:
             for part in _by_tip(task, mode):
-                out.extend(_clear(part, mode, enough))
+                out += mode.choices(part, enough, Judge(part, _blocks(part), held))
     return _ranked(out)
 
 
@@ -177,34 +177,18 @@ def _by_tip(task: Task, mode: Mode) -> list[Task]:
     ]
 
 
-def _clear(task: Task, mode: Mode, enough: int) -> list[Choice]:
-    """Return the choices of a mode.
-
-    More of them are evaluated where obstacles are in the way of the first.
-    """
-    for effort in (enough, ENOUGH, MANY):
-        if effort < enough:
-            continue
-        judged = mode.choices(task, effort)
-        choices = _judged_for_obstacles(task, judged)
-        blocked = any(choice.feasible for choice in judged)
-        if not blocked or any(choice.feasible for choice in choices):
-            break
-    return choices
-
-
-def _judged_for_obstacles(task: Task, choices: Sequence[Choice]) -> list[Choice]:
-    """Return ``choices``, the feasible ones judged by their paths, which either arm's
-    choices of one contact share.
+def _blocks(task: Task) -> Callable[[Choice], Refusal | None]:
+    """Return what says what is in the way of a choice of ``task``; either arm's choices
+    of one contact share their path.
     """
     refusals: dict[Way, Refusal | None] = {}
-    out = []
-    for choice in choices:
-        if choice.feasible:
-            touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
-            way = (touched, tuple(piece.path for piece in choice.segments))
-            if way not in refusals:
-                refusals[way] = path_refusal(task, choice.segments)
-            choice = choice.refused(refusals[way])
-        out.append(choice)
-    return out
+
+    def blocks(choice: Choice) -> Refusal | None:
+        """Return what is in the way; None if nothing."""
+        touched = tuple(replace(contact, arm=0) for contact in choice.contacts)
+        way = (touched, tuple(piece.path for piece in choice.segments))
+        if way not in refusals:
+            refusals[way] = path_refusal(task, choice.segments)
+        return refusals[way]
+
+    return blocks

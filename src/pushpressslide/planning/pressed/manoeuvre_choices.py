@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point
@@ -20,21 +20,26 @@ def manoeuvre_choices(
     mode: str,
     placements: PressPlacements,
     enough: int,
-    arms_refusal: Callable[[Choice], Refusal | None],
+    path_refusal: Callable[[Choice], Refusal | None],
 ) -> list[Choice]:
     """Return manoeuvres until ``enough`` are feasible, in the order of ``turning``: one
     per contact, then others, each by either arm; then the contacts that were skipped.
+
+    In a search over sequences a contact that was out of reach on its way is not pressed
+    harder or less: there are other motions.
     """
     X_WB, _ = task.body_ends
     out: list[Choice] = []
     skipped: list[Choice] = []
     missing = enough
     for contacts in placements.turning(task.scene):
+        if task.searched:
+            contacts = _still_reached(contacts, out)
         ranked = by_time(task, X_WB, contacts)
         wanted = min(missing, ENOUGH)
         for manoeuvre in soonest(task, X_WB, list(ranked)):
             for choice in either_arm(task, manoeuvre.choice(task, mode)):
-                refusal = arms_refusal(choice) if wanted > 0 else NOT_EVALUATED
+                refusal = path_refusal(choice) if wanted > 0 else NOT_EVALUATED
                 out.append(choice.refused(refusal))
                 wanted -= refusal is None
             if wanted == 0:
@@ -51,6 +56,18 @@ def manoeuvre_choices(
         if missing == 0 or missing < enough <= ENOUGH:
             break
     return sorted(out, key=lambda choice: not choice.feasible) + skipped
+
+
+def _still_reached(
+    contacts: Sequence[Contact], tried: Sequence[Choice]
+) -> list[Contact]:
+    """Return the contacts whose places were not out of reach in all that was tried."""
+    lost: dict[Point, bool] = {}
+    for choice in tried:
+        point = choice.contacts[0].point
+        unreached = choice.refusal is not None and choice.refusal.code == "reach"
+        lost[point] = lost.get(point, True) and unreached
+    return [contact for contact in contacts if not lost.get(contact.point, False)]
 
 
 def _press(contact: Contact) -> tuple[Point, float]:

@@ -1,0 +1,51 @@
+"""A motion between two poses with contacts that are given, the arms left aside."""
+
+from dataclasses import replace
+
+import pytest
+
+import pushpressslide as pps
+from pushpressslide.core.plan import same_places
+from pushpressslide.core.pose import Pose2
+from pushpressslide.modes import MODES
+
+TASKS = {
+    "rear_push": "rear-push-rear",
+    "press_slide": "press-slide",
+    "parallel_push": "parallel-push",
+    "orthogonal_push": "orthogonal-push",
+    "bimanual_press_slide": "bimanual-slide",
+    "press_and_push": "pivot",
+}
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_it_finds_the_motion_of_the_chosen_contacts_again(name: str) -> None:
+    task = pps.load_task(TASKS[name])
+    best = next(choice for choice in pps.select(task) if choice.feasible)
+    mode = MODES[name]
+    again = mode.connect(task.told, task.start, task.goal, best.contacts)
+    assert again.feasible
+    assert same_places(again.contacts, best.contacts)
+    assert again.time is not None
+    assert best.time is not None
+    assert mode.least_time(task.told) <= again.time <= best.time + 1e-9
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_it_says_that_there_is_no_such_placement(name: str) -> None:
+    task = pps.load_task(TASKS[name])
+    best = pps.select(task)[0]
+    elsewhere = [replace(contact, point=(9.0, 9.0)) for contact in best.contacts]
+    choice = MODES[name].connect(task.told, task.start, task.goal, elsewhere)
+    assert choice.refusal is not None
+    assert choice.refusal.code == "placement"
+
+
+def test_the_arms_are_left_aside() -> None:
+    task = pps.load_task("rear-push-rear").told
+    best = next(choice for choice in pps.select(task) if choice.feasible)
+    far = [Pose2(X.x + 5.0, X.y, X.yaw) for X in (task.start, task.goal)]
+    choice = MODES["rear_push"].connect(task, *far, best.contacts)
+    assert choice.feasible
+    assert choice.time == pytest.approx(best.time)

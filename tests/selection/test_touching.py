@@ -1,0 +1,63 @@
+"""Which arms reach the object at both ends of a motion, and where it is handed over."""
+
+import pushpressslide as pps
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.selection.touching import Touching, touching
+from pushpressslide.selection.waypoints import free_space, waypoints
+from pushpressslide.taskfile.load import task_from_data
+
+SMALL = {"shape": {"box": [0.1, 0.1, 0.08]}, "mass": 0.5}
+
+
+def cell(start: dict[str, float], goal: dict[str, float]) -> Task:
+    """Return a task for two arms that stand 1.5 m apart."""
+    data = {
+        "name": "cell",
+        "support": {"friction": 0.3},
+        "object": SMALL,
+        "contact": {"friction": 0.8},
+        "start": start,
+        "goal": goal,
+        "robots": [
+            {"model": "iiwa7", "base": {"x": 0.0, "y": 0.75}},
+            {"model": "iiwa7", "base": {"x": 0.0, "y": -0.75}},
+        ],
+    }
+    return task_from_data(data, "cell.yaml").told
+
+
+ACROSS = cell({"x": 0.5, "y": -0.6}, {"x": 0.5, "y": 0.6})
+
+
+def test_no_arm_leads_an_object_from_one_side_to_the_other() -> None:
+    asked = Touching(ACROSS)
+    poses = [ACROSS.start, ACROSS.goal, Pose2(0.45, -0.4), Pose2(0.45, 0.4)]
+    for mode in ("rear_push", "press_slide"):
+        assert not asked.able(mode, poses, 0, 1)
+        assert asked.able(mode, poses, 0, 2)
+        assert asked.able(mode, poses, 3, 1)
+        assert not asked.able(mode, poses, 2, 3)
+    assert not asked.able("bimanual_press_slide", poses, 0, 2)
+
+
+def test_what_can_be_chosen_is_known_to_be_reached() -> None:
+    for name in ("rear-push-rear", "press-slide"):
+        task = pps.load_task(name).told
+        (best,) = [choice for choice in pps.select(task) if choice.feasible][:1]
+        assert Touching(task).able(best.mode, [task.start, task.goal], 0, 1)
+
+
+def test_an_object_is_handed_over_where_both_arms_press_it() -> None:
+    ways = free_space(ACROSS).ways(ACROSS.goal)
+    reached = touching(ACROSS, "press_slide", waypoints(ACROSS, ways)).any(axis=2)
+    assert reached.all(axis=1).sum() >= 2
+    modes = pps.plan(ACROSS).segments
+    arms = [contact.arm for segment in modes for contact in segment.contacts]
+    assert arms[0] == 1
+    assert arms[-1] == 0
+
+
+def test_one_arm_that_reaches_both_ends_hands_nothing_over() -> None:
+    task = cell({"x": 0.45, "y": -0.6}, {"x": 0.55, "y": -0.8})
+    assert {c.arm for s in pps.plan(task).segments for c in s.contacts} == {1}
