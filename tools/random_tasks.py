@@ -116,7 +116,7 @@ AMONG_OBSTACLES = (
         )
         for name, what, task, seed, force in (
             ("cluttered-one-arm", "a Panda", "post", 2000, 60),
-            ("cluttered-two-arms", "two iiwa7", "slot", 2001, 100),
+            ("cluttered-two-arms", "two iiwa7", "bimanual-slide", 2001, 100),
         )
     ),
     Table("push-t", "`push-t`, other starts", "push-t", 2000, samples=40, vary="start"),

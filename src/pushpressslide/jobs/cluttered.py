@@ -26,6 +26,7 @@ from pushpressslide.core.task import (
     Task,
 )
 from pushpressslide.planning.free_way import FreeSpace, between
+from pushpressslide.robots.reach_map import each_reached
 
 Range = tuple[float, float]
 
@@ -54,9 +55,9 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
     """Return a new task for ``base``'s robots: another object, frictions, start, goal
     and up to OBSTACLES obstacles.
 
-    Drawn again where start, goal and obstacles overlap each other or a base, and where
-    a grid over place and yaw has no free way for the footprint. Raises
-    PushPressSlideError after TRIES draws.
+    Drawn again where start, goal and obstacles overlap each other or a base, where no
+    arm reaches the middle of the top at start or goal, and where a grid over place and
+    yaw has no free way for the footprint. Raises PushPressSlideError after TRIES draws.
     """
     rng = np.random.default_rng([seed, index])
     arms = len(base.robots)
@@ -69,8 +70,9 @@ def cluttered_task(base: Task, index: int, seed: int) -> Task:
         start = _pose(rng, base.robots, arms)
         goal = _pose(rng, base.robots, arms)
         obstacles = _obstacles(rng, base.robots, (start, goal), count, blocked)
-        apart = _apart(obstacles)
-        if apart and _fits(base, body, (start, goal), obstacles):
+        ends = (start, goal)
+        able = _in_reach(base.robots, body.shape, ends) and _apart(obstacles)
+        if able and _fits(base, body, ends, obstacles):
             break
     else:
         raise PushPressSlideError(
@@ -174,6 +176,19 @@ def _pose(rng: np.random.Generator, robots: Sequence[Robot], arms: int) -> Pose2
     azimuth = float(rng.uniform(-AZIMUTH, AZIMUTH)) + robot.base_yaw
     yaw = float(rng.uniform(-math.pi, math.pi))
     return Pose2(x + r * math.cos(azimuth), y + r * math.sin(azimuth), yaw)
+
+
+def _in_reach(robots: Sequence[Robot], shape: Shape, ends: tuple[Pose2, Pose2]) -> bool:
+    """Return whether at both ends some robot's tip comes to the middle of the top."""
+    places = np.array([X.apply(shape.centroid) for X in ends])
+    able = np.full(len(ends), False)
+    for robot in robots:
+        height = np.full((len(ends), 1), shape.height + robot.tip_radius)
+        away = places - robot.base[:2]
+        outward = np.arctan2(away[:, 1], away[:, 0])
+        azimuths = np.column_stack([outward, outward + math.pi])
+        able |= each_reached(robot, np.hstack([places, height]), azimuths)
+    return bool(able.all())
 
 
 def _obstacles(
