@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 TOUCH_AND_RELEASE = 4.0  # [s] typical time of both, for the progress
 FALLEN = "the object has fallen over the edge of support.region"
-FAR = 2.0  # [m] from the start: the simulation has diverged
+FAR = 2.0  # [m] from start and goal: the simulation has diverged
 FELT_FORCE = 0.3  # [N] from which a contact point can be told from the force
 RATE_TIME = 0.05  # [s] over which the rate of the joint reference is smoothed
 NO_POINT = [math.nan] * 3
@@ -189,7 +189,7 @@ class DrakePlant:
         """
         task = plan.part(plan.segments[0])
         plant = station.plant
-        self._start = task.start
+        self._ends = (task.start, plan.task.goal)
         self._edged = task.support.region is not None
         self._frame = task.support.frame
         self._period = task.motion.control_period
@@ -354,7 +354,7 @@ class DrakePlant:
         complained.
         """
         pose = self._truth.object_pose
-        off = math.hypot(pose.x - self._start.x, pose.y - self._start.y)
+        off = min(math.dist(pose.position, end.position) for end in self._ends)
         if not np.isfinite(self._x).all() or off > FAR:
             return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
         if self._edged:
