@@ -132,3 +132,19 @@ def test_a_press_without_load_or_a_push_without_lever_is_refused(
         press_and_push_allocator(
             PRESS, load, PUSH, (normal[0] / size, normal[1] / size), 0.7
         )
+
+
+def test_the_margin_is_that_of_the_contact_nearer_to_slipping():
+    pushed_nearer = 0
+    for press, load, push, normal, friction, cop, wrench in drawn(400, 11):
+        allocate = press_and_push_allocator(press, load, push, normal, friction, cop)
+        out = allocate(*wrench)
+        if out.status != "ok":
+            continue
+        (gx, gy), (hx, hy) = out.forces
+        nx, ny = normal
+        of_press = friction * load - math.hypot(gx, gy)
+        of_push = friction * (hx * nx + hy * ny) - abs(nx * hy - ny * hx)
+        assert out.margin == pytest.approx(min(of_press, of_push), abs=1e-9)
+        pushed_nearer += of_push < of_press
+    assert pushed_nearer > 20

@@ -310,3 +310,21 @@ def test_contacts_in_one_place_are_refused():
         two_contact_allocator(
             ((0.1, 0.0), (0.1, 0.0)), ((1.0, 0.0), (0.0, -1.0)), 0.5, RHO
         )
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("size", [math.inf, -math.inf, math.nan])
+@pytest.mark.parametrize("projection", ["nearest", "force_priority", "torque_priority"])
+def test_a_wrench_without_end_gets_no_force(axis, size, projection):
+    allocate = two_contact_allocator(
+        ((-0.1, 0.05), (-0.1, -0.05)),
+        ((1.0, 0.0), (1.0, 0.0)),
+        0.5,
+        RHO,
+        projection=projection,
+    )
+    wrench = [1.0, 0.0, 0.0]
+    wrench[axis] = size
+    out = allocate(*wrench)
+    assert out.status == "infeasible"
+    assert out.forces == ((0.0, 0.0), (0.0, 0.0))

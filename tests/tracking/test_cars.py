@@ -15,7 +15,7 @@ from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.rom.unicycle import Unicycle
 from pushpressslide.tracking.axle import AxleTracker
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
-from pushpressslide.tracking.rear_car import RearPushTracker
+from pushpressslide.tracking.rear_car import EASING, RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
 from pushpressslide.tracking.unicycle import UnicycleTracker
 
@@ -203,3 +203,13 @@ def test_a_turn_is_steered_about_the_force_and_the_curvature_that_were_planned()
         assert guidance.wrench.tau == pytest.approx(ahead[0] * fy - ahead[1] * fx)
     far = [guidance_at(follower, 0.1, Pose2(0.0, y, 0.0)).steering for y in (0.1, -0.1)]
     assert far == pytest.approx([-0.2, 0.15])
+
+
+def test_a_rear_push_heads_into_a_bend_before_it_is_there() -> None:
+    follower = rear_push((-0.1, 0.0))
+    bend = PATH.pieces[0][1]
+    ahead, _ = PATH.eased(bend, EASING * SPEED)
+    assert ahead < -0.004  # to the right, from a curve to the left
+    X_WB = PATH.pose(bend).compose(follower.X_BV.inverse())
+    guidance = follower.tracker.step(PATH, X_WB, bend, SPEED, 1.0)
+    assert guidance.error[2] == pytest.approx(ahead, rel=1e-6)

@@ -72,3 +72,21 @@ def test_at_first_both_targets_ask_for_the_arc_through_them() -> None:
     assert fixed.curvature((0.0, 0.0, 0.0), 0.0, 0.0, 0.0)[0] == pytest.approx(0.8)
     sliding = LookAheadAlignment(ell, 50.0)
     assert sliding.curvature((0.0, 0.0, 0.0), 0.002, 0.0, 0.0)[0] == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize("turn", [0.7, 2.0, -2.5])
+def test_a_fixed_target_does_not_depend_on_where_the_axes_point(turn: float) -> None:
+    goal = Pose2(0.3, 0.1, 0.2)
+    start = Pose2(-0.1, 0.02, 0.1)
+    turned = Pose2(0.0, 0.0, turn)
+    asked = [
+        LookAheadAlignment(0.1, 50.0, X_goal).curvature(
+            (X.x, X.y, X.yaw), 0.0, 0.0, 0.0
+        )[0]
+        for X_goal, X in (
+            (goal, start),
+            (turned.compose(goal), turned.compose(start)),
+        )
+    ]
+    assert asked[1] == pytest.approx(asked[0])
+    assert abs(asked[0]) > 1.0
