@@ -105,8 +105,9 @@ def test_a_tip_may_be_a_little_over_the_edge_and_less_where_it_is_smooth() -> No
 
     assert not refused(0.99 * margins.OVER_EDGE, 0.8)
     assert refused(1.01 * margins.OVER_EDGE, 0.8)
-    assert not refused(0.13, 0.2)
-    assert refused(0.15, 0.2)
+    smooth = margins.OVER_EDGE_FRICTION * 0.2
+    assert not refused(0.99 * smooth, 0.2)
+    assert refused(1.01 * smooth, 0.2)
 
 
 def test_a_push_that_is_not_felt_before_the_object_slides_is_refused() -> None:

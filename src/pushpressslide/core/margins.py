@@ -34,9 +34,11 @@ the way there tells.
 LEVER_SHARE = 0.5
 """Of the longest lever about a pinned point: places with less are left out."""
 OVER_EDGE = 0.3
-"""Tip radii by which a pushing tip's centre may be above the object's upper edge: its
-force then leans down by 17 degrees. The same over the tip's friction is 0.7 at most.
+"""Tip radii by which a pushing tip's centre may be above the object's upper edge, where
+its force leans down by the arcsine of that: 17 degrees.
 """
+OVER_EDGE_FRICTION = 0.7
+"""Of the tip's friction: the same for a smooth tip, whose force stays inside its cone."""
 WIDTHS = (1.0, 0.8, 0.6, 0.4, 0.25)
 """Of the room on a face: half the distances of two contacts on it that are tried."""
 

@@ -85,7 +85,8 @@ def drag_refusal(
     scene = task.scene
     top = scene.body.shape.height
     radius = max(robot.tip_radius for robot in scene.tips)
-    over = min(margins.OVER_EDGE, 0.7 * scene.contact_friction) * radius
+    smooth = margins.OVER_EDGE_FRICTION * scene.contact_friction
+    over = min(margins.OVER_EDGE, smooth) * radius
     if height > top + over:
         text = "touched at {figure:mm.0f}, the object is {allowed:mm.0f} high"
         return Refusal("above_object", text, height, top, "m")
