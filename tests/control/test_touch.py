@@ -7,10 +7,17 @@ from collections.abc import Callable
 
 import pytest
 
-from pushpressslide.control.state import TipContext, TipMemory, tip_position
-from pushpressslide.control.touch import TipTouch
+from pushpressslide.control.state import (
+    TipContext,
+    TipMemory,
+    smooth,
+    smooth_change,
+    smooth_rate,
+    tip_position,
+)
+from pushpressslide.control.touch import TipTouch, WayBack, drawn_back
 from pushpressslide.core import margins
-from pushpressslide.core.control import TipState, Vector3
+from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Sensing
@@ -157,3 +164,31 @@ def test_what_is_seen_grows_with_the_noise() -> None:
     assert Sensing(position_noise=0.002).seen_motion == pytest.approx(0.008)
     assert Sensing().seen_motion == margins.ARM.slid
     assert math.isclose(SEEN, margins.ARM.slid)
+
+
+def test_a_tip_that_is_drawn_back_is_told_how_its_reference_moves() -> None:
+    """Its arm's inertia would turn the tool else."""
+    room = 0.06
+    dt = 1e-5
+
+    def at(u: float) -> TipCommand:
+        way = WayBack(room * smooth(u), room * smooth_rate(u), room * smooth_change(u))
+        state = TipState((0.1, 0.2, 0.03), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        context = TipContext(BEHIND, state, START, 0.0, DT, 0.0, START.yaw)
+        return drawn_back(context, state.position, way)
+
+    n = BEHIND.direction(START)
+    for u in (0.1, 0.35, 0.5, 0.8):
+        before, now, after = at(u - dt), at(u), at(u + dt)
+        for i in range(3):
+            x = before.position[i], now.position[i], after.position[i]
+            assert now.velocity[i] == pytest.approx((x[2] - x[0]) / (2 * dt), abs=1e-9)
+            v = before.velocity[i], after.velocity[i]
+            change = (v[1] - v[0]) / (2 * dt)
+            assert now.acceleration[i] == pytest.approx(change, abs=1e-8)
+    assert math.dist(at(1.0).position, at(0.0).position) == pytest.approx(room)
+    off = [a - b for a, b in zip(at(1.0).position, at(0.0).position, strict=True)]
+    assert sum(a * b for a, b in zip(off, n, strict=True)) == pytest.approx(-room)
+    for u in (0.0, 1.0):
+        assert at(u).velocity == pytest.approx((0.0, 0.0, 0.0))
+        assert at(u).acceleration == pytest.approx((0.0, 0.0, 0.0))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.core.control import PHASES
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import (
@@ -62,11 +63,28 @@ def done(task: Task) -> tuple[dict[str, Any], Record]:
     return measured, record
 
 
+def largest_lag(record: Record) -> float:
+    """Return how far [rad] joints are from where they were planned as the tips are
+    drawn back, more than when they began to be.
+    """
+    released = record.arrays["phase"] == PHASES.index("release")
+    lags = []
+    for arm in range(len(record.plan.task.robots)):
+        q, wanted = (
+            record.arrays[f"joint_{name}_{arm}"][released]
+            for name in ("position", "reference")
+        )
+        lag = np.abs(wanted - q)
+        lags.append(float((lag - lag[0]).max()))
+    return max(lags)
+
+
 def test_two_arms_push_side_by_side() -> None:
     task = load_task("parallel-push", ["goal={x: 0.56, y: 0.04, yaw_deg: 0}"])
-    measured, _ = done(task)
+    measured, record = done(task)
     assert measured["modes"] == ["parallel_push"]
     assert measured["bodies"]["object"]["displacement"] > 0.05
+    assert largest_lag(record) < 0.03
 
 
 def test_two_tips_push_at_a_right_angle() -> None:

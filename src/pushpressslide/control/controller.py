@@ -45,6 +45,8 @@ from pushpressslide.control.state import (
     remade,
     seen,
     smooth,
+    smooth_change,
+    smooth_rate,
 )
 from pushpressslide.control.timeline import Timeline
 from pushpressslide.control.tip_motion import (
@@ -54,7 +56,7 @@ from pushpressslide.control.tip_motion import (
     drag_ratio,
     missing,
 )
-from pushpressslide.control.touch import TipTouch, drawn_back, held_at
+from pushpressslide.control.touch import TipTouch, WayBack, drawn_back, held_at
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import ControlLog, Measurement, Phase, TipCommand
@@ -811,7 +813,7 @@ class Controller:
         rest = _rest(state)
         duration = ramp_time(margins.ARM.retreat)
         elapsed = measurement.time - state.since
-        share = min(_share_back(state, measurement), state.drawn)
+        share = _way_back(state, measurement)
         contacts = state.binding.segment.contacts
         part = self.parts[state.binding.segment.leg]
         yaw = measurement.object_pose.yaw
@@ -825,10 +827,12 @@ class Controller:
                 command = held_at(context, memory.start, push=touch.force_of(contact))
             else:
                 wanted = margins.ARM.retreat if failed else self.back
-                off = share * room_before(part, contact, wanted)
+                room = room_before(part, contact, wanted)
+                way = WayBack(*(room * one for one in share))
                 if not failed:
-                    context = replace(context, joint_progress=progress + off)
-                command = drawn_back(context, memory.start, off)
+                    ahead = progress + way.distance
+                    context = replace(context, joint_progress=ahead)
+                command = drawn_back(context, memory.start, way)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
         if failed and elapsed < margins.ARM.longest_stop:
@@ -848,6 +852,18 @@ def _share_back(state: ControllerState, measurement: Measurement) -> float:
     """Return the share of the way back that tips are led, if nothing halts them."""
     elapsed = measurement.time - state.since - _rest(state)
     return smooth(elapsed / ramp_time(margins.ARM.retreat))
+
+
+def _way_back(state: ControllerState, measurement: Measurement) -> WayBack:
+    """Return how the tips are led along a way back of 1 m: they are halted where
+    ``state.drawn`` says so.
+    """
+    share = _share_back(state, measurement)
+    if share >= state.drawn:
+        return WayBack(state.drawn, 0.0, 0.0)
+    duration = ramp_time(margins.ARM.retreat)
+    u = (measurement.time - state.since - _rest(state)) / duration
+    return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
 
 
 def _share_of_tolerance(task: Task, pose: Pose2) -> float:

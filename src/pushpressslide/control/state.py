@@ -209,6 +209,14 @@ def smooth_rate(u: float) -> float:
     return 30.0 * u * u * (1.0 - u) * (1.0 - u)
 
 
+def smooth_change(u: float) -> float:
+    """Return the second derivative of the minimum-jerk ramp at ``u``, zero outside [0,
+    1].
+    """
+    u = min(max(u, 0.0), 1.0)
+    return 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+
+
 def ramp_time(way: float, speed: float = ALIGN_SPEED) -> float:
     """Return how long a minimum-jerk move over ``way`` [m] takes at ``speed`` [m/s] at
     its fastest [s].

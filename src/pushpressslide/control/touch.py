@@ -29,6 +29,8 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 
+STILL = (0.0, 0.0, 0.0)
+
 
 class TouchStep(NamedTuple):
     """What the touch of one tip comes to at a tick."""
@@ -37,6 +39,14 @@ class TouchStep(NamedTuple):
     memory: TipMemory
     done: bool
     problem: str | None = None  # what went wrong
+
+
+class WayBack(NamedTuple):
+    """How far a tip is drawn off its contact, and how that changes."""
+
+    distance: float  # [m]
+    speed: float  # [m/s]
+    acceleration: float  # [m/s^2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,12 +255,15 @@ def held_at(
     )
 
 
-def drawn_back(context: TipContext, start: Vector3, distance: float) -> TipCommand:
-    """Return the command of a tip that is drawn ``distance`` [m] off its contact from
-    ``start`` [m].
-    """
+def drawn_back(context: TipContext, start: Vector3, way: WayBack) -> TipCommand:
+    """Return the command of a tip that is drawn off its contact from ``start`` [m]."""
     n = context.contact.direction(context.X_WB)
-    return held_at(context, _ahead(start, n, -distance))
+    position, velocity, acceleration = (
+        _ahead(origin, n, -moved)
+        for origin, moved in zip((start, STILL, STILL), way, strict=True)
+    )
+    command = held_at(context, position, velocity)
+    return replace(command, acceleration=acceleration)
 
 
 def _ahead(origin: Vector3, direction: Vector3, distance: float) -> Vector3:

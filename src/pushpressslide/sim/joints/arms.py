@@ -5,6 +5,7 @@ Where only one of them has a contact, the other waits out of its way.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -29,8 +30,8 @@ Pair = Sequence[Solution]  # one joint path of each arm
 # [m] least distance of the arms' capsules, which contain the real outline with 1 cm to
 # spare
 APART = 0.01
-SAMPLES = 60  # of an approach at which the distance is computed
-GLANCE = 6  # every sixth sample along the contacts is checked before all of them are
+PERIOD = 0.02  # [s] at most, between samples of an approach
+GLANCE = 6  # every sixth sample is checked before all of them are
 RETREAT_SAMPLES = 7
 IN_TURN = 8  # most pairs for which one arm is led around the other
 
@@ -237,10 +238,7 @@ class _TwoArms:
         if touching < APART:
             return touching
         left, right = (solution.move.posture.q for solution in pair)
-        coarse = self._least(left[::GLANCE], right[::GLANCE])
-        if coarse < APART:
-            return coarse
-        return min(touching, self._least(left, right))
+        return min(touching, self._glanced(left, right))
 
     def _touching(self, pair: Pair) -> float:
         """Return the arms' least distance [m] as both go from beside the object to
@@ -259,6 +257,15 @@ class _TwoArms:
             count = min(len(left), len(right))
             left = left[-count:]
             right = right[-count:]
+        return self._least(left, right)
+
+    def _glanced(self, left: Array, right: Array) -> float:
+        """Return what ``_least`` does, of every sixth sample where that is too small
+        already.
+        """
+        coarse = self._least(left[::GLANCE], right[::GLANCE])
+        if coarse < APART:
+            return coarse
         return self._least(left, right)
 
     def _least(self, left: Array, right: Array) -> float:
@@ -321,8 +328,8 @@ class _TwoArms:
             for solution, delay in zip(pair, delays, strict=True)
         ]
         end = max(float(path.approach_time[-1]) for path in paths)
-        times = np.linspace(0.0, end, SAMPLES)
-        clear = self._least(*(_sampled(path, times) for path in paths))
+        times = np.linspace(0.0, end, max(2, math.ceil(end / PERIOD)))
+        clear = self._glanced(*(_sampled(path, times) for path in paths))
         if clear < APART and not force:
             return Conflict(1, "on the way to the object", clear)
         return tuple(
