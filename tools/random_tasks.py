@@ -79,7 +79,7 @@ MODES = (
     ("bimanual_press_slide", "bimanual-slide", 40),
 )
 KNOWN = tuple(
-    Table(name, what, task, 1900 + i, attempts, sets, refusals=REFUSALS)
+    Table(name, what, task, 1970 + i, attempts, sets, refusals=REFUSALS)
     for i, (name, what, task, attempts, sets) in enumerate(
         (
             *((mode, f"`{mode}`", task, count, ALONE) for mode, task, count in MODES),
@@ -93,14 +93,14 @@ REFUSED = tuple(
     replace(
         table,
         name=f"{table.name}-refused",
-        seed=table.seed + 60,
+        seed=table.seed - 10,
         attempts=0,
         samples=samples,
     )
     for table, samples in zip(KNOWN, (15, 18, 7, 12, 10, 22, 32), strict=True)
 )
 UNCERTAIN = tuple(
-    Table(f"{mode}-uncertain", f"`{mode}`", task, 1910 + i, 20, ALONE, "uncertain")
+    Table(f"{mode}-uncertain", f"`{mode}`", task, 1980 + i, 20, ALONE, "uncertain")
     for i, (mode, task, _) in enumerate(MODES)
 )
 AMONG_OBSTACLES = (
