@@ -56,6 +56,7 @@ def _interval(grid: Array, value: float) -> tuple[int, float]:
     """Return which interval of a rising ``grid`` holds ``value``, and the share of the
     interval up to it.
     """
-    i = int(np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2))
-    share = (value - grid[i]) / (grid[i + 1] - grid[i])
+    i = min(max(int(grid.searchsorted(value)) - 1, 0), len(grid) - 2)
+    before = float(grid[i])
+    share = (value - before) / (float(grid[i + 1]) - before)
     return i, min(max(share, 0.0), 1.0)

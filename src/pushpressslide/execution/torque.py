@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg.lapack import dposv, dpotrf
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
@@ -78,7 +79,9 @@ def braked(J: Array, damping: Array) -> Array:
     ``J`` (6, n) as in ``task_torque``. An arm that is stretched out coasts through that
     posture, and bends to the other side, while its tip rests.
     """
-    if float(np.linalg.eigvalsh(J @ J.T)[0]) >= SINGULAR**2:
+    # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
+    _, indefinite = dpotrf(_softened(J, -(SINGULAR**2)))
+    if not indefinite:
         return np.zeros(len(damping))
     _, sizes, motions = np.linalg.svd(J, full_matrices=False)
     motion = motions[-1]
@@ -113,8 +116,19 @@ def _unfelt(J: Array, torque: Array, softening: Array) -> Array:
     """Return what of a ``torque`` (n,) is not felt along the rows of ``J`` (k, n): I -
     J^T (J J^T + ``softening``)^-1 J, applied to it.
     """
-    out: Array = torque - J.T @ np.linalg.solve(_softened(J, softening), J @ torque)
+    out: Array = torque - J.T @ _solved(_softened(J, softening), J @ torque)
     return out
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """Return the solution of a symmetric system, (k,) or (k, n); quickly of one that is
+    positive definite, as all are but for rounding errors.
+    """
+    solution: Array
+    _, solution, indefinite = dposv(matrix, right)
+    if indefinite:
+        solution = np.linalg.solve(matrix, right)
+    return solution
 
 
 def _softened(J: Array, softening: Array | float) -> Array:
@@ -132,8 +146,8 @@ def _forceless(J: Array, torque: Array) -> Array:
     enough: a tip that is held where it is while a moment keeps the tool's attitude
     feels the force of this wrench.
     """
-    held = np.linalg.solve(_softened(J, FULL_RANK), J)[3:]
-    out: Array = torque - held.T @ np.linalg.solve(held @ held.T, held @ torque)
+    held = _solved(_softened(J, FULL_RANK), J)[3:]
+    out: Array = torque - held.T @ _solved(held @ held.T, held @ torque)
     return out
 
 
@@ -144,7 +158,7 @@ def task_inertia(J: Array, M: Array) -> Array:
     where it grows without bound, the arm is not to be driven along what it can hardly
     move: damped least squares, by ``LEAST_MOBILITY``.
     """
-    mobility, axes = np.linalg.eigh(J @ np.linalg.solve(M, J.T))
+    mobility, axes = np.linalg.eigh(J @ _solved(M, J.T))
     inertia = mobility / (mobility * mobility + LEAST_MOBILITY**2)
     out: Array = (axes * inertia) @ axes.T
     return out
@@ -165,10 +179,10 @@ def limited(
     """Return ``tau`` held inside effort [N m] and rate [N m/s] limits; ``previous`` is
     the torque (n,) of the tick before, ``dt`` [s] ago.
     """
-    held = np.clip(tau, -effort, effort)
+    held = np.minimum(np.maximum(tau, -effort), effort)
     step = rate * dt
     return LimitedTorque(
-        np.clip(held, previous - step, previous + step),
-        float(np.max(np.abs(tau) / effort)),
-        float(np.max(np.abs(held - previous) / step)),
+        np.minimum(np.maximum(held, previous - step), previous + step),
+        float((np.abs(tau) / effort).max()),
+        float((np.abs(held - previous) / step).max()),
     )
