@@ -124,11 +124,11 @@ def _solved(matrix: Array, right: Array) -> Array:
     """Return the solution of a symmetric system, (k,) or (k, n); quickly of one that is
     positive definite, as all are but for rounding errors.
     """
-    solution: Array
     _, solution, indefinite = dposv(matrix, right)
     if indefinite:
         solution = np.linalg.solve(matrix, right)
-    return solution
+    out: Array = solution
+    return out
 
 
 def _softened(J: Array, softening: Array | float) -> Array:
