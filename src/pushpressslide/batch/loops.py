@@ -8,6 +8,8 @@ import hashlib
 import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,9 +20,26 @@ import numpy as np
 
 from pushpressslide.batch.formulas import COMPILED, Columns, Formula
 
+_by_numpy: ContextVar[bool] = ContextVar("by_numpy", default=False)
+
+
+@contextmanager
+def by_numpy() -> Iterator[None]:
+    """Run formulas by NumPy inside, whether numba is installed or not."""
+    token = _by_numpy.set(True)
+    try:
+        yield
+    finally:
+        _by_numpy.reset(token)
+
+
+def compiler() -> ModuleType | None:
+    """Return numba; None where it is not installed or not wanted."""
+    return None if _by_numpy.get() else installed()
+
 
 @cache
-def compiler() -> ModuleType | None:
+def installed() -> ModuleType | None:
     """Return numba; None where it is not installed."""
     try:
         importlib.import_module("numba.extending")

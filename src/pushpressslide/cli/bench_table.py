@@ -11,7 +11,18 @@ from rich.table import Table
 
 HEADINGS = {
     "median_us": "median us",
+    "p99_us": "99th percentile us",
     "ratio": "times the first",
+    "off_path_mm": "off the path mm",
+    "end_mm": "off in the end mm",
+    "end_deg": "deg",
+    "tick_us": "median tick us",
+    "longest_us": "longest us",
+    "late": "ticks over the period",
+    "run_over_played_back": "run over its torques played back",
+    "wall_per_simulated": "wall s per simulated s",
+    "planned_s": "planned s",
+    "apart_mm": "played back apart mm",
     "possible": "possible, share",
     "symmetric": "paper's split, share",
     "bias": "paper's bias, wrench",

@@ -228,7 +228,7 @@ def bench(
     """Run the benchmarks beside the alternatives, as ratios.
 
     Names: pushes, presses, tick, agreement, coverage, turning, sticking,
-    select.
+    select, batches, dubins, mpc, runs, start.
     """
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 

@@ -9,12 +9,12 @@ from typer.testing import CliRunner
 
 from pushpressslide.cli import app
 from pushpressslide.core.errors import TaskError
-from pushpressslide.studies.bench import bench, contestants, coverage, solvers
+from pushpressslide.studies.bench import bench, compared, contestants, coverage, solvers
 
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(bench, "ROUNDS", 3)
+    monkeypatch.setattr(compared, "ROUNDS", 3)
     monkeypatch.setattr(bench, "CASES", 20)
     monkeypatch.setattr(bench, "SAMPLES", 2000)
     monkeypatch.setattr(contestants, "WRENCHES", 40)
@@ -26,12 +26,12 @@ def ratios(rows):
 
 def test_ratios_are_to_the_first_contestant_and_an_absent_one_says_why(monkeypatch):
     clock = [0.0]
-    monkeypatch.setattr(bench, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(compared, "perf_counter", lambda: clock[0])
 
     def takes(seconds: float) -> None:
         clock[0] += seconds
 
-    rows = bench.compared(
+    rows = compared.compared(
         {
             "quick": [(takes, (2.0,))] * 3,
             "slow": [(takes, (14.0,))] * 3,
@@ -45,6 +45,7 @@ def test_ratios_are_to_the_first_contestant_and_an_absent_one_says_why(monkeypat
     assert rows[2] == {
         "what": "absent",
         "median_us": None,
+        "p99_us": None,
         "ratio": None,
         "note": "not here",
     }

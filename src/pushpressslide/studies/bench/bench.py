@@ -1,32 +1,27 @@
-"""The benchmarks: the closed forms beside solvers.
+"""The benchmarks: the closed forms beside solvers, libraries and other controllers.
 
-Speeds are ratios of medians over the same wrenches in the same run.
+Speeds are ratios of medians in the same run.
 """
 
 from __future__ import annotations
 
 import importlib.metadata
-import statistics
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.json_text import to_json
 from pushpressslide.report.metrics import installed_versions
+from pushpressslide.studies.bench.compared import Contestants, Row, compared
 from pushpressslide.studies.bench.contestants import (
     ABSENT,
-    Call,
-    Contestants,
     press_contestants,
     push_contestants,
 )
 
-Row = dict[str, Any]
 Progress = Callable[[float, float], None]
-ROUNDS = 9
 CALLS = 2000  # of a tick in a round
 CASES = 10_000  # of each comparison
 PUSHES = 1000  # of a flat finger
@@ -70,55 +65,12 @@ def bench(
 def solver_versions() -> dict[str, str]:
     """Return the versions of the solvers that are installed."""
     versions = {}
-    for name in ("daqp", "clarabel", "scipy"):
+    for name in ("daqp", "clarabel", "scipy", "numba", "ompl", "casadi"):
         try:
             versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             continue
     return versions
-
-
-def median_time(calls: Sequence[Call]) -> float:
-    """Return the median time [s] of single calls, each timed by itself."""
-    times = []
-    for function, arguments in calls:
-        started = perf_counter()
-        function(*arguments)
-        times.append(perf_counter() - started)
-    return statistics.median(times)
-
-
-def compared(contestants: Contestants) -> list[Row]:
-    """Return the median time of each contestant, and its ratio to the first one's.
-
-    All in turn, in several rounds; both figures are medians over the rounds, so that
-    what else the machine does falls on all alike. A text in place of calls says why
-    there are none.
-    """
-    first, *_ = contestants
-    rounds: dict[str, list[float]] = {name: [] for name in contestants}
-    for _ in range(ROUNDS):
-        for name, calls in contestants.items():
-            if not isinstance(calls, str):
-                rounds[name].append(median_time(calls))
-    rows: list[Row] = []
-    for name, calls in contestants.items():
-        if isinstance(calls, str):
-            rows.append({"what": name, "median_us": None, "ratio": None, "note": calls})
-            continue
-        ratios = [
-            time / ours for time, ours in zip(rounds[name], rounds[first], strict=True)
-        ]
-        median = 1e6 * statistics.median(rounds[name])
-        rows.append(
-            {
-                "what": name,
-                "median_us": median,
-                "ratio": statistics.median(ratios),
-                "note": "",
-            }
-        )
-    return rows
 
 
 def pushes(seed: int, out: Path) -> list[Row]:
@@ -226,6 +178,41 @@ def sticking(seed: int, out: Path) -> list[Row]:
     return scores(PUSHES, seed)
 
 
+def batches(seed: int, out: Path) -> list[Row]:
+    """Run the laws on arrays, compiled and by NumPy, beside a copy of the same bytes."""
+    from pushpressslide.studies.bench.batches import batches as rows
+
+    return rows(seed)
+
+
+def dubins(seed: int, out: Path) -> list[Row]:
+    """Find the lengths of Dubins paths, in batch and singly, beside OMPL."""
+    from pushpressslide.studies.bench.batches import dubins as rows
+
+    return rows(seed)
+
+
+def mpc(seed: int, out: Path) -> list[Row]:
+    """Push on a path by the closed forms, and by model-predictive control."""
+    from pushpressslide.studies.bench.mpc import mpc as rows
+
+    return rows()
+
+
+def runs(seed: int, out: Path) -> list[Row]:
+    """Run shipped tasks in Drake, beside the same simulation with torques played back."""
+    from pushpressslide.studies.bench.whole_run import runs as rows
+
+    return rows()
+
+
+def start(seed: int, out: Path) -> list[Row]:
+    """Start programs, beside ``import numpy``."""
+    from pushpressslide.studies.bench.start import start as rows
+
+    return rows()
+
+
 BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
     benchmark.__name__: benchmark
     for benchmark in (
@@ -237,5 +224,10 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         turning,
         sticking,
         select,
+        batches,
+        dubins,
+        mpc,
+        runs,
+        start,
     )
 }

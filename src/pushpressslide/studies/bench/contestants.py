@@ -18,11 +18,8 @@ from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench import solvers
+from pushpressslide.studies.bench.compared import Call, Contestants
 
-Call = tuple[Callable[..., object], tuple[Any, ...]]
-"""A function, and what to call it with."""
-Contestants = dict[str, Sequence[Call] | str]
-"""The calls of each contestant, or why there are none; ours first."""
 Make = Callable[..., Callable[..., object]]
 """From a problem to what solves it."""
 Case = tuple[tuple[Any, ...], Sequence[tuple[Any, ...]]]
