@@ -90,6 +90,14 @@ class SweepOptions:
     jobs: Annotated[
         int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
     ] = 0
+    cluster: Annotated[
+        str,
+        typer.Option(
+            "--cluster",
+            metavar="ADDRESS",
+            help="Dask scheduler whose workers run the samples, as tcp://10.0.0.1:8786.",
+        ),
+    ] = ""
     seed: Seed = 0
     out: Out = None
     sets: Sets = None
@@ -121,6 +129,7 @@ def sweep(options: SweepOptions) -> None:
         check_refusals=options.check_refusals,
         sample_time=options.sample_time,
         jobs=options.jobs,
+        cluster=options.cluster,
         force=options.force,
     )
     label = f"{options.samples} samples on {options.engine}"

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
@@ -18,6 +19,7 @@ from typing import Any, Literal
 from pushpressslide.core.errors import PushPressSlideError, TaskError
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.jobs.cluster import cluster
 from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.jobs.interrupt import blocked_for_children, terminated_as_interrupt
 from pushpressslide.jobs.parallel import worker_pool
@@ -50,6 +52,7 @@ class SweepOptions:
     check_refusals: int = 0  # refused samples to run all the same
     sample_time: float = 0.0  # [s] of wall time that a sample may take; 0: any
     jobs: int = 0  # processes; 0: one for each core
+    cluster: str = ""  # address of a Dask scheduler whose workers run the samples
     force: bool = False  # run finished samples again
 
     def settings(self, task: Task) -> dict[str, Any]:
@@ -93,21 +96,37 @@ def sweep(
         path.unlink(missing_ok=True)
     settings = options.settings(task)
     rows = Rows(path, key_of(settings))
-    with terminated_as_interrupt(), worker_pool(options.jobs) as pool:
-        drawn = _draw(pool, task, options, rows, progress)
+    with terminated_as_interrupt(), _pool(options) as (pool, processes):
+        drawn = _draw(pool, processes, task, options, rows, progress)
         _check_refusals(pool, task, options, rows, drawn)
     return _write_results(out, task, options, rows, drawn)
 
 
+@contextmanager
+def _pool(options: SweepOptions) -> Iterator[tuple[Executor, int]]:
+    """Give what runs the samples, and how many at a time."""
+    if options.cluster:
+        if options.sample_time:
+            raise PushPressSlideError(
+                f"--sample-time: {options.sample_time:g} is not allowed with --cluster, "
+                "whose workers have no alarms; allowed: 0"
+            )
+        with cluster(options.cluster) as (pool, processes):
+            yield pool, processes
+        return
+    with worker_pool(options.jobs) as own:
+        yield own, options.jobs or os.cpu_count() or 1
+
+
 def _draw(
-    pool: ProcessPoolExecutor,
+    pool: Executor,
+    processes: int,
     task: Task,
     options: SweepOptions,
     rows: Rows,
     progress: Progress | None,
 ) -> int:
     """Run samples until there are enough; return how many are counted."""
-    processes = options.jobs or os.cpu_count() or 1
     running: set[Future[Row]] = set()
     numbers = count()
     drawn = _Drawn(options, rows)
@@ -168,7 +187,7 @@ class _Drawn:
 
 
 def _check_refusals(
-    pool: ProcessPoolExecutor, task: Task, options: SweepOptions, rows: Rows, drawn: int
+    pool: Executor, task: Task, options: SweepOptions, rows: Rows, drawn: int
 ) -> None:
     """Run the best choices of the first refused samples all the same."""
     refused = [i for i in range(drawn) if rows.status(i) == "refused"]
@@ -182,7 +201,7 @@ def _check_refusals(
         rows.add(row)
 
 
-def _in_order(pool: ProcessPoolExecutor, work: Sequence[Work]) -> Iterator[Row]:
+def _in_order(pool: Executor, work: Sequence[Work]) -> Iterator[Row]:
     """Yield the rows of ``work`` in its order."""
     with blocked_for_children():
         futures = [pool.submit(piece) for piece in work]

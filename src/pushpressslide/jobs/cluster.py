@@ -1,0 +1,55 @@
+"""Pieces of work on the machines of a Dask cluster; the extra ``cluster``."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from pushpressslide.core.errors import PushPressSlideError
+
+PATIENCE = 10.0  # [s] in which a scheduler has to answer
+# times that a piece is begun anew after it was lost with its worker
+LOST = 5
+
+
+class Cluster(NamedTuple):
+    """What pieces of work are handed to."""
+
+    pool: Executor
+    processes: int  # pieces that are done at a time
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Cluster]:
+    """Give the pool of the cluster whose scheduler is at ``address``, as
+    ``tcp://10.0.0.1:8786``; its workers need this package.
+
+    What a lost worker had begun another one does. Raises PushPressSlideError without
+    ``distributed``, where no scheduler answers, and where it has no workers.
+    """
+    try:
+        distributed = importlib.import_module("distributed")
+    except ModuleNotFoundError:
+        raise PushPressSlideError(
+            "--cluster: distributed is not installed: "
+            "pip install 'pushpressslide[cluster]'"
+        ) from None
+    settings = importlib.import_module("dask.config")
+    try:
+        client = distributed.Client(address, timeout=PATIENCE)
+    except (OSError, TimeoutError, ValueError) as error:
+        first = str(error).splitlines()[0]
+        raise PushPressSlideError(
+            f"--cluster: no scheduler answers at {address!r}: {first}"
+        ) from None
+    with client, settings.set({"distributed.scheduler.allowed-failures": LOST}):
+        processes = sum(client.nthreads().values())
+        if processes == 0:
+            raise PushPressSlideError(
+                f"--cluster: the scheduler at {address!r} has no workers"
+            )
+        with client.get_executor(pure=False) as pool:
+            yield Cluster(pool, processes)
