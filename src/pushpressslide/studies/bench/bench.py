@@ -38,7 +38,7 @@ def bench(
 ) -> dict[str, Any]:
     """Run the benchmarks ``names`` (None: all) and return their rows by name.
 
-    Writes ``out``/result.json. Raises TaskError for an unknown name. Where a solver is
+    Writes ``out``/result.json and, of what is compared, ``out``/ratios.png. Raises TaskError for an unknown name. Where a solver is
     not installed its row says so.
     """
     for name in names or ():
@@ -59,7 +59,18 @@ def bench(
         "versions": installed_versions() | solver_versions(),
     }
     write_whole(out / "result.json", to_json(result))
+    _write_ratios(out, rows)
     return result
+
+
+def _write_ratios(out: Path, rows: dict[str, list[Row]]) -> None:
+    """Write the plot of all ratios, if there are any."""
+    from pushpressslide.report import style
+    from pushpressslide.studies.bench.pictures import ratios
+
+    made = ratios(rows)
+    if made is not None:
+        write_whole(out / "ratios.png", style.png(made))
 
 
 def solver_versions() -> dict[str, str]:
@@ -213,6 +224,19 @@ def start(seed: int, out: Path) -> list[Row]:
     return rows()
 
 
+def scaling(seed: int, out: Path) -> list[Row]:
+    """Measure how costs grow with sizes.
+
+    Also writes ``out``/scaling.png.
+    """
+    from pushpressslide.report import style
+    from pushpressslide.studies.bench import scaling as sizes
+
+    rows = sizes.scaling(seed)
+    write_whole(out / "scaling.png", style.png(sizes.figure(rows)))
+    return rows
+
+
 BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
     benchmark.__name__: benchmark
     for benchmark in (
@@ -229,5 +253,6 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         mpc,
         runs,
         start,
+        scaling,
     )
 }
