@@ -13,6 +13,8 @@ HEADINGS = {
     "median_us": "median us",
     "p99_us": "99th percentile us",
     "ratio": "times the first",
+    "numpy_over": "NumPy takes, times",
+    "one_by_one_over": "one by one takes, times",
     "off_path_mm": "off the path mm",
     "end_mm": "off in the end mm",
     "end_deg": "deg",

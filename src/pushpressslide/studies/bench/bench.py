@@ -38,8 +38,8 @@ def bench(
 ) -> dict[str, Any]:
     """Run the benchmarks ``names`` (None: all) and return their rows by name.
 
-    Writes ``out``/result.json and, of what is compared, ``out``/ratios.png. Raises TaskError for an unknown name. Where a solver is
-    not installed its row says so.
+    Writes ``out``/result.json and, of what is compared, ``out``/ratios.png. Raises
+    TaskError for an unknown name. Where a solver is not installed its row says so.
     """
     for name in names or ():
         if name not in BENCHMARKS:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+OVER = {"batches": "a copy of the same bytes"}  # what else ratios are to
 BAR = 0.24  # [inch] of height for each
 HEAD = 0.75  # [inch] for a panel's title and axis
 
@@ -44,19 +45,25 @@ def ratios(benchmarks: Mapping[str, Sequence[Row]]) -> Figure | None:
 def _bars(axes: Axes, name: str, rows: Sequence[Row]) -> None:
     """Draw the ratios of one benchmark, the first contestant on top."""
     values = [row["ratio"] for row in rows]
+    names = [f"{row['what']}{_rows(row)}" for row in rows]
     places = range(len(rows))
     colors = [style.ORANGE if value == 1.0 else style.BLUE for value in values]
     low = 0.5 * min(values)
     axes.barh(places, [v - low for v in values], left=low, color=colors, height=0.7)
     axes.set_xscale("log")
     axes.set_xlim(low, 4.0 * max(values))
-    axes.set_yticks(places, [str(row["what"]) for row in rows])
+    axes.set_yticks(places, names)
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
     for place, row in zip(places, rows, strict=True):
         text = f" {row['ratio']:.3g}x, {_time(row['median_us'])}"
         axes.text(row["ratio"], place, text, va="center", fontsize=8)
-    style.title(axes, f"{name}: times the first")
+    style.title(axes, f"{name}: times {OVER.get(name, 'the first')}")
+
+
+def _rows(row: Row) -> str:
+    """Return of how many rows of data a figure is, where that is said."""
+    return f", {row['rows']:,}" if "rows" in row else ""
 
 
 def _time(microseconds: float) -> str:

@@ -1,0 +1,94 @@
+"""Run the benchmarks of docs/benchmarks.md, and write the page from their figures.
+
+    python tools/benchmarks.py [run | write]
+
+``run`` writes docs/data/bench.json and the plots, ``write`` the page alone; both by
+default. Nothing else should run meanwhile: it takes some minutes.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import shutil
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pushpressslide.cli.bench_table import HEADINGS
+from pushpressslide.studies.bench.bench import bench
+from pushpressslide.studies.paper.documents import renewed
+
+NAMES = (
+    "pushes",
+    "presses",
+    "tick",
+    "mpc",
+    "dubins",
+    "batches",
+    "runs",
+    "start",
+    "scaling",
+)
+DATA = Path("docs/data/bench.json")
+PAGE = Path("docs/benchmarks.md")
+FIGURES = Path("docs/figures")
+PLOTS = {"ratios.png": "bench-ratios.png", "scaling.png": "bench-scaling.png"}
+
+
+def run() -> None:
+    """Run all, and keep figures and plots."""
+    out = Path("runs/benchmarks")
+    out.mkdir(parents=True, exist_ok=True)
+    result = bench(NAMES, out=out)
+    result["machine"] = f"{platform.machine()}, Python {platform.python_version()}"
+    DATA.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    for name, kept in PLOTS.items():
+        shutil.copy(out / name, FIGURES / kept)
+
+
+def write() -> None:
+    """Renew the page."""
+    result = json.loads(DATA.read_text(encoding="utf-8"))
+    parts = []
+    for name in NAMES:
+        parts += [f"### `{name}`", "", *_table(result["benchmarks"][name]), ""]
+    versions = ", ".join(f"{k} {v}" for k, v in result["versions"].items())
+    parts += [
+        "![Times over those of the first contestant](figures/bench-ratios.png)",
+        "",
+        "![Times over sizes](figures/bench-scaling.png)",
+        "",
+        f"Made by `python tools/benchmarks.py` on {result['machine']}; {versions}.",
+    ]
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(renewed(page, "bench", "\n".join(parts)), encoding="utf-8")
+
+
+def _table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the lines of a table."""
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    keys = [key for key in keys if any(row.get(key) not in (None, "") for row in rows)]
+    heads = [HEADINGS.get(key, key.replace("_", " ")) for key in keys]
+    rule = [":---" if key in ("what", "task", "note") else "---:" for key in keys]
+    out = [_line(heads), _line(rule)]
+    return out + [_line([_text(row.get(key)) for key in keys]) for row in rows]
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _text(value: object) -> str:
+    if value is None:
+        return "-"
+    if not isinstance(value, float):
+        return str(value)
+    return format(value, ".3g") if abs(value) < 1e3 else format(value, ",.0f")
+
+
+if __name__ == "__main__":
+    asked = sys.argv[1:] or ["run", "write"]
+    for action in asked:
+        {"run": run, "write": write}[action]()
