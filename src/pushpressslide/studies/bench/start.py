@@ -10,8 +10,8 @@ from pushpressslide.studies.bench.compared import Row, compared
 PROGRAMS = {
     "import numpy": ("-c", "import numpy"),
     "import pushpressslide": ("-c", "import pushpressslide"),
-    "pps --help": ("-m", "pushpressslide.cli", "--help"),
-    "pps tasks": ("-m", "pushpressslide.cli", "tasks"),
+    "pps --help": ("-m", "pushpressslide", "--help"),
+    "pps tasks": ("-m", "pushpressslide", "tasks"),
     "import pydrake.all": ("-c", "import pydrake.all"),
 }
 

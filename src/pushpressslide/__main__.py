@@ -1,0 +1,6 @@
+"""``python -m pushpressslide`` is ``pps``."""
+
+from pushpressslide.cli import main
+
+if __name__ == "__main__":
+    main()
