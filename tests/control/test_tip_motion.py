@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from pushpressslide.control.state import TipContext, TipMemory
 from pushpressslide.control.tip_motion import (
     HEIGHT_EASING,
     HEIGHT_SLACK,
+    TURNABOUT,
     Felt,
     TipHold,
     TipMover,
@@ -141,3 +144,28 @@ def test_a_push_that_is_asked_for_little_does_not_stop_the_other() -> None:
     found = result(task, plan, record, {})
     assert found["success"]
     assert found["final_position_error"] < 0.003
+
+
+def test_the_drag_of_a_press_turns_about_in_its_time_and_not_in_a_jump() -> None:
+    """A jump by twice the friction shakes the arm, and the normal force by a third."""
+    above = Contact(0, "top", (0.02, 0.0), (0.0, 0.0), 0.06, 50.0)
+    X_WB = Pose2(0.5, 0.1, 0.7)
+    tip, height = above.tip_place(RADIUS)
+    x, y = X_WB.apply(tip)
+    state = TipState((x, y, height), (0.0, 0.0, 0.0), (0.0, 0.0, -50.0))
+    friction = 0.7
+    mover = TipMover(500.0, friction, 0.2, 0.0, NormalForceRegulator(f_max=90.0))
+    drag = 0.8 * friction * 50.0
+    memory = TipMemory((x, y, height), drag=X_WB.rotate((drag, 0.0)))
+    dt = 0.004
+    forces = []
+    for i in range(round(TURNABOUT / dt) + 1):
+        context = TipContext(above, state, X_WB, i * dt, dt, 0.0, X_WB.yaw)
+        task = TipTask(Twist(-SPEED, 0.0, 0.0), tip, (-drag, 0.0), 50.0)
+        command, memory, _ = mover.step(memory, context, task)
+        forces.append(X_WB.unrotate(command.force[:2])[0])
+    steps = [b - a for a, b in pairwise([drag, *forces])]
+    most = 2.0 * friction * 50.0 * dt / TURNABOUT
+    assert min(steps) >= -most - 1e-9
+    assert forces[-1] == pytest.approx(-drag)
+    assert forces[len(forces) // 2] > -0.5 * drag

@@ -78,6 +78,20 @@ def test_tips_touch_low_but_keep_their_wrists_above_the_object() -> None:
     assert contact_height(TASK.scene, replace(TASK.motion, contact_height=0.11)) == 0.11
 
 
+def test_tools_lean_where_a_push_over_the_wrist_would_tip_the_object() -> None:
+    def at(width: float, friction: float) -> float:
+        body = replace(TASK.object, shape=Box((width, width, 0.20)))
+        support = replace(TASK.support, friction=friction)
+        task = replace(TASK, object=body, support=support)
+        return contact_height(task.scene, TASK.motion)
+
+    upright = 0.20 + 0.04 - TASK.robots[0].tip_length
+    stands = margins.PUSH_STANDS * 0.5 / upright  # width over friction
+    assert at(0.3 / stands * 1.01, 0.3) == pytest.approx(upright)
+    assert at(0.3 / stands * 0.99, 0.3) == pytest.approx(0.04)
+    assert at(0.05, 0.0) == pytest.approx(upright)  # nothing tips without friction
+
+
 def test_the_ends_of_a_face_is_told_from_the_com() -> None:
     body = replace(TASK.object, shape=Box((0.4, 0.3, 0.2)), center_of_mass=(0.0, 0.05))
     rear = next(face for face in faces(body, 0.01) if face.index == 3)

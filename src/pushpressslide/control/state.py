@@ -95,6 +95,8 @@ class TipMemory:
     turn: float = 0.0  # [rad/s] of the tool, the same
     mean_force: float | None = None  # [N] of the last measurements, in this phase
     height: float | None = None  # [m] at which a pushing tip is held, in this phase
+    # [N] along the support, world, as last commanded to a pressing tip in this phase
+    drag: Point = (0.0, 0.0)
     # of a tip that comes into this placement with the contact it has
     held: TipCommand | None = None
 

@@ -36,6 +36,9 @@ PRESS_DAMPING = 150.0
 RETURN_RATE = 5.0  # [1/s] at which a tip that slid along its face is led back
 # [m/s^2] of the tips' reference: a jump of the steering must not jerk the contact
 TIP_ACCELERATION = {"side": 0.5, "top": 1.0}
+# [s] in which the drag of a press may turn about, from one side of its disc of friction
+# to the other: a jump shakes the arm, and with it the normal force
+TURNABOUT = 0.12
 TOOL_ACCELERATION = 5.0  # [rad/s^2] the same of the tool's turning
 
 
@@ -121,6 +124,10 @@ class TipMover:
         if task.entry_speed is not None:  # nothing but the damper holds it back
             felt = Felt(False, 0.0)
             force = _within(force, self.friction * max(normal_force, 0.0))
+        elif contact.kind == "top":
+            most = 2.0 * self.friction * task.load * context.dt / TURNABOUT
+            force = approached(memory.drag, force, most)
+            memory = replace(memory, drag=force)
         vx, vy = velocity
         if task.hold is not None:
             speed = math.hypot(vx, vy)

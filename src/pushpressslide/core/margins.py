@@ -53,6 +53,10 @@ PUSH_TIPPING_MARGIN = 0.05
 pushes reach their goals as they do lower down: the axle is read from the pressure as
 the push leaves it.
 """
+PUSH_STANDS = 0.8
+"""Of that height by Coulomb's law alone, up to which tools stay upright: nearer to it the
+object tips where it turns. Tools that lean back touch it lower.
+"""
 SAFE_MARGIN = 0.5
 """Inside the base's edge from which on an object is driven at full speed: nearer to it
 the pressure, and with it the virtual axle, changes quickly.

@@ -22,7 +22,8 @@ from pushpressslide.mechanics.faces import Face, faces, room_ahead
 def contact_height(scene: Scene, motion: Motion) -> float:
     """Return the height of the contacts above the support [m], the same for all arms
     that may touch: low, since a push at height h moves the CoP by h mu_s, but with the
-    wrists above the object.
+    wrists above the object. Where that tips the object the tools have to lean back, with
+    their wrists behind it.
     """
     if motion.contact_height is not None:
         return motion.contact_height
@@ -30,9 +31,21 @@ def contact_height(scene: Scene, motion: Motion) -> float:
     radius = max(robot.tip_radius for robot in scene.tips)
     reach = min(robot.tip_length for robot in scene.tips)
     arm = margins.ARM
-    low = max(radius + arm.tool_gap, height + arm.wrist_gap - reach)
+    low = radius + arm.tool_gap
+    upright = height + arm.wrist_gap - reach
+    if upright <= _standing(scene):
+        low = max(low, upright)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
     return max(inside, radius + arm.table_gap)
+
+
+def _standing(scene: Scene) -> float:
+    """Return the height [m] up to which an object surely stands, whatever way it is
+    pushed.
+    """
+    body = scene.body
+    room = body.shape.depth(body.center_of_mass)
+    return margins.PUSH_STANDS * room / max(scene.support.friction, 1e-9)
 
 
 def least_distance(scene: Scene) -> float:
