@@ -16,6 +16,7 @@ from pushpressslide.planning.side_contacts import (
     drag_refusal,
     given_to,
     least_distance,
+    lone_contact_height,
 )
 
 TASK = load_task(
@@ -83,7 +84,7 @@ def test_tools_lean_where_a_push_over_the_wrist_would_tip_the_object() -> None:
         body = replace(TASK.object, shape=Box((width, width, 0.20)))
         support = replace(TASK.support, friction=friction)
         task = replace(TASK, object=body, support=support)
-        return contact_height(task.scene, TASK.motion)
+        return lone_contact_height(task.scene, TASK.motion)
 
     upright = 0.20 + 0.04 - TASK.robots[0].tip_length
     stands = margins.PUSH_STANDS * 0.5 / upright  # width over friction

@@ -41,7 +41,7 @@ from pushpressslide.planning.segments import (
     run_time,
     segment,
 )
-from pushpressslide.planning.side_contacts import contact_height, pushable
+from pushpressslide.planning.side_contacts import lone_contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN, RearSteerDrive
 from pushpressslide.tracking.rear_car import RearPushTracker
 from pushpressslide.tracking.rear_stanley import rear_stanley
@@ -62,7 +62,7 @@ class RearPush(Mode):
     def touches(self, task: Task) -> list[Contact]:
         """Return the middles of the faces that can be pushed."""
         scene = task.scene
-        height = contact_height(scene, task.motion)
+        height = lone_contact_height(scene, task.motion)
         arm = scene.arms[0]
         return [
             Contact(arm, "side", face.foot, face.normal, height)
@@ -91,7 +91,7 @@ class RearPush(Mode):
         """Judge a push on a face but for the arms' reach."""
         scene = task.scene
         face = fitted.face
-        height = contact_height(scene, task.motion)
+        height = lone_contact_height(scene, task.motion)
         contact = Contact(scene.arms[0], "side", face.foot, face.normal, height)
         label = f"face {face.index}"
         if scene.body.shape.edges and not face.flat:  # an arc, in one direction

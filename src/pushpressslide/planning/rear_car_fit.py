@@ -20,7 +20,7 @@ from pushpressslide.mechanics.faces import Face
 from pushpressslide.mechanics.top import rooms_inside
 from pushpressslide.mechanics.virtual_axle import turned
 from pushpressslide.planning.rear_car import HARDER, planned_share
-from pushpressslide.planning.side_contacts import contact_height, pushable
+from pushpressslide.planning.side_contacts import lone_contact_height, pushable
 from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.rear_steer_car import STEERING_LIMIT, RearSteerCar
 
@@ -110,7 +110,7 @@ def push_twists(scene: Scene, motion: Motion, pushed: Sequence[Face]) -> Array:
             for angle in angles
         ]
     )
-    lift = contact_height(scene, motion) * scene.support.friction
+    lift = lone_contact_height(scene, motion) * scene.support.friction
     base = DraggedBase(scene.body, lift, RESOLUTION)
     slid = base.slide(np.zeros_like(feet), feet, axes)
     shifts = lift * slid.shares[:, None] * axes
@@ -148,7 +148,7 @@ def fitted_car(
     Raises RefusedError where the object tips at the planned share of the edge.
     """
     mu = scene.contact_friction
-    height = contact_height(scene, motion)
+    height = lone_contact_height(scene, motion)
     shift = height * scene.support.friction
     if scene.rho is not None:
         car = RearSteerCar(face.foot, face.normal, ORIGIN, scene.rho, mu)

@@ -22,19 +22,33 @@ from pushpressslide.mechanics.faces import Face, faces, room_ahead
 def contact_height(scene: Scene, motion: Motion) -> float:
     """Return the height of the contacts above the support [m], the same for all arms
     that may touch: low, since a push at height h moves the CoP by h mu_s, but with the
-    wrists above the object. Where that tips the object the tools have to lean back, with
-    their wrists behind it.
+    wrists above the object.
     """
+    return _height(scene, motion, _upright(scene))
+
+
+def lone_contact_height(scene: Scene, motion: Motion) -> float:
+    """Return the height [m] of the one contact of a push: where the object would tip if
+    the wrist were above it, lower, with the tool leaning back and its wrist behind.
+    """
+    upright = _upright(scene)
+    return _height(scene, motion, upright if upright <= _standing(scene) else 0.0)
+
+
+def _upright(scene: Scene) -> float:
+    """Return the least height [m] of a contact with the wrist above the object."""
+    reach = min(robot.tip_length for robot in scene.tips)
+    return scene.body.shape.height + margins.ARM.wrist_gap - reach
+
+
+def _height(scene: Scene, motion: Motion, least: float) -> float:
+    """Return the height [m] of contacts that are to be at ``least`` [m]."""
     if motion.contact_height is not None:
         return motion.contact_height
     height = scene.body.shape.height
     radius = max(robot.tip_radius for robot in scene.tips)
-    reach = min(robot.tip_length for robot in scene.tips)
     arm = margins.ARM
-    low = radius + arm.tool_gap
-    upright = height + arm.wrist_gap - reach
-    if upright <= _standing(scene):
-        low = max(low, upright)
+    low = max(radius + arm.tool_gap, least)
     inside = min(max(low, min(arm.low, 0.5 * height)), height - 0.5 * radius)
     return max(inside, radius + arm.table_gap)
 
