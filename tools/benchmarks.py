@@ -26,6 +26,7 @@ NAMES = (
     "tick",
     "mpc",
     "dubins",
+    "engines",
     "batches",
     "runs",
     "start",

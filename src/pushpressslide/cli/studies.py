@@ -237,7 +237,7 @@ def bench(
     """Run the benchmarks beside the alternatives, as ratios.
 
     Names: pushes, presses, tick, agreement, coverage, turning, sticking,
-    select, batches, dubins, mpc, runs, start, scaling.
+    select, batches, dubins, engines, mpc, runs, start, scaling.
     """
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 

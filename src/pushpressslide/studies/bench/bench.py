@@ -76,7 +76,7 @@ def _write_ratios(out: Path, rows: dict[str, list[Row]]) -> None:
 def solver_versions() -> dict[str, str]:
     """Return the versions of the solvers that are installed."""
     versions = {}
-    for name in ("daqp", "clarabel", "scipy", "numba", "ompl", "casadi"):
+    for name in ("daqp", "clarabel", "scipy", "numba", "ompl", "casadi", "mujoco"):
         try:
             versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
@@ -203,6 +203,13 @@ def dubins(seed: int, out: Path) -> list[Row]:
     return rows(seed)
 
 
+def engines(seed: int, out: Path) -> list[Row]:
+    """Push a box in several engines, one push or many."""
+    from pushpressslide.studies.bench.engines import engines as rows
+
+    return rows()
+
+
 def mpc(seed: int, out: Path) -> list[Row]:
     """Push on a path by the closed forms, and by model-predictive control."""
     from pushpressslide.studies.bench.mpc import mpc as rows
@@ -250,6 +257,7 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         select,
         batches,
         dubins,
+        engines,
         mpc,
         runs,
         start,

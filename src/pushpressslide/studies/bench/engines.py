@@ -1,0 +1,188 @@
+"""One push of a box by a ball, in several engines: the time for a second of it.
+
+The ball goes straight at a given velocity, beside the centre of the face. The batch
+does many such pushes at once; its time is that of one of them.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pushpressslide.batch.loops import by_numpy, installed
+from pushpressslide.batch.pushed_bodies import PushedBodies
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.mechanics.pressure import rectangle_pressure
+from pushpressslide.mechanics.rho import rho_fit
+from pushpressslide.studies.bench.compared import Row
+
+SIZE = (0.2, 0.12, 0.06)  # [m]
+MASS = 1.0  # [kg]
+FRICTION = 0.3  # of the box with its support
+TIP_FRICTION = 0.5
+RADIUS = 0.015  # [m] of the ball
+OFF = 0.02  # [m] beside the face's middle
+SPEED = 0.05  # [m/s]
+TIME = 1.0  # [s]
+STEPS = 250  # of the quasi-static engines
+BODIES = 10_000  # in the batch
+ROUNDS = 5
+PHYSICS_STEP = 0.002  # [s] of MuJoCo and Drake
+STIFF = 2_000.0  # [N s/m] of the ball's velocity servo
+NO_MUJOCO = "not installed: pip install 'pushpressslide[bench]'"
+NO_NUMBA = "not installed: pip install 'pushpressslide[fast]'"
+
+
+class Pushed(NamedTuple):
+    """What came of one push."""
+
+    wall_time: float  # [s]
+    x: float  # [m]
+    y: float  # [m]
+    yaw: float  # [rad]
+
+
+def engines() -> list[Row]:
+    """Return a row for each engine: wall time for a second of the push, over that of
+    the compiled batch, and where the box comes to.
+    """
+    makers: dict[str, Callable[[], Pushed | str]] = {
+        "batch, compiled": lambda: _batch() if installed() else NO_NUMBA,
+        "batch, NumPy": _numpy_batch,
+        "one by one, closed form": _alone,
+        "MuJoCo": _mujoco,
+        "Drake, hydroelastic": _drake,
+    }
+    rows: list[Row] = []
+    first = math.nan
+    for name, run in makers.items():
+        row: Row = {"what": name, "median_us": None, "ratio": None}
+        found = [run() for _ in range(ROUNDS)]
+        pushes = [push for push in found if isinstance(push, Pushed)]
+        if not pushes:
+            rows.append(row | {"note": found[0]})
+            continue
+        median = float(np.median([push.wall_time for push in pushes]))
+        first = median if math.isnan(first) else first
+        figures = {
+            "median_us": 1e6 * median,
+            "ratio": median / first,
+            "x_mm": 1e3 * pushes[0].x,
+            "y_mm": 1e3 * pushes[0].y,
+            "yaw_deg": math.degrees(pushes[0].yaw),
+        }
+        rows.append(row | figures | {"note": ""})
+    return rows
+
+
+def _rho() -> float:
+    """Return the radius of the ellipsoid [m] of the box on its base."""
+    length, width, _ = SIZE
+    return rho_fit(rectangle_pressure(length, width, MASS * GRAVITY, (0.0, 0.0), 4))
+
+
+def _batch() -> Pushed:
+    half, width, _ = (0.5 * edge for edge in SIZE)
+    bodies = PushedBodies(
+        (-half, 0.0), (1.0, 0.0), (-width, width), TIP_FRICTION, _rho()
+    )
+    pushes = bodies.begin(np.zeros((BODIES, 3)), OFF)
+    velocities = np.broadcast_to((SPEED, 0.0), (BODIES, 2))
+    bodies.advance(pushes, velocities, TIME / STEPS)  # compiled at the first use
+    began = perf_counter()
+    for _ in range(STEPS):
+        pushes = bodies.advance(pushes, velocities, TIME / STEPS)
+    spent = (perf_counter() - began) / BODIES
+    return Pushed(spent, *pushes.poses[0].tolist())
+
+
+def _numpy_batch() -> Pushed:
+    with by_numpy():
+        return _batch()
+
+
+def _alone() -> Pushed:
+    from pushpressslide.core.pose import Pose2
+    from pushpressslide.core.twist_path import moved
+    from pushpressslide.mechanics.friction import push_outcome
+    from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+
+    surface = EllipsoidLimitSurface(1.0, _rho())
+    X = Pose2()
+    place = OFF
+    dt = TIME / STEPS
+    began = perf_counter()
+    for _ in range(STEPS):
+        contact = (-0.5 * SIZE[0], place)
+        velocity = X.unrotate((SPEED, 0.0))
+        out = push_outcome(surface, contact, (1.0, 0.0), TIP_FRICTION, velocity)
+        X = moved(X, (out.twist.vx, out.twist.vy, out.twist.w), dt)
+        place += out.slip_velocity * dt
+    return Pushed(perf_counter() - began, X.x, X.y, X.yaw)
+
+
+MODEL = """
+<mujoco>
+  <option timestep="{step}" cone="elliptic" impratio="10" integrator="implicitfast"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="2 2 0.1"/>
+    <body name="box" pos="0 0 {z}">
+      <freejoint/>
+      <geom name="box" type="box" size="{sx} {sy} {sz}" mass="{mass}"/>
+    </body>
+    <body name="ball" pos="{x} {y} {z}" gravcomp="1">
+      <joint name="ahead" type="slide" axis="1 0 0"/>
+      <geom name="ball" type="sphere" size="{radius}" mass="0.5"/>
+    </body>
+  </worldbody>
+  <contact>
+    <exclude body1="world" body2="ball"/>
+    <pair geom1="box" geom2="floor" condim="3" friction="{mu} {mu} 0.001 0 0"/>
+    <pair geom1="box" geom2="ball" condim="3" friction="{tip} {tip} 0.001 0 0"/>
+  </contact>
+  <actuator><velocity joint="ahead" kv="{kv}"/></actuator>
+</mujoco>
+"""
+
+
+def _mujoco() -> Pushed | str:
+    try:
+        mujoco: Any = importlib.import_module("mujoco")
+    except ModuleNotFoundError:
+        return NO_MUJOCO
+    half, width, height = (0.5 * edge for edge in SIZE)
+    text = MODEL.format(
+        step=PHYSICS_STEP,
+        z=height,
+        sx=half,
+        sy=width,
+        sz=height,
+        mass=MASS,
+        x=-half - RADIUS,
+        y=OFF,
+        radius=RADIUS,
+        mu=FRICTION,
+        tip=TIP_FRICTION,
+        kv=STIFF,
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = SPEED
+    began = perf_counter()
+    for _ in range(round(TIME / PHYSICS_STEP)):
+        mujoco.mj_step(model, data)
+    spent = perf_counter() - began
+    x, y, _, w, _, _, z = data.qpos[:7].tolist()
+    return Pushed(spent, x, y, 2.0 * math.atan2(z, w))
+
+
+def _drake() -> Pushed:
+    from pushpressslide.sim.bench_push import BoxPush, pushed_box
+
+    push = BoxPush(SIZE, MASS, FRICTION, TIP_FRICTION, RADIUS, OFF, SPEED)
+    return Pushed(*pushed_box(push, TIME, PHYSICS_STEP, STIFF))
