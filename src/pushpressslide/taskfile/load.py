@@ -68,6 +68,18 @@ def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
         TaskError: one line that names the file, the field, the value and what is
         allowed.
     """
+    path = file_of(name_or_path)
+    data = read_yaml(path)
+    apply_overrides(data, overrides)
+    return task_from_data(data, str(path))
+
+
+def file_of(name_or_path: str | Path) -> Path:
+    """Return the file of a shipped task, or the path that is given.
+
+    Raises:
+        TaskError: where a name is none of a shipped task.
+    """
     shipped = shipped_tasks()
     path = shipped.get(str(name_or_path)) or Path(name_or_path)
     if path.parent == Path() and not path.suffix and not path.exists():
@@ -78,9 +90,7 @@ def load_task(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Task:
             "no such task; allowed: the path of a YAML file, or the name of a shipped "
             "task; " + nearest(name_or_path, shipped),
         )
-    data = read_yaml(path)
-    apply_overrides(data, overrides)
-    return task_from_data(data, str(path))
+    return path
 
 
 def check_task(task: Task) -> None:

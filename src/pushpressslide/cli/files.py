@@ -1,0 +1,60 @@
+"""Commands about task files: a new one, a shipped one, and what a file may say."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pushpressslide.cli.app import app, print_json
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="YAML file to write.")],
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file that is there already.")
+    ] = False,
+) -> None:
+    """Write a task file to begin with, every field in it."""
+    from pushpressslide.core.errors import PushPressSlideError
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.taskfile.starter import starter
+
+    if file.exists() and not force:
+        raise PushPressSlideError(f"{file}: is there already; --force replaces it")
+    if not file.parent.is_dir():
+        raise PushPressSlideError(f"{file}: there is no folder {file.parent}")
+    name = re.sub(r"[^A-Za-z0-9_.-]+", "-", file.stem).strip("-")
+    if not re.match(r"[A-Za-z]", name):
+        name = f"task-{name}".strip("-")
+    write_whole(file, starter(name[:64], str(file)).encode())
+    typer.echo(file)
+
+
+@app.command()
+def show(
+    task: Annotated[
+        str, typer.Argument(help="Name of a shipped task, or path of a YAML file.")
+    ],
+    full: Annotated[
+        bool, typer.Option("--full", help="With every field, defaults too.")
+    ] = False,
+) -> None:
+    """Print the file of a task."""
+    from pushpressslide.taskfile.load import dump_task, file_of, load_task
+
+    # loaded in any case: what is printed is a task
+    loaded = load_task(task)
+    text = dump_task(loaded) if full else file_of(task).read_text(encoding="utf-8")
+    typer.echo(text, nl=False)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of task files, for editors."""
+    from pushpressslide.taskfile.json_schema import json_schema
+
+    print_json(json_schema())
