@@ -1,11 +1,13 @@
 """Which arms reach the object at both ends of a motion, and where it is handed over."""
 
+import yaml
+
 import pushpressslide as pps
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.selection.touching import Touching, touching
 from pushpressslide.selection.waypoints import free_space, waypoints
-from pushpressslide.taskfile.load import task_from_data
+from pushpressslide.taskfile.load import dump_task, task_from_data
 
 SMALL = {"shape": {"box": [0.1, 0.1, 0.08]}, "mass": 0.5}
 
@@ -46,6 +48,14 @@ def test_what_can_be_chosen_is_known_to_be_reached() -> None:
         task = pps.load_task(name).told
         (best,) = [choice for choice in pps.select(task) if choice.feasible][:1]
         assert Touching(task).able(best.mode, [task.start, task.goal], 0, 1)
+
+
+def test_what_was_found_is_written_and_read_again() -> None:
+    """Poses of a grid are plain numbers."""
+    plan = pps.plan(pps.load_task("hand-over"))
+    assert {c.arm for piece in plan.segments for c in piece.contacts} == {0, 1}
+    again = yaml.safe_load(dump_task(plan.task))
+    assert len(again["legs"]) == len(plan.task.legs) >= 2
 
 
 def test_an_object_is_handed_over_where_both_arms_press_it() -> None:

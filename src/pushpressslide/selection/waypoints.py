@@ -213,13 +213,12 @@ def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
     if (gives & takes).any() or not (gives.any() and takes.any()):
         return []
     x_min, x_max, y_min, y_max = space.bounds
-    xs, ys = np.meshgrid(
-        np.arange(x_min, x_max, HAND_OVER), np.arange(y_min, y_max, HAND_OVER)
-    )
+    xs = np.arange(x_min, x_max, HAND_OVER).tolist()
+    ys = np.arange(y_min, y_max, HAND_OVER).tolist()
     yaws = dict.fromkeys(X.yaw for X in ends)
     found = []
     for yaw in yaws:
-        grid = [Pose2(x, y, yaw) for x, y in zip(xs.flat, ys.flat, strict=True)]
+        grid = [Pose2(x, y, yaw) for y in ys for x in xs]
         there = np.any(touching(task, HANDED_OVER_BY, grid), axis=2)
         both = np.any(there[:, gives], axis=1) & np.any(there[:, takes], axis=1)
         found += [X for X, able in zip(grid, both, strict=True) if able]
