@@ -5,7 +5,7 @@
 
 ``run`` goes on where it ended: the rows of a table, in docs/data/TABLE.jsonl, count as
 long as the package's sources are those that made them. One table is complete before the
-next begins. ``write`` renews the page between its marks; it runs nothing.
+next begins. ``write`` renews the page and the README between their marks; it runs nothing.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from pushpressslide.studies.paper.documents import renewed
 
 DATA = Path("docs/data")
 PAGE = Path("docs/random-tasks.md")
+README = Path("README.md")
 WORK = Path("runs/random-tasks")
 SAMPLE_TIME = 600.0  # [s] that one sample may take
 TOLERANCE = ("tolerance.position=0.01", "tolerance.yaw_deg=2")
@@ -360,8 +361,36 @@ def write() -> None:
         "",
         f"The rows are in [docs/data](data); keys of the sweeps: {', '.join(sources)}.",
     ]
-    page = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(renewed(page, "rates", "\n".join(text)), encoding="utf-8")
+    for page, part in ((PAGE, text), (README, short())):
+        old = page.read_text(encoding="utf-8")
+        page.write_text(renewed(old, "rates", "\n".join(part)), encoding="utf-8")
+
+
+def short() -> list[str]:
+    """Return the table of the README: what reached its goal, of how many."""
+    groups = (
+        ("one motion of a given mode, 10 mm and 2°", KNOWN[: len(MODES)]),
+        ("any mode, the same", KNOWN[len(MODES) :]),
+        ("the same as the first, in an uncertain world", UNCERTAIN),
+        ("from anywhere to anywhere among obstacles, refused ones counted too", ()),
+        ("knocked aside on the way", KNOCKS),
+    )
+    out = ["| unseen tasks | reached their goal, of so many |", "|---|---|"]
+    for what, tables in groups:
+        counted = [(t.what, read(t)[0]) for t in tables or AMONG_OBSTACLES]
+        cells = [
+            f"{name} {sum(map(reached_by, rows))} of {number}"
+            for name, rows in counted
+            if (number := len(rows) if not tables else ran(rows))
+        ]
+        if cells:
+            out.append(f"| {what} | {', '.join(cells)} |")
+    return out
+
+
+def ran(rows: Sequence[dict[str, Any]]) -> int:
+    """Return how many samples were not refused."""
+    return sum(row["status"] != "refused" for row in rows)
 
 
 def main() -> None:
