@@ -41,9 +41,8 @@ class Pushes(NamedTuple):
 
     poses: Array  # (..., 3) X_WB: x, y [m] and yaw [rad]; B at the centre of pressure
     places: Array  # (...) [m] of the pusher along the face, to the left of its foot
-    gaps: (
-        Array  # (...) [m] between pusher and face; infinite once it has passed an edge
-    )
+    # (...) [m] between pusher and face; infinite once it has passed an edge
+    gaps: Array
 
 
 class FaceColumns(NamedTuple):

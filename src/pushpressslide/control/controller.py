@@ -848,10 +848,15 @@ def _rest(state: ControllerState) -> float:
     return 0.0 if state.failure is None else margins.ARM.rest_time
 
 
+def _ramp_back(state: ControllerState, measurement: Measurement) -> float:
+    """Return the share of the time of a way back that has passed, if nothing halts it."""
+    elapsed = measurement.time - state.since - _rest(state)
+    return elapsed / ramp_time(margins.ARM.retreat)
+
+
 def _share_back(state: ControllerState, measurement: Measurement) -> float:
     """Return the share of the way back that tips are led, if nothing halts them."""
-    elapsed = measurement.time - state.since - _rest(state)
-    return smooth(elapsed / ramp_time(margins.ARM.retreat))
+    return smooth(_ramp_back(state, measurement))
 
 
 def _way_back(state: ControllerState, measurement: Measurement) -> WayBack:
@@ -861,8 +866,8 @@ def _way_back(state: ControllerState, measurement: Measurement) -> WayBack:
     share = _share_back(state, measurement)
     if share >= state.drawn:
         return WayBack(state.drawn, 0.0, 0.0)
+    u = _ramp_back(state, measurement)
     duration = ramp_time(margins.ARM.retreat)
-    u = (measurement.time - state.since - _rest(state)) / duration
     return WayBack(share, smooth_rate(u) / duration, smooth_change(u) / duration**2)
 
 
