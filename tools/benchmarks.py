@@ -8,10 +8,10 @@ default. Nothing else should run meanwhile: it takes some minutes.
 
 from __future__ import annotations
 
+import argparse
 import json
 import platform
 import shutil
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -90,6 +90,8 @@ def _text(value: object) -> str:
 
 
 if __name__ == "__main__":
-    asked = sys.argv[1:] or ["run", "write"]
-    for action in asked:
-        {"run": run, "write": write}[action]()
+    ACTIONS = {"run": run, "write": write}
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("actions", nargs="*", choices=[*ACTIONS, []], metavar="run|write")
+    for action in parser.parse_args().actions or ACTIONS:
+        ACTIONS[action]()

@@ -155,10 +155,19 @@ def figure(rows: Sequence[Row]) -> Figure:
     for name, axes in zip(names, panels, strict=True):
         mine = [row for row in rows if row["what"] == name]
         sizes = [row["size"] for row in mine]
-        axes.loglog(sizes, [row["median_us"] for row in mine], "o-", color=style.BLUE)
-        axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        medians = [row["median_us"] for row in mine]
+        axes.loglog(sizes, medians, "o-", color=style.BLUE)
+        axes.set_xticks(sizes, [f"{size:,g}" for size in sizes])
         axes.minorticks_off()
+        axes.set_ylim(*_decades(medians))
         axes.set_xlabel(name)
         axes.set_ylabel("median [us]")
         style.title(axes, f"grows with the power {mine[0]['exponent']:.2f}")
     return made
+
+
+def _decades(values: Sequence[float]) -> tuple[float, float]:
+    """Return the powers of ten about some values."""
+    low = math.floor(math.log10(min(values)))
+    high = math.ceil(math.log10(max(values)))
+    return 10.0**low, 10.0 ** max(high, low + 1)
