@@ -63,16 +63,23 @@ def gentlest(
     ``longest`` [m] is what counts as room (default: ``room`` of the curvature); where
     nothing fits the shortest path is returned. ``turning`` [rad] as in ``with_run_in``.
     """
-    best: tuple[float, float, ArcPath] | None = None
+    tightest = curvatures[-1]
+    least = run_ins[-1]
+    # tighter turns and a shorter run-in can do all that the others can: none is shorter
+    shortest = with_run_in(ends, tightest, tightest, least, turning)
+    if shortest.length > _most(ends, curvatures[0], longest):
+        return least, tightest, shortest
     for curvature in curvatures:
-        most = longest
-        if most is None:
-            most = room(*ends, curvature)
+        most = _most(ends, curvature, longest)
+        if with_run_in(ends, curvature, curvature, least, turning).length > most:
+            continue
         for run_in in run_ins:
             path = with_run_in(ends, curvature, curvature, run_in, turning)
             if path.length <= most:
                 return run_in, curvature, path
-            if best is None or path.length < best[2].length:
-                best = (run_in, curvature, path)
-    assert best is not None
-    return best
+    return least, tightest, shortest
+
+
+def _most(ends: tuple[Pose2, Pose2], curvature: float, longest: float | None) -> float:
+    """Return what counts as room [m] for a path of a curvature [1/m]."""
+    return room(*ends, curvature) if longest is None else longest

@@ -29,6 +29,9 @@ YAW_ARM = 0.3  # [m] the way that a radian of tool yaw counts for
 ITERATIONS = 10  # Newton steps for one sample of the path
 START_ITERATIONS = 40  # for the first one, which may start farther off
 START_STEP = 0.3  # [rad] of any joint in one Newton step
+# a path that misses a sample by more stays where it is: it is no near miss
+LOST_ANGLE = 0.3  # [rad]
+LOST_DISTANCE = 0.03  # [m]
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,11 @@ class Continuation:
     def ok(self) -> bool:
         """Whether the tip follows the whole path."""
         return self.status == "ok"
+
+    @property
+    def lost(self) -> bool:
+        """Whether the tip is far off somewhere."""
+        return bool(_far(self.position_residual, self.angle_residual).any())
 
     @property
     def joint_margin(self) -> float:
@@ -146,6 +154,7 @@ def _followed(
     path = np.empty((b, k, size))
     distance = np.empty((b, k))
     angle = np.empty((b, k))
+    lost = np.zeros(b, dtype=bool)
     for i in range(k):
         # The elbow moves once per sample, in proportion to the tip's way, so that
         # sampling does not matter.
@@ -155,16 +164,29 @@ def _followed(
             elbow = limit_gradient(kin, q) * (NULL_RATE * travel[:, i - 1, None])
             iterations = ITERATIONS
         distance[:, i], angle[:, i] = _reach_sample(
-            kin, q, p[:, i], R[:, i], elbow, iterations
+            kin, q, p[:, i], R[:, i], elbow, iterations, lost
         )
+        lost |= _far(distance[:, i], angle[:, i])
         path[:, i] = q
     return path, distance, angle
 
 
+def _far(distance: Array, angle: Array) -> NDArray[np.bool_]:
+    """Return whether what samples miss by, [m] and [rad], is no near miss."""
+    return (angle > LOST_ANGLE) | (distance > LOST_DISTANCE)
+
+
 def _reach_sample(
-    kin: ArmKinematics, q: Array, p: Array, R: Array, elbow: Array, iterations: int
+    kin: ArmKinematics,
+    q: Array,
+    p: Array,
+    R: Array,
+    elbow: Array,
+    iterations: int,
+    lost: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
-    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3).
+    """Move postures ``q`` (b, n), in place, to targets p (b, 3) and R (b, 3, 3), those
+    that are ``lost`` (b,) aside.
 
     Returns what they miss by: (b,) [m] and (b,) [rad]. ``elbow`` (b, n) [rad] is the
     motion that the first step adds in the null space.
@@ -181,11 +203,13 @@ def _reach_sample(
         if step:
             elbow = np.zeros_like(q)
             far = (turn >= 0.1 * ANGLE_TOLERANCE) | (miss >= 0.1 * POSITION_TOLERANCE)
-            active = active[far]
-            e = e[far]
-            J = J[far]
-            if len(active) == 0:
-                break
+        else:
+            far = ~lost
+        active = active[far]
+        e = e[far]
+        J = J[far]
+        if len(active) == 0:
+            break
         dq = damped_step(J, e, elbow[active])
         dq *= START_STEP / np.maximum(
             np.abs(dq).max(axis=-1, keepdims=True), START_STEP

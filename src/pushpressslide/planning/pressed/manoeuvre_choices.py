@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import islice
 
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
 from pushpressslide.core.pose import Point
@@ -13,6 +14,11 @@ from pushpressslide.planning.overhead import overhead
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.ranking import by_time, soonest
 from pushpressslide.planning.segments import describe_points
+
+# of one motion of a sequence: contacts of each load that are tried, and manoeuvres by
+# them. Of motions that are possible nine in ten are possible by one of these
+FEW = 5
+TRIED = 10
 
 
 def manoeuvre_choices(
@@ -26,7 +32,7 @@ def manoeuvre_choices(
     per contact, then others, each by either arm; then the contacts that were skipped.
 
     In a search over sequences a contact that was out of reach on its way is not pressed
-    harder or less: there are other motions.
+    harder or less, and few are tried: there are other motions.
     """
     X_WB, _ = task.body_ends
     out: list[Choice] = []
@@ -36,8 +42,13 @@ def manoeuvre_choices(
         if task.searched:
             contacts = _still_reached(contacts, out)
         ranked = by_time(task, X_WB, contacts)
+        if task.searched:
+            ranked = dict(islice(ranked.items(), FEW))
         wanted = min(missing, ENOUGH)
-        for manoeuvre in soonest(task, X_WB, list(ranked)):
+        manoeuvres = soonest(task, X_WB, list(ranked))
+        if task.searched:
+            manoeuvres = islice(manoeuvres, TRIED)
+        for manoeuvre in manoeuvres:
             for choice in either_arm(task, manoeuvre.choice(task, mode)):
                 refusal = path_refusal(choice) if wanted > 0 else NOT_EVALUATED
                 out.append(choice.refused(refusal))

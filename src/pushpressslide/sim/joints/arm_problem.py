@@ -30,6 +30,7 @@ TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
 # [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
 # spare
 CLEARANCE = 0.005
+GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
 @dataclass(frozen=True)
@@ -142,10 +143,19 @@ class ArmProblem:
 
     def contact_clearance(self, postures: Array) -> tuple[float, str]:
         """Return the least distance [m] of postures (k, n) along the contact, and of
-        which pair.
+        which pair: of every fourth posture where that is too small already.
         """
+        coarse = self._along_contact(postures, GLANCE)
+        if coarse[0] < CLEARANCE:
+            return coarse
+        return self._along_contact(postures, 1)
+
+    def _along_contact(self, postures: Array, step: int) -> tuple[float, str]:
+        """Return what ``contact_clearance`` does, of every ``step``th posture."""
+        carried = {name: poses[::step] for name, poses in self._carried.items()}
+        shapes = self.object_path.shapes[::step]
         return self.clearance.least(
-            postures, self.object_path.shapes, touching=True, bodies=self._carried
+            postures[::step], shapes, touching=True, bodies=carried
         )
 
     def touch_clearance(self, postures: Array) -> tuple[float, str]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
 from pushpressslide.sim.joints.clearance import LOOK
 from pushpressslide.sim.joints.joint_path import ArmPath, Solution, path_of_move, search
-from pushpressslide.sim.joints.outline import Outline, least_distance
+from pushpressslide.sim.joints.outline import Outline, least_distance, pair_distances
 from pushpressslide.sim.joints.postures import Miss
 
 Pair = Sequence[Solution]  # one joint path of each arm
@@ -220,7 +219,10 @@ class _TwoArms:
             *_, complete = [result, *stream]
             options.append(complete.solutions)
         apart = []
-        for pair in sorted(product(*options), key=_score, reverse=True):
+        pairs, nearest = self._apart_at_first(options)
+        if nearest > -math.inf:
+            yield Conflict(0, "along the contacts", nearest)
+        for pair in sorted(pairs, key=_score, reverse=True):
             along = self._along(pair)
             if along < APART:
                 yield Conflict(0, "along the contacts", along)
@@ -229,6 +231,22 @@ class _TwoArms:
             apart.append((pair, along))
         for pair, along in apart[:IN_TURN]:
             yield from self._in_turn(pair, along)
+
+    def _apart_at_first(
+        self, options: Sequence[Sequence[Solution]]
+    ) -> tuple[list[Pair], float]:
+        """Return the pairs of solutions that are apart where the contacts begin, and the
+        largest distance [m], at most LOOK, of those that are not.
+        """
+        left, right = options
+        one, other = (
+            np.stack([solution.move.posture.q[0] for solution in each])
+            for each in options
+        )
+        distances = pair_distances(*self._outlines, one, other, LOOK)
+        apart = distances >= APART
+        pairs = [(left[i], right[j]) for i, j in np.argwhere(apart)]
+        return pairs, float(distances[~apart].max(initial=-math.inf))
 
     def _along(self, pair: Pair) -> float:
         """Return the arms' least distance [m] at the touch and along the contacts, of

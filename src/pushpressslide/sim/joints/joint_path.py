@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, groupby
 from operator import attrgetter
 
 import numpy as np
@@ -42,6 +42,7 @@ from pushpressslide.sim.joints.postures import (
     Move,
     Posture,
     TipPath,
+    ToolOption,
     continued_moves,
     moves,
     problem_text,
@@ -342,21 +343,31 @@ def _candidates(problem: ArmProblem, force: bool) -> Iterator[Move | Miss]:
         return
     options = problem.tool_options(along)
     stretched: list[Move] = []
-    for group in (options[:1], options[1:]):
-        good, worse, misses = moves(problem.kin, along.tip, group, force=force)
+    for _, group in groupby(options, _kind_of_attitude):
+        good, worse, misses = moves(problem.kin, along.tip, list(group), force=force)
         stretched += worse
         yield from misses
         yield from good
     yield from stretched
 
 
+def _kind_of_attitude(option: ToolOption) -> tuple[bool, bool]:
+    """Return whether a tool is tilted, and whether it turns with the object."""
+    tool, _ = option
+    return tool.tilt > 0.0, tool.turns
+
+
 def _refined(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[Solution]:
-    """Yield the joint paths of the nearest misses, made good."""
+    """Yield the joint paths of the nearest misses, made good; none in a search over
+    sequences of motions, where others are tried sooner.
+    """
     along = problem.along
     if along is None:
         yield from _parked_around(problem, misses)
         return
     if problem.holds or problem.kin.facts.size < POSE:
+        return
+    if problem.plan.task.searched:
         return
     near = [_with_clearance(problem, m) for m in misses if m.shortfall < NEAR]
     near = sorted((m for m in near if m.shortfall < NEAR), key=SHORTFALL)

@@ -85,19 +85,41 @@ def least_distance(
 
     It is at most ``look``, and negative where the arms intersect.
     """
-    a, b = np.broadcast_arrays(
-        one.segments(postures)[:, :, None], other.segments(others)[:, None]
-    )
-    radii = one.radii[:, None] + other.radii
-    apart = np.linalg.norm((a - b).mean(axis=-2), axis=-1) - radii  # of the middles
+    a = one.segments(postures)
+    b = other.segments(others)
+    return float(_distances(a, b, one.radii, other.radii, look).min())
+
+
+def pair_distances(
+    one: Outline, other: Outline, postures: Array, others: Array, look: float
+) -> Array:
+    """Return the distances (k, j) [m], at most ``look``, of one arm in postures (k, n)
+    and the other in postures (j, n), each with each.
+    """
+    a = np.repeat(one.segments(postures), len(others), axis=0)
+    b = np.tile(other.segments(others), (len(postures), 1, 1, 1))
+    out = _distances(a, b, one.radii, other.radii, look)
+    return out.reshape(len(postures), len(others))
+
+
+def _distances(
+    one: Array, other: Array, radii: Array, other_radii: Array, look: float
+) -> Array:
+    """Return the least distances (k,) [m], at most ``look``, of capsules about axes
+    (k, m, 2, 3) and others; either may be of one posture alone.
+    """
+    a, b = np.broadcast_arrays(one[:, :, None], other[:, None])
+    reach = radii[:, None] + other_radii
+    apart = np.linalg.norm((a - b).mean(axis=-2), axis=-1) - reach  # of the middles
     apart -= 0.5 * sum(
         np.linalg.norm(c[..., 1, :] - c[..., 0, :], axis=-1) for c in (a, b)
     )
     near = apart < look
-    distances = (
-        _segment_distance(a[near], b[near]) - np.broadcast_to(radii, near.shape)[near]
-    )
-    return float(distances.min(initial=look))
+    distances = np.full(near.shape, look)
+    exact = _segment_distance(a[near], b[near]) - np.broadcast_to(reach, near.shape)[near]
+    distances[near] = np.minimum(exact, look)
+    out: Array = distances.min(axis=(-2, -1))
+    return out
 
 
 def _segment_distance(a: Array, b: Array) -> Array:

@@ -31,6 +31,7 @@ GOOD_CONDITION = 60.0  # a stretched arm, whose tip is harder to control, exceed
 ENOUGH = 6  # best candidates of each attitude that are returned
 HELD = 0.1  # [rad] largest deviation of any joint of an arm that keeps its contact
 LARGEST_STEP = 0.3  # [rad] of any joint between two samples
+GLANCE = 3  # every third sample is followed before all of them are
 # [rad] tool yaw minus object yaw
 YAW_OFFSETS = np.linspace(-math.pi, math.pi, 24, endpoint=False)
 YAW_APART = 0.6  # [rad] tools whose yaws differ by less are held alike
@@ -201,14 +202,26 @@ def _followed(
     starts: Array,
     force: bool,
 ) -> tuple[list[Move], list[Miss]]:
-    """Follow a tip path with b held tools from postures (b, n); moves come best first."""
-    yaws = tip.yaws + np.array([offset for _, offset in held])[:, None]
-    tools = [tool for tool, _ in held]
-    paths = continuations(
-        kin, tip.positions, yaws, starts, tools, JOINT_MARGIN, LARGEST_STEP
-    )
+    """Follow a tip path with b held tools from postures (b, n); moves come best first.
+
+    Tools that are far off somewhere on a coarser path are followed no closer.
+    """
+    k = len(tip.yaws)
+    coarse = np.unique(np.append(np.arange(0, k, GLANCE), k - 1))
+    lost: list[Miss] = []
+    if not force and k > GLANCE:
+        near = []
+        paths = _continued(kin, tip, coarse, held, starts)
+        for i, path in enumerate(paths):
+            if path.lost:
+                lost.append(_lost(tip, coarse, held[i], path))
+            else:
+                near.append(i)
+        held = [held[i] for i in near]
+        starts = starts[near]
     allowed = []
     misses = []
+    paths = _continued(kin, tip, np.arange(k), held, starts)
     for (tool, offset), path in zip(held, paths, strict=True):
         posture = Posture(tool, offset, path.q)
         if force or (path.ok and path.condition < CONDITION_LIMIT):
@@ -216,7 +229,36 @@ def _followed(
         else:
             why = problem_text(path, tip.positions)
             misses.append(Miss(shortfall(path), why, posture))
-    return sorted(allowed, key=lambda move: -move.score), misses
+    return sorted(allowed, key=lambda move: -move.score), misses + lost
+
+
+def _continued(
+    kin: ArmKinematics,
+    tip: TipPath,
+    samples: Array,
+    held: Sequence[HeldTool],
+    starts: Array,
+) -> Sequence[Continuation]:
+    """Return the joint paths of b held tools along some samples of a tip path, from
+    postures (b, n).
+    """
+    if not held:
+        return ()
+    yaws = tip.yaws[samples] + np.array([offset for _, offset in held])[:, None]
+    tools = [tool for tool, _ in held]
+    step = LARGEST_STEP * float(np.diff(samples).max())
+    return continuations(
+        kin, tip.positions[samples], yaws, starts, tools, JOINT_MARGIN, step
+    )
+
+
+def _lost(tip: TipPath, samples: Array, held: HeldTool, path: Continuation) -> Miss:
+    """Return the miss of a tool that is far off on some ``samples`` of a tip path."""
+    tool, offset = held
+    every = np.arange(len(tip.yaws))
+    q = np.column_stack([np.interp(every, samples, column) for column in path.q.T])
+    why = problem_text(path, tip.positions[samples])
+    return Miss(shortfall(path), why, Posture(tool, offset, q))
 
 
 def shortfall(path: Continuation, count: int | None = None) -> float:
