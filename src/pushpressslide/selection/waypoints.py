@@ -18,6 +18,7 @@ from pushpressslide.core.footprint import middle_room
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.scene import Robot
 from pushpressslide.core.task import Shape, Task
+from pushpressslide.modes import MODES
 from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, between
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
@@ -36,7 +37,7 @@ ROOM = 0.3  # [m] about start and goal, within which the way may lead
 HAND_OVER = 0.06  # [m] between the places at which an arm may take an object over
 HANDED_OVER = 8  # such poses
 FOLLOWED = 3  # of them, from which the ways to the goal are looked at
-HANDED_OVER_BY = "press_slide"  # both before and after
+HANDED_OVER_BY = ("press_slide", "rear_push")  # both before and after
 # of the sample over x, y and yaw: the fractional parts of multiples of these fill the
 # cube evenly (Roberts' sequence, from the root of x^4 = x + 1)
 STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
@@ -209,7 +210,10 @@ def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
     both, or where there is one arm.
     """
     ends = [task.start, task.goal]
-    gives, takes = np.any(touching(task, HANDED_OVER_BY, ends), axis=2)
+    mode = next((name for name in HANDED_OVER_BY if MODES[name].touches(task)), None)
+    if mode is None:
+        return []
+    gives, takes = np.any(touching(task, mode, ends), axis=2)
     if (gives & takes).any() or not (gives.any() and takes.any()):
         return []
     x_min, x_max, y_min, y_max = space.bounds
@@ -219,7 +223,7 @@ def _handed_over(task: Task, space: FreeSpace) -> list[Pose2]:
     found = []
     for yaw in yaws:
         grid = [Pose2(x, y, yaw) for y in ys for x in xs]
-        there = np.any(touching(task, HANDED_OVER_BY, grid), axis=2)
+        there = np.any(touching(task, mode, grid), axis=2)
         both = np.any(there[:, gives], axis=1) & np.any(there[:, takes], axis=1)
         found += [X for X, able in zip(grid, both, strict=True) if able]
     if not found:

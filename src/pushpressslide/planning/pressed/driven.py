@@ -49,6 +49,7 @@ DIRECTIONS: Mapping[Vehicle, tuple[bool, ...]] = {
     "forklift": (True,),
     "pivot": (False,),
 }
+FEW = 10  # vehicles that are tried for one motion of a sequence
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,10 +206,16 @@ def _tool_drag(task: Task, vehicle: PressedVehicle) -> float:
 def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[Choice]:
     """Return for each contact and direction the choice with the safest load that does
     not tip the object, steered straight.
+
+    In a search over sequences only those that head for the goal most nearly: there are
+    other motions.
     """
-    out = []
     directions = DIRECTIONS[task.motion.vehicle or "unicycle"]
-    for contact, backward in product(placements.contacts, directions):
+    pairs = list(product(placements.contacts, directions))
+    if task.searched:
+        pairs = sorted(pairs, key=lambda pair: _askew(task, *pair))[:FEW]
+    out = []
+    for contact, backward in pairs:
         for load in placements.loads:  # a lighter press tips less
             press = Press(replace(contact, load=load), backward)
             choice = driven_choice(task, mode, press)
@@ -216,6 +223,19 @@ def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[
                 break
         out.append(choice)
     return out
+
+
+def _askew(task: Task, contact: Contact, backward: bool) -> float:
+    """Return about by how much [rad] a vehicle heads past the goal at its start, and
+    comes from aside at the goal, in all.
+    """
+    start, goal = task.body_ends
+    bearing = math.atan2(goal.y - start.y, goal.x - start.x)
+    heading = math.atan2(contact.point[1], contact.point[0]) + math.pi * backward
+    return sum(
+        abs(math.remainder(X.yaw + heading - bearing, 2.0 * math.pi))
+        for X in (start, goal)
+    )
 
 
 def with_turns(task: Task, draft: Choice, least: float) -> Choice:

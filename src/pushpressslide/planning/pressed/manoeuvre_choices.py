@@ -19,6 +19,7 @@ from pushpressslide.planning.segments import describe_points
 # them. Of motions that are possible nine in ten are possible by one of these
 FEW = 5
 TRIED = 10
+LOADS = 2  # that are tried
 
 
 def manoeuvre_choices(
@@ -38,7 +39,8 @@ def manoeuvre_choices(
     out: list[Choice] = []
     skipped: list[Choice] = []
     missing = enough
-    for contacts in placements.turning(task.scene):
+    groups = placements.turning(task.scene)
+    for contacts in groups[:LOADS] if task.searched else groups:
         if task.searched:
             contacts = _still_reached(contacts, out)
         ranked = by_time(task, X_WB, contacts)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -33,6 +34,7 @@ PERIOD = 0.02  # [s] at most, between samples of an approach
 GLANCE = 6  # every sixth sample is checked before all of them are
 RETREAT_SAMPLES = 7
 IN_TURN = 8  # most pairs for which one arm is led around the other
+FEW = 16  # joint paths of each arm, in a search over sequences of motions
 
 
 @dataclass(frozen=True, order=True)
@@ -215,8 +217,9 @@ class _TwoArms:
                     if along >= APART:
                         yield from self._waiting(best, along)
         options = []
+        most = FEW if self.plan.task.searched else None
         for result, stream in zip(results, searches, strict=True):
-            *_, complete = [result, *stream]
+            *_, complete = [result, *islice(stream, most)]
             options.append(complete.solutions)
         apart = []
         pairs, nearest = self._apart_at_first(options)
