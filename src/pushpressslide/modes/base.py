@@ -101,6 +101,10 @@ class Mode(ABC):
     arms: ClassVar[int]
     reduced_model: ClassVar[str]
     tracking_point: ClassVar[str]
+    work: ClassVar[int] = 1
+    """What it takes to judge a motion with whatever contacts, over that of a push from
+    behind, up to the limit that a search sets itself.
+    """
     cop_steering: ClassVar[bool]
     # whether it can hold an object whose weight pulls it along the support
     carries_weight: ClassVar[bool]

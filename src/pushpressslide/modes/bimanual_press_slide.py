@@ -57,6 +57,7 @@ class BimanualPressSlide(Mode):
     arms = 2
     reduced_model = "quasi-holonomic"
     tracking_point = "CoM, or CoP when pivoting"
+    work = 4
     cop_steering = True
     carries_weight = True
     pushed_faces = 0

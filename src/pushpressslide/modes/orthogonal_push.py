@@ -65,6 +65,7 @@ class OrthogonalPush(TwistPushes):
     arms = 2
     reduced_model = "quasi-holonomic within a cone"
     tracking_point = "CoM"
+    work = 2
     cop_steering = False
     carries_weight = False
     pushed_faces = 2

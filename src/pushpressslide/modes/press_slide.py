@@ -93,6 +93,7 @@ class PressSlide(Mode):
     arms = 1
     reduced_model = "unicycle / car / forklift"
     tracking_point = "virtual axle"
+    work = 4
     cop_steering = True
     carries_weight = False
     pushed_faces = 0

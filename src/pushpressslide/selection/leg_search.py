@@ -106,10 +106,11 @@ class LegSearch:
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
     judge: JudgeMotion
-    most: int  # motions that may be judged in all
+    most: int  # work that may be spent on judging motions; one by a push from behind is 1
     # where one push may lead from a pose X_WG; None: only to ``poses``
     onward: Callable[[Pose2], list[Pose2]] | None = None
-    judged: int = 0
+    judged: int = 0  # motions
+    spent: int = 0  # work on them
     banned: set[tuple[int, int, Placement]] = field(default_factory=set)
     modes: list[str] = field(default_factory=list)
     _refused: dict[tuple[str, str], RefusedMotions] = field(default_factory=dict)
@@ -275,7 +276,7 @@ class LegSearch:
         key = self._key(motion)
         if key in self._found:
             return bool(self._found[key])
-        return self.judged < self.most and motion.mode in self.modes
+        return self.spent < self.most and motion.mode in self.modes
 
     def _choices(self, motion: Motion) -> list[Choice]:
         """Return the feasible choices of a motion, judged the first time."""
@@ -284,6 +285,7 @@ class LegSearch:
         *_, placement = key
         if key not in self._found:
             self.judged += 1
+            self.spent += 1 if motion.held else MODES[motion.mode].work
             part = self._part(begin.pose, motion.to, motion.mode)
             judged = self.judge(part, None if placement is None else placement[1])
             self._found[key] = _best(judged)

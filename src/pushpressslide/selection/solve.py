@@ -35,8 +35,8 @@ from pushpressslide.selection.waypoints import free_space, onward, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
 SEQUENCES = 16  # whose joint paths are looked for
-JUDGED = 160  # motions between two poses that are judged in a search
-JUDGED_ONWARD = 240  # more, where pushes from the poses on the way are looked at too
+JUDGED = 320  # work on motions between two poses in a search
+JUDGED_ONWARD = 640  # more, where pushes from the poses on the way are looked at too
 
 
 @dataclass
