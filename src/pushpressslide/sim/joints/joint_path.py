@@ -53,6 +53,9 @@ from pushpressslide.sim.joints.waiting import too_near, waiting_moves
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
 REFINED = 4  # most misses that are refined
+# moves along a contact that something is in the way of, after which no more are looked
+# at in a search over sequences of motions
+MOST_BLOCKED = 24
 # share of a torque limit that holding the contact at rest may take; the rest is for
 # control
 MOST_EFFORT = 0.8
@@ -124,6 +127,7 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
     unreached: list[Miss] = []
+    most = MOST_BLOCKED if problem.plan.task.searched else None
     for move in _candidates(problem, force):
         if isinstance(move, Miss):
             unreached.append(move)
@@ -131,6 +135,8 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
         path = path_of_move(problem, move, force=force)
         if isinstance(path, Miss):
             blocked.append(path)
+            if len(blocked) == most:
+                break
             continue
         solutions = (*solutions, Solution(move, path))
         yield SearchResult(solutions)
