@@ -92,6 +92,8 @@ def _text(value: object) -> str:
 if __name__ == "__main__":
     ACTIONS = {"run": run, "write": write}
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("actions", nargs="*", choices=[*ACTIONS, []], metavar="run|write")
+    parser.add_argument(
+        "actions", nargs="*", choices=[*ACTIONS, []], metavar="run|write"
+    )
     for action in parser.parse_args().actions or ACTIONS:
         ACTIONS[action]()

@@ -106,7 +106,9 @@ class LegSearch:
     poses: list[Pose2]  # X_WG: start, goal, and those on the way; more as it goes on
     touching: Touching
     judge: JudgeMotion
-    most: int  # work that may be spent on judging motions; one by a push from behind is 1
+    most: (
+        int  # work that may be spent on judging motions; one by a push from behind is 1
+    )
     # where one push may lead from a pose X_WG; None: only to ``poses``
     onward: Callable[[Pose2], list[Pose2]] | None = None
     judged: int = 0  # motions

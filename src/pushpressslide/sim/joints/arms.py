@@ -246,9 +246,10 @@ class _TwoArms:
             np.stack([solution.move.posture.q[0] for solution in each])
             for each in options
         )
-        distances = pair_distances(*self._outlines, one, other, LOOK)
+        mine, its = self._outlines
+        distances = pair_distances(mine, its, one, other, LOOK)
         apart = distances >= APART
-        pairs = [(left[i], right[j]) for i, j in np.argwhere(apart)]
+        pairs: list[Pair] = [(left[i], right[j]) for i, j in np.argwhere(apart)]
         return pairs, float(distances[~apart].max(initial=-math.inf))
 
     def _along(self, pair: Pair) -> float:

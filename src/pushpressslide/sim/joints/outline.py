@@ -116,7 +116,9 @@ def _distances(
     )
     near = apart < look
     distances = np.full(near.shape, look)
-    exact = _segment_distance(a[near], b[near]) - np.broadcast_to(reach, near.shape)[near]
+    exact = (
+        _segment_distance(a[near], b[near]) - np.broadcast_to(reach, near.shape)[near]
+    )
     distances[near] = np.minimum(exact, look)
     out: Array = distances.min(axis=(-2, -1))
     return out

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Pose2
@@ -235,7 +236,7 @@ def _followed(
 def _continued(
     kin: ArmKinematics,
     tip: TipPath,
-    samples: Array,
+    samples: NDArray[np.intp],
     held: Sequence[HeldTool],
     starts: Array,
 ) -> Sequence[Continuation]:
@@ -252,7 +253,9 @@ def _continued(
     )
 
 
-def _lost(tip: TipPath, samples: Array, held: HeldTool, path: Continuation) -> Miss:
+def _lost(
+    tip: TipPath, samples: NDArray[np.intp], held: HeldTool, path: Continuation
+) -> Miss:
     """Return the miss of a tool that is far off on some ``samples`` of a tip path."""
     tool, offset = held
     every = np.arange(len(tip.yaws))
