@@ -6,8 +6,9 @@ closed-form control.
     choice = pps.select(task)[0]
     plan = pps.plan(task, choice)
     record = pps.run(plan, engine="drake")
+    record.success
 
-Everything here is imported when it is first used.
+Everything here is imported when it is first used. docs/python-api.md shows more.
 """
 
 from __future__ import annotations
@@ -16,52 +17,159 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pushpressslide import modes
+    from pushpressslide import allocation, batch, mechanics, modes, planar
+    from pushpressslide.control.controller import Controller
+    from pushpressslide.control.plant import Plant
+    from pushpressslide.control.run_loop import (
+        RunLoop,
+        RunOptions,
+        run_loop,
+    )
     from pushpressslide.core.errors import (
         InfeasibleTaskError,
         PushPressSlideError,
         SimulationError,
         TaskError,
     )
-    from pushpressslide.jobs.run import run
-    from pushpressslide.mechanics.line_push import FlatFinger, push_sticks
+    from pushpressslide.core.plan import (
+        Choice,
+        Plan,
+    )
+    from pushpressslide.core.pose import Pose2
+    from pushpressslide.core.record import Record
+    from pushpressslide.core.scene import (
+        ObjectModel as Object,
+    )
+    from pushpressslide.core.scene import (
+        Obstacle,
+        Robot,
+        Support,
+    )
+    from pushpressslide.core.shapes import (
+        Box,
+        Compound,
+        Cylinder,
+        MeshSolid,
+        Prism,
+    )
+    from pushpressslide.core.task import (
+        Limits,
+        Motion,
+        Sensing,
+        Task,
+        Tolerance,
+    )
+    from pushpressslide.jobs.run import (
+        measured_figures as result,
+    )
+    from pushpressslide.jobs.run import (
+        run,
+    )
+    from pushpressslide.mechanics.line_push import (
+        FlatFinger,
+        push_sticks,
+    )
+    from pushpressslide.report.files import load_run
+    from pushpressslide.report.page import write_report as report
     from pushpressslide.selection.select import select
     from pushpressslide.selection.solve import plan
-    from pushpressslide.taskfile.load import check_task, dump_task, load_task
+    from pushpressslide.taskfile.load import (
+        check_task,
+        dump_task,
+        load_task,
+    )
 
     __version__: str
 
 __all__ = [
+    "Box",
+    "Choice",
+    "Compound",
+    "Controller",
+    "Cylinder",
     "FlatFinger",
     "InfeasibleTaskError",
+    "Limits",
+    "MeshSolid",
+    "Motion",
+    "Object",
+    "Obstacle",
+    "Plan",
+    "Plant",
+    "Pose2",
+    "Prism",
     "PushPressSlideError",
+    "Record",
+    "Robot",
+    "RunLoop",
+    "RunOptions",
+    "Sensing",
     "SimulationError",
+    "Support",
+    "Task",
     "TaskError",
+    "Tolerance",
     "__version__",
+    "allocation",
+    "batch",
     "check_task",
     "dump_task",
+    "load_run",
     "load_task",
+    "mechanics",
     "modes",
     "plan",
+    "planar",
     "push_sticks",
+    "report",
+    "result",
     "run",
+    "run_loop",
     "select",
 ]
 
+_ROOMS = frozenset({"mechanics", "allocation", "modes", "batch", "planar"})
 _HOMES = {
-    "FlatFinger": "mechanics.line_push",
-    "InfeasibleTaskError": "core.errors",
-    "PushPressSlideError": "core.errors",
-    "SimulationError": "core.errors",
-    "TaskError": "core.errors",
-    "check_task": "taskfile.load",
-    "dump_task": "taskfile.load",
-    "load_task": "taskfile.load",
-    "plan": "selection.solve",
-    "push_sticks": "mechanics.line_push",
-    "run": "jobs.run",
-    "select": "selection.select",
+    "Box": "core.shapes.Box",
+    "Choice": "core.plan.Choice",
+    "Compound": "core.shapes.Compound",
+    "Controller": "control.controller.Controller",
+    "Cylinder": "core.shapes.Cylinder",
+    "FlatFinger": "mechanics.line_push.FlatFinger",
+    "InfeasibleTaskError": "core.errors.InfeasibleTaskError",
+    "Limits": "core.task.Limits",
+    "MeshSolid": "core.shapes.MeshSolid",
+    "Motion": "core.task.Motion",
+    "Object": "core.scene.ObjectModel",
+    "Obstacle": "core.scene.Obstacle",
+    "Plan": "core.plan.Plan",
+    "Plant": "control.plant.Plant",
+    "Pose2": "core.pose.Pose2",
+    "Prism": "core.shapes.Prism",
+    "PushPressSlideError": "core.errors.PushPressSlideError",
+    "Record": "core.record.Record",
+    "Robot": "core.scene.Robot",
+    "RunLoop": "control.run_loop.RunLoop",
+    "RunOptions": "control.run_loop.RunOptions",
+    "Sensing": "core.task.Sensing",
+    "SimulationError": "core.errors.SimulationError",
+    "Support": "core.scene.Support",
+    "Task": "core.task.Task",
+    "TaskError": "core.errors.TaskError",
+    "Tolerance": "core.task.Tolerance",
+    "check_task": "taskfile.load.check_task",
+    "dump_task": "taskfile.load.dump_task",
+    "load_run": "report.files.load_run",
+    "load_task": "taskfile.load.load_task",
+    "plan": "selection.solve.plan",
+    "push_sticks": "mechanics.line_push.push_sticks",
+    "report": "report.page.write_report",
+    "result": "jobs.run.measured_figures",
+    "run": "jobs.run.run",
+    "run_loop": "control.run_loop.run_loop",
+    "select": "selection.select.select",
 }
+"""Where each name stands."""
 
 
 def __getattr__(name: str) -> Any:
@@ -69,11 +177,12 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("pushpressslide")
-    if name == "modes":
-        return importlib.import_module("pushpressslide.modes")
+    if name in _ROOMS:
+        return importlib.import_module(f"pushpressslide.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'pushpressslide' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"pushpressslide.{_HOMES[name]}"), name)
+    module, _, own = _HOMES[name].rpartition(".")
+    value = getattr(importlib.import_module(f"pushpressslide.{module}"), own)
     globals()[name] = value
     return value
 

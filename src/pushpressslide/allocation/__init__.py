@@ -1,3 +1,7 @@
 """Allocation: from a wanted object wrench to contact forces inside their cones, closed
 form, in plain floats.
 """
+
+from pushpressslide.core.room import explorable
+
+__getattr__, __dir__ = explorable(__name__)

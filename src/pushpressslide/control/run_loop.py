@@ -77,7 +77,7 @@ def run_loop(
     Nothing is decided by wall time: a plant that is deterministic gives the same record
     for the same seed.
     """
-    loop = _RunLoop(plant, plan, options or RunOptions(), watches)
+    loop = RunLoop(plant, plan, options or RunOptions(), watches)
     with _uncollected():
         return loop.run()
 
@@ -96,7 +96,7 @@ def _uncollected() -> Iterator[None]:
             gc.enable()
 
 
-class _RunLoop:
+class RunLoop:
     """One run: the present placement, what is ahead, and what ends it."""
 
     def __init__(

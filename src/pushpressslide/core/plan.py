@@ -151,6 +151,11 @@ class Choice:
         """Least distance [rad] of the planned forces to a cone's edge."""
         return self.segments[0].cone_margin if self.segments else None
 
+    def __repr__(self) -> str:
+        """Return one line."""
+        time = "" if self.time is None else f", {self.time:.1f} s"
+        return f"Choice({self.mode}: {self.verdict}{time}; {self.reason})"
+
     def refused(self, refusal: Refusal | None) -> Choice:
         """Return the choice with a reason against it; None: with none."""
         return replace(self, refusal=refusal)
@@ -226,6 +231,11 @@ class Plan:
     def duration(self) -> float:
         """Time [s] of all segments, without approach and release."""
         return sum(segment.profile.duration for segment in self.segments)
+
+    def __repr__(self) -> str:
+        """Return one line."""
+        modes = ", ".join(segment.mode for segment in self.segments)
+        return f"Plan({self.task.name!r}: {modes}; {self.duration:.1f} s)"
 
 
 def lasting_arms(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:

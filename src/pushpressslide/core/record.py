@@ -5,6 +5,7 @@ Names, shapes and units are listed in docs/record.md.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
@@ -54,3 +55,44 @@ class Record:
     plan: Plan  # as it was run, with what was planned anew
     # versions, time step, joint margin, clearance, ...
     meta: Mapping[str, Any] = field(default_factory=dict)
+    # what result.json holds, where the run was measured; ``report.metrics.result``
+    figures: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached, nothing moved that should not, and no limit was
+        broken. Raises RuntimeError for a run that was not measured.
+        """
+        if not self.figures:
+            raise RuntimeError(
+                "the run was not measured: pushpressslide.run measures what it runs, "
+                "pushpressslide.result any record"
+            )
+        return bool(self.figures["success"])
+
+    def to_dataframe(self) -> Any:
+        """Return the time series that have a value for each tick as a pandas DataFrame
+        by time [s]; columns of an array (N, 3) end in ``_0``, ``_1`` and ``_2``.
+
+        Raises ModuleNotFoundError where pandas is not installed.
+        """
+        pandas = importlib.import_module("pandas")
+        ticks = len(self.arrays["time"])
+        columns = {}
+        for name, values in self.arrays.items():
+            if name == "time" or len(values) != ticks:
+                continue
+            flat = values.reshape(ticks, -1)
+            for i, column in enumerate(flat.T):
+                columns[name if values.ndim == 1 else f"{name}_{i}"] = column
+        index = pandas.Index(self.arrays["time"], name="time")
+        return pandas.DataFrame(columns, index=index)
+
+    def __repr__(self) -> str:
+        """Return one line."""
+        ticks = len(self.arrays.get("time", ()))
+        modes = ", ".join(self.modes)
+        return (
+            f"Record({self.reason}: {modes} on {self.engine}, {ticks} ticks, seed "
+            f"{self.seed})"
+        )

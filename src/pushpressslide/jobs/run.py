@@ -106,7 +106,7 @@ def run(
     models: str = "generated",
 ) -> Record:
     """Run a plan, or select, plan and run a task, and return the record of what
-    happened.
+    happened, measured: ``success`` and ``figures``.
 
     Raises TaskError for a task that a file could not say, and InfeasibleTaskError
     before anything moves where it cannot be done.
@@ -118,14 +118,30 @@ def run(
         monitor = Monitor(progress)
         if what.goals:
             options = StageOptions(engine, seed, False, models, monitor)
-            return run_goals(what, options)[1]
+            figures, record = run_goals(what, options)
+            return replace(record, figures=figures)
         _, record, _ = simulate(
             what, engine=engine, seed=seed, models=models, monitor=monitor
         )
-        return record
-    return engine_named(engine).run(
+        return measured(record, what)
+    record = engine_named(engine).run(
         what, RunOptions(seed, progress), ArmOptions(models)
     )
+    return measured(record, what.task)
+
+
+def measured(record: Record, task: Task) -> Record:
+    """Return a record of a run of ``task`` with its figures."""
+    return replace(record, figures=measured_figures(record, task))
+
+
+def measured_figures(record: Record, task: Task | None = None) -> dict[str, Any]:
+    """Return what result.json holds for a record: SI units and radians, None where a
+    figure does not apply; of a run of ``task``, by default that of its plan.
+    """
+    from pushpressslide.report.metrics import result
+
+    return result(task or record.plan.task, record.plan, record, versions())
 
 
 def run_task(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
@@ -105,7 +105,7 @@ def load_run(folder: Path) -> Run:
     record = _read(
         folder / RECORD, lambda path: record_from_bytes(path.read_bytes(), plan)
     )
-    return Run(folder, task, plan, record, result, choices)
+    return Run(folder, task, plan, replace(record, figures=result), result, choices)
 
 
 def _read(path: Path, reader: Callable[[Path], T]) -> T:

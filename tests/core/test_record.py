@@ -1,0 +1,43 @@
+"""What a record says of itself."""
+
+import importlib.util
+from dataclasses import replace
+
+import pytest
+
+import pushpressslide as pps
+
+RUN = pps.run(pps.load_task("rear-push-rear"), engine="planar")
+
+
+def test_a_run_is_measured() -> None:
+    assert RUN.success
+    assert RUN.figures == pps.result(RUN)
+
+
+def test_a_record_that_was_not_measured_says_so() -> None:
+    with pytest.raises(RuntimeError, match="not measured"):
+        _ = replace(RUN, figures={}).success
+
+
+def test_reprs_are_one_short_line() -> None:
+    for thing in (RUN, RUN.plan, pps.select(RUN.plan.task)[0]):
+        text = repr(thing)
+        assert "\n" not in text
+        assert len(text) < 200
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("pandas"), reason="needs pandas")
+def test_a_record_becomes_a_table() -> None:
+    table = RUN.to_dataframe()
+    assert len(table) == len(RUN.arrays["time"])
+    assert (table["object_pose_0"].to_numpy() == RUN.arrays["object_pose"][:, 0]).all()
+
+
+def test_rooms_can_be_explored() -> None:
+    assert "friction" in dir(pps.mechanics)
+    assert "MODES" in dir(pps.modes)
+    assert "world" in dir(pps.planar)
+    assert pps.mechanics.friction.push_outcome
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = pps.mechanics.nothing
