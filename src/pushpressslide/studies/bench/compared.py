@@ -62,3 +62,16 @@ def compared(
         }
         rows.append(row | figures | {"note": ""})
     return rows
+
+
+def measured(what: str, median: float, first: float, **figures: float) -> Row:
+    """Return the row of a contestant: its median time [s], over that of the first, and
+    what else was found.
+    """
+    times = {"median_us": 1e6 * median, "ratio": median / first}
+    return {"what": what, **times, **figures, "note": ""}
+
+
+def missing(what: str, note: str) -> Row:
+    """Return the row of a contestant that is not there, and why."""
+    return {"what": what, "median_us": None, "ratio": None, "note": note}

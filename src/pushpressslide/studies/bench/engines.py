@@ -19,7 +19,7 @@ from pushpressslide.batch.pushed_bodies import PushedBodies
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit
-from pushpressslide.studies.bench.compared import Row
+from pushpressslide.studies.bench.compared import Row, measured, missing
 
 SIZE = (0.2, 0.12, 0.06)  # [m]
 MASS = 1.0  # [kg]
@@ -59,24 +59,19 @@ def engines() -> list[Row]:
         "Drake, hydroelastic": _drake,
     }
     rows: list[Row] = []
-    first = math.nan
+    first: float | None = None
     for name, run in makers.items():
-        row: Row = {"what": name, "median_us": None, "ratio": None}
         found = [run() for _ in range(ROUNDS)]
         pushes = [push for push in found if isinstance(push, Pushed)]
         if not pushes:
-            rows.append(row | {"note": found[0]})
+            rows.append(missing(name, str(found[0])))
             continue
         median = float(np.median([push.wall_time for push in pushes]))
-        first = median if math.isnan(first) else first
-        figures = {
-            "median_us": 1e6 * median,
-            "ratio": median / first,
-            "x_mm": 1e3 * pushes[0].x,
-            "y_mm": 1e3 * pushes[0].y,
-            "yaw_deg": math.degrees(pushes[0].yaw),
-        }
-        rows.append(row | figures | {"note": ""})
+        first = first or median
+        push = pushes[0]
+        place = {"x_mm": 1e3 * push.x, "y_mm": 1e3 * push.y}
+        turned = math.degrees(push.yaw)
+        rows.append(measured(name, median, first, **place, yaw_deg=turned))
     return rows
 
 

@@ -28,7 +28,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
-from pushpressslide.studies.bench.compared import Row
+from pushpressslide.studies.bench.compared import Row, measured, missing
 
 TASKS = ("rear-push-rear", "rear-push-left")
 PERIOD = 0.02  # [s] of control
@@ -126,26 +126,22 @@ def _compared(what: str, push: Push, world: World) -> list[Row]:
         "MPC, one step, HPIPM": lambda: predictive(push, "real_time"),
     }
     rows: list[Row] = []
-    first = math.nan
+    first: float | None = None
     for name, make in makers.items():
-        row: Row = {"what": f"{what}: {name}", "median_us": None, "ratio": None}
         try:
             found = controlled(push, world, make())
         except ModuleNotFoundError:
-            rows.append(row | {"note": ABSENT})
+            rows.append(missing(f"{what}: {name}", ABSENT))
             continue
         median = float(np.median(found.times))
-        if math.isnan(first):
-            first = median
+        first = first or median
         figures = {
-            "median_us": 1e6 * median,
             "p99_us": 1e6 * float(np.percentile(found.times, 99)),
-            "ratio": median / first,
             "off_path_mm": 1e3 * found.worst,
             "end_mm": 1e3 * found.position,
             "end_deg": math.degrees(found.yaw),
         }
-        rows.append(row | figures | {"note": ""})
+        rows.append(measured(f"{what}: {name}", median, first, **figures))
     return rows
 
 
