@@ -60,6 +60,8 @@ random-tasks: $(READY)
 picture: $(READY)
 	$(BIN)/pps reproduce --only rear-push --out runs/picture --force
 	cp runs/picture/rear-push/left/pictures.png docs/figures/rear-push-left.png
+	$(BIN)/pps run post --video --out runs/picture/post --force
+	cp runs/picture/post/run.webp docs/figures/post.webp
 
 lint: $(READY)
 	$(BIN)/ruff check .
