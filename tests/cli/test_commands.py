@@ -220,6 +220,26 @@ def test_select_ranks_and_leaves_a_file(tmp_path: Path) -> None:
     )
 
 
+def test_select_looks_at_joint_paths_if_asked(tmp_path: Path) -> None:
+    task = ("rear-push-rear", "--set", "limits.legs=1", "--json", "--joints")
+    result = invoke("select", *task, "--out", str(tmp_path))
+    rows = json.loads(result.stdout)
+    assert rows[0]["feasible"]
+    assert json.loads((tmp_path / "select.json").read_text())["joint_paths"]
+    # the Panda's wrist would be in the table: a plan exists, and no joint path
+    low = ("--set", "robots=[{model: panda, base: {x: 0, y: 0, z: -0.3}}]", "--force")
+    result = invoke("select", *task, *low, "--out", str(tmp_path))
+    refused = [row for row in json.loads(result.stdout) if not row["feasible"]]
+    assert len(refused) == len(json.loads(result.stdout))
+
+
+def test_joint_paths_of_legs_depend_on_those_before(tmp_path: Path) -> None:
+    result = invoke("select", "swap", "--joints", "--out", str(tmp_path))
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1
+    assert "--joints: allowed for a task of one motion" in result.stderr
+
+
 @pytest.mark.parametrize("command", ["select", "plan"])
 def test_a_task_that_no_mode_can_do_exits_two_with_the_reason(
     command: str, tmp_path: Path

@@ -13,6 +13,7 @@ from pushpressslide.cli.app import app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
     Force,
+    Joints,
     Json,
     Models,
     ModeName,
@@ -69,26 +70,31 @@ def select(
     out: Out = None,
     as_json: Json = False,
     force: Force = False,
+    joints: Joints = False,
 ) -> int:
     """Rank the contact modes for a task, with reasons.
 
-    Joint paths are not looked at.
+    Joint paths are looked at with ``--joints``, as ``pps run`` does.
     """
     from pushpressslide.cli import tables
     from pushpressslide.cli.goals import select_stages
+    from pushpressslide.cli.joints import looked_at
     from pushpressslide.core.whole_file import write_whole
     from pushpressslide.report.json_text import to_json
     from pushpressslide.selection.select import select as rank
     from pushpressslide.selection.solve import plan as make_plan
 
     loaded = task_of(task, sets)
+    if joints and (loaded.goals or loaded.legs):
+        reason = "--joints: allowed for a task of one motion, without goals and legs"
+        raise PushPressSlideError(f"{loaded.source or loaded.name}: {reason}")
     folder = results_folder(
         out, f"select-{loaded.name}", force, ("select.json", "result.json")
     )
     if loaded.goals:
         select_stages(loaded, folder, as_json)
         return REACHED
-    choices = rank(loaded)
+    choices = looked_at(loaded) if joints else rank(loaded)
     rows = tables.choice_rows(choices)
     write_whole(
         folder / "select.json",
@@ -96,12 +102,12 @@ def select(
             {
                 "schema": 1,
                 "task": loaded.name,
-                "joint_paths": None,  # not looked at
+                "joint_paths": joints or None,  # None: not looked at
                 "choices": rows,
             }
         ),
     )
-    print_json(rows) if as_json else tables.print_choices(choices)
+    print_json(rows) if as_json else tables.print_choices(choices, joints)
     if not any(choice.feasible for choice in choices):
         try:
             found = make_plan(loaded)

@@ -73,4 +73,10 @@ Force = Annotated[
     bool,
     typer.Option("--force", help="Replace a result that is in the folder already."),
 ]
+Joints = Annotated[
+    bool,
+    typer.Option(
+        "--joints", help="Look for the arms' joint paths, too; takes seconds."
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice, Plan
     from pushpressslide.modes.base import Mode
 
-JOINT_PATHS = "Joint paths were not looked at; `pps run` looks for them."
+JOINT_PATHS = "Joint paths were not looked at; `--joints` looks, as `pps run` does."
 """Of choices that were ranked without an engine."""
 
 MISSING = "-"
@@ -91,8 +91,10 @@ def choice_rows(choices: Iterable[Choice]) -> list[dict[str, Any]]:
     ]
 
 
-def print_choices(choices: Sequence[Choice]) -> None:
-    """Print the ranked choices, each with its reason below it."""
+def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
+    """Print the ranked choices, each with its reason below it; ``joints``: their joint
+    paths were looked at.
+    """
     console = Console(markup=False, highlight=False)
     row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
     console.print(row.format("mode", "verdict", "path m", "time s", "margin deg"))
@@ -104,7 +106,8 @@ def print_choices(choices: Sequence[Choice]) -> None:
         )
         console.print(row.format(choice.mode, choice.verdict, *figures))
         console.print(Padding(reason, (0, 0, 0, 4)))
-    console.print(JOINT_PATHS)
+    if not joints:
+        console.print(JOINT_PATHS)
 
 
 def print_legs(plan: Plan) -> None:

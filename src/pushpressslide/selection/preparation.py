@@ -125,3 +125,23 @@ def add_first(
         why = str(problems[key]).split(": ", 1)[-1]
         choices[i] = choice.refused(Refusal("joint_path", literal(why)))
     return False
+
+
+def with_joint_paths(
+    preparation: Preparation, task: Task, choices: Sequence[Choice]
+) -> list[Choice]:
+    """Return the choices of a task without legs, the possible ones first; those refused
+    for which the arms have no joint path. ``preparation`` is an empty one, and is empty
+    in the end.
+    """
+    out = []
+    for choice in choices:
+        if choice.feasible:
+            try:
+                preparation.add(plan_of(task, [choice]).by_placement[0])
+            except InfeasibleTaskError as error:
+                why = str(error).split(": ", 1)[-1]
+                choice = choice.refused(Refusal("joint_path", literal(why)))
+            preparation.keep(0)
+        out.append(choice)
+    return sorted(out, key=lambda choice: not choice.feasible)
