@@ -35,6 +35,9 @@ from pushpressslide.selection.waypoints import free_space, onward, waypoints
 
 TRIES = 4  # single motions whose joint paths are looked for, before sequences are
 SEQUENCES = 16  # whose joint paths are looked for
+# the same where a task goes on after a recovery: up to three beliefs are planned with
+TRIES_ANEW = 2
+SEQUENCES_ANEW = 6
 JUDGED = 320  # work on motions between two poses in a search
 JUDGED_ONWARD = 640  # more, where pushes from the poses on the way are looked at too
 
@@ -118,7 +121,8 @@ def _solved(
         clock.lap("joint_paths")
         return Solution(joined(preparation, task, begin), choices, clock.laps)
     problems: Problems = {}
-    added = add_first(preparation, task, choices, False, problems, TRIES)
+    tries = TRIES if begin is None else TRIES_ANEW
+    added = add_first(preparation, task, choices, False, problems, tries)
     clock.lap("joint_paths")
     if added:
         return Solution(joined(preparation, task, begin), choices, clock.laps)
@@ -171,7 +175,7 @@ def _searched(
     search = LegSearch(told, ways, poses, Touching(told), judged_motion, JUDGED)
     search.know(choices)
     lacking = ""
-    for _ in range(SEQUENCES):
+    for _ in range(SEQUENCES if begin is None else SEQUENCES_ANEW):
         steps = search.soonest()
         if not steps and search.onward is None:
             search.onward = partial(onward, told, ways)
