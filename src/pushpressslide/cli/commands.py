@@ -78,11 +78,7 @@ def select(
     """
     from pushpressslide.cli import tables
     from pushpressslide.cli.goals import select_stages
-    from pushpressslide.cli.joints import looked_at
-    from pushpressslide.core.whole_file import write_whole
-    from pushpressslide.report.json_text import to_json
-    from pushpressslide.selection.select import select as rank
-    from pushpressslide.selection.solve import plan as make_plan
+    from pushpressslide.cli.joints import ranked
 
     loaded = task_of(task, sets)
     if joints and (loaded.goals or loaded.legs):
@@ -94,28 +90,26 @@ def select(
     if loaded.goals:
         select_stages(loaded, folder, as_json)
         return REACHED
-    choices = looked_at(loaded) if joints else rank(loaded)
-    rows = tables.choice_rows(choices)
-    write_whole(
-        folder / "select.json",
-        to_json(
-            {
-                "schema": 1,
-                "task": loaded.name,
-                "joint_paths": joints or None,  # None: not looked at
-                "choices": rows,
-            }
-        ),
-    )
+    choices = ranked(loaded, joints)
+    rows = tables.write_choices(choices, loaded, joints, folder / "select.json")
     print_json(rows) if as_json else tables.print_choices(choices, joints)
-    if not any(choice.feasible for choice in choices):
-        try:
-            found = make_plan(loaded)
-        except InfeasibleTaskError as error:
-            complain(str(error))
-            return WRONG_INPUT
-        if not as_json:
-            tables.print_legs(found)
+    if any(choice.feasible for choice in choices):
+        return REACHED
+    return _legs_instead(loaded, as_json)
+
+
+def _legs_instead(task: Task, as_json: bool) -> int:
+    """Say which motions one after the other do a task that no single one does."""
+    from pushpressslide.cli import tables
+    from pushpressslide.selection.solve import plan as make_plan
+
+    try:
+        found = make_plan(task)
+    except InfeasibleTaskError as error:
+        complain(str(error))
+        return WRONG_INPUT
+    if not as_json:
+        tables.print_legs(found)
     return REACHED
 
 

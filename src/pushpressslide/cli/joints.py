@@ -1,4 +1,4 @@
-"""Choices as ``pps run`` judges them: by the joint paths of the arms, too."""
+"""Choices as they are shown: by mechanics and reach, or as ``pps run`` judges them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from pushpressslide.selection.preparation import with_joint_paths
 from pushpressslide.selection.select import select
 
 
-def looked_at(task: Task) -> list[Choice]:
-    """Return all choices of a task, as many judged in full as a run looks at."""
+def ranked(task: Task, joints: bool) -> list[Choice]:
+    """Return all choices of a task; with ``joints`` as many judged in full as a run
+    looks at, by the joint paths of the arms, too.
+    """
+    if not joints:
+        return select(task)
     preparation = engine_named(DEFAULT).preparation(False)
     return with_joint_paths(preparation, task, select(task, ENOUGH))

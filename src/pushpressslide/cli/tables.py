@@ -19,6 +19,7 @@ from pushpressslide.selection.planner import gathered
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice, Plan
+    from pushpressslide.core.task import Task
     from pushpressslide.modes.base import Mode
 
 JOINT_PATHS = "Joint paths were not looked at; `--joints` looks, as `pps run` does."
@@ -108,6 +109,24 @@ def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
         console.print(Padding(reason, (0, 0, 0, 4)))
     if not joints:
         console.print(JOINT_PATHS)
+
+
+def write_choices(
+    choices: Sequence[Choice], task: Task, joints: bool, path: Path
+) -> list[dict[str, Any]]:
+    """Write the ranked choices of a task as select.json, and return its rows."""
+    from pushpressslide.core.whole_file import write_whole
+    from pushpressslide.report.json_text import to_json
+
+    rows = choice_rows(choices)
+    data = {
+        "schema": 1,
+        "task": task.name,
+        "joint_paths": joints or None,  # None: not looked at
+        "choices": rows,
+    }
+    write_whole(path, to_json(data))
+    return rows
 
 
 def print_legs(plan: Plan) -> None:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
 from pushpressslide.core.plan import ENOUGH, Choice, Contact
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import NOT_EVALUATED, Refusal
 from pushpressslide.core.task import Task
 from pushpressslide.planning.either_arm import either_arm
 from pushpressslide.planning.overhead import overhead
+from pushpressslide.planning.pressed.manoeuvre import Manoeuvre
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.ranking import by_time, soonest
 from pushpressslide.planning.segments import describe_points
@@ -41,16 +42,9 @@ def manoeuvre_choices(
     missing = enough
     groups = placements.turning(task.scene)
     for contacts in groups[:LOADS] if task.searched else groups:
-        if task.searched:
-            contacts = _still_reached(contacts, out)
-        ranked = by_time(task, X_WB, contacts)
-        if task.searched:
-            ranked = dict(islice(ranked.items(), FEW))
+        ranked = _ranked(task, X_WB, contacts, out)
         wanted = min(missing, ENOUGH)
-        manoeuvres = soonest(task, X_WB, list(ranked))
-        if task.searched:
-            manoeuvres = islice(manoeuvres, TRIED)
-        for manoeuvre in manoeuvres:
+        for manoeuvre in _manoeuvres(task, X_WB, list(ranked)):
             for choice in either_arm(task, manoeuvre.choice(task, mode)):
                 refusal = path_refusal(choice) if wanted > 0 else NOT_EVALUATED
                 out.append(choice.refused(refusal))
@@ -69,6 +63,24 @@ def manoeuvre_choices(
         if missing == 0 or missing < enough <= ENOUGH:
             break
     return sorted(out, key=lambda choice: not choice.feasible) + skipped
+
+
+def _ranked(
+    task: Task, X_WB: Pose2, contacts: Sequence[Contact], tried: Sequence[Choice]
+) -> dict[Contact, float]:
+    """Return the contacts to try in their order, with about the time [s] of each."""
+    if not task.searched:
+        return by_time(task, X_WB, contacts)
+    ranked = by_time(task, X_WB, _still_reached(contacts, tried))
+    return dict(islice(ranked.items(), FEW))
+
+
+def _manoeuvres(
+    task: Task, X_WB: Pose2, contacts: Sequence[Contact]
+) -> Iterator[Manoeuvre]:
+    """Yield the manoeuvres to try, in their order."""
+    every = soonest(task, X_WB, contacts)
+    return islice(every, TRIED) if task.searched else every
 
 
 def _still_reached(
