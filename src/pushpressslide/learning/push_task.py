@@ -116,10 +116,15 @@ def _face_at(task: Task, foot: Point, normal: Point) -> FittedFace:
     """
     fitted = min(
         fitted_faces(task.scene, task.motion),
-        key=lambda one: (math.dist(one.face.normal, normal), math.dist(one.face.foot, foot)),
+        key=lambda one: (
+            math.dist(one.face.normal, normal),
+            math.dist(one.face.foot, foot),
+        ),
     )
     if not fitted.face.flat:
-        raise _refused(task, "object", "a round face", "allowed to learn: a straight one")
+        raise _refused(
+            task, "object", "a round face", "allowed to learn: a straight one"
+        )
     if not fitted.cars:
         raise _refused(task, "object", "its push", f"{fitted.refusal}")
     return fitted
