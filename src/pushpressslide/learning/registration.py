@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 ENVIRONMENTS = {
     "pushpressslide/RearPush-v0": "rear-push-rear",
     "pushpressslide/LeftPush-v0": "rear-push-left",
@@ -16,10 +14,10 @@ MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
 
 def register() -> None:
     """Register the environments; nothing happens where Gymnasium is not installed."""
-    if find_spec("gymnasium") is None:
+    try:
+        import gymnasium
+    except ImportError:
         return
-    import gymnasium
-
     for name, task in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
             gymnasium.register(
