@@ -33,6 +33,16 @@ def test_the_checker_has_nothing_to_say(name) -> None:
 
 
 @every_environment
+def test_the_checker_has_nothing_to_say_about_pictures(name) -> None:
+    env = gymnasium.make(name, render_mode="rgb_array")
+    check_env(env.unwrapped)
+    seen = gymnasium.wrappers.AddRenderObservation(env, render_only=True)
+    picture, _ = seen.reset(seed=0)
+    assert picture.shape == (96, 96, 3)
+    assert picture in seen.observation_space
+
+
+@every_environment
 def test_a_seed_draws_the_same_episode_again(name) -> None:
     env = gymnasium.make(name)
     runs = []
@@ -71,6 +81,8 @@ def test_wrong_resets_and_actions_are_one_line() -> None:
     env.reset(seed=0)
     with pytest.raises(ValueError, match="nan"):
         env.step(np.array([math.nan, 0.0]))
+    with pytest.raises(ValueError, match="allowed: rgb_array"):
+        PushEnv(render_mode="human")
     with pytest.raises(ValueError, match="2 seeds are not allowed; allowed: 3"):
         PushVectorEnv(3).reset(seed=[0, 1])
 
@@ -141,3 +153,16 @@ def test_a_step_leaves_what_was_returned_before() -> None:
     kept = first.copy()
     many.step(np.full((2, 2), 0.05))
     np.testing.assert_array_equal(first, kept)
+
+
+def test_pictures_of_many_are_those_of_one() -> None:
+    many = PushVectorEnv(2, render_mode="rgb_array")
+    many.reset(seed=4)
+    pictures = many.render()
+    for seed, picture in zip((4, 5), pictures, strict=True):
+        one = PushEnv(render_mode="rgb_array")
+        one.reset(seed=seed)
+        np.testing.assert_array_equal(one.render(), picture)
+    assert not np.array_equal(*pictures)
+    assert PushVectorEnv(1).render() is None
+    assert PushEnv().render() is None

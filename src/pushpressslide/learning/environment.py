@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Task
-from pushpressslide.learning.options import start_asked
+from pushpressslide.learning.options import METADATA, checked_mode, start_asked
+from pushpressslide.learning.picture import Camera, Pixels
 from pushpressslide.learning.push_task import push_task
 from pushpressslide.learning.pushing import Pushing, drawn_start, errors
 from pushpressslide.learning.registration import MISSING
@@ -33,10 +34,18 @@ class PushEnv(gymnasium.Env):
     tolerance, which ends the episode, as does a tip that has passed its face.
     """
 
-    def __init__(self, task: Task | str | Path = "rear-push-rear") -> None:
-        """Prepare a task: itself, the name of a shipped one, or the path of a file."""
-        self.metadata: dict[str, Any] = {"render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = METADATA
+
+    def __init__(
+        self, task: Task | str | Path = "rear-push-rear", render_mode: str | None = None
+    ) -> None:
+        """Prepare a task: itself, the name of a shipped one, or the path of a file.
+
+        ``render_mode`` is None, or "rgb_array" for pictures as ``picture.Camera``.
+        """
         push = push_task(task)
+        self.render_mode = checked_mode(render_mode)
+        self._camera = Camera(push)
         self.push = push
         self.observation_space = observation_space(push)
         self.action_space = action_space(push)
@@ -66,6 +75,12 @@ class PushEnv(gymnasium.Env):
             bool(out.truncated[0]),
             _info(out.observations, bool(out.success[0])),
         )
+
+    def render(self) -> Pixels | None:
+        """Return the picture (96, 96, 3) of this moment; None without pictures."""
+        if self.render_mode is None:
+            return None
+        return self._camera.picture(self._pushing.observations()[0])
 
 
 def _info(observations: Array, success: bool) -> dict[str, Any]:

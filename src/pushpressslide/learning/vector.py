@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Task
-from pushpressslide.learning.options import start_asked
+from pushpressslide.learning.options import METADATA, checked_mode, start_asked
+from pushpressslide.learning.picture import Camera, Pixels
 from pushpressslide.learning.push_task import push_task
 from pushpressslide.learning.pushing import Flags, Indices, Pushing, drawn_start, errors
 from pushpressslide.learning.registration import MISSING
@@ -33,12 +34,21 @@ class PushVectorEnv(VectorEnv):
     of a single environment with the seed s + i.
     """
 
+    metadata: ClassVar[dict[str, Any]] = {
+        **METADATA,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
     def __init__(
-        self, num_envs: int = 1, task: Task | str | Path = "rear-push-rear"
+        self,
+        num_envs: int = 1,
+        task: Task | str | Path = "rear-push-rear",
+        render_mode: str | None = None,
     ) -> None:
         """Prepare ``num_envs`` objects of a task."""
-        self.metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
         push = push_task(task)
+        self.render_mode = checked_mode(render_mode)
+        self._camera = Camera(push)
         self.push = push
         self.num_envs = num_envs
         self.single_observation_space = observation_space(push)
@@ -90,6 +100,12 @@ class PushVectorEnv(VectorEnv):
             truncated,
             _info(observations, success),
         )
+
+    def render(self) -> tuple[Pixels, ...] | None:
+        """Return a picture of each object; None without pictures."""
+        if self.render_mode is None:
+            return None
+        return tuple(map(self._camera.picture, self._pushing.observations()))
 
     def _draw(self, rows: Indices) -> None:
         """Begin episodes near the task's start."""
