@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import pushpressslide as pps
+from pushpressslide.batch.pushing import SideContact
 from pushpressslide.core.errors import TaskError
 from pushpressslide.learning.demonstrations import demonstrate
 from pushpressslide.learning.push_task import push_task
 from pushpressslide.learning.registration import ENVIRONMENTS
+from pushpressslide.planning.rear_car_fit import ANGLES, fitted_faces, push_twists
 
 
 @pytest.mark.parametrize("task", ENVIRONMENTS.values())
@@ -68,3 +70,22 @@ def test_a_round_face_is_refused() -> None:
     round_one = replace(task, object=replace(task.object, shape=cylinder))
     with pytest.raises(TaskError, match="round"):
         push_task(round_one)
+
+
+@pytest.mark.parametrize("task", ENVIRONMENTS.values())
+def test_an_object_turns_as_on_the_exact_limit_surface(task) -> None:
+    """For the same velocity of the tip; within 4 % up to the planned share of the cone,
+    within 8 % at its edge.
+    """
+    push = push_task(task)
+    scene = push.task.scene
+    motion = push.task.motion
+    (fitted,) = fitted_faces(scene, motion)
+    (exact,) = push_twists(scene, motion, [fitted.face])
+    x, y = fitted.face.foot
+    tip = exact[..., :2] + exact[..., 2:] * np.array([-y, x])
+    contact = SideContact(push.foot, push.normal, push.task.contact_friction, push.rho)
+    turns = contact.push(tip).twist[..., 2] / exact[..., 2]
+    planned, _ = ANGLES
+    assert np.abs(turns[:, :planned] - 1.0).max() < 0.045
+    assert np.abs(turns - 1.0).max() < 0.08

@@ -33,7 +33,7 @@ class Camera:
         self._normal = np.array(push.normal)
         xs = (task.true_start.x, task.goal.x)
         ys = (task.true_start.y, task.goal.y)
-        room = 2.0 * (self._radius + self._tip + SPREAD[0])
+        room = self._radius + 2.0 * (self._tip + SPREAD[0])
         width = max(max(xs) - min(xs), max(ys) - min(ys)) + 2.0 * room
         across = ((np.arange(side) + 0.5) / side - 0.5) * width
         self._x = 0.5 * sum(xs) + across[None, :]  # (1, side) [m] of pixels
