@@ -35,6 +35,14 @@ class DemonstrateOptions:
             help="File of the demonstrations, ends in .npz [in a new folder in runs/].",
         ),
     ] = None
+    lerobot: Annotated[
+        Path | None,
+        typer.Option(
+            "--lerobot",
+            metavar="DIR",
+            help="Also write a data set of LeRobot, version 3, into this folder.",
+        ),
+    ] = None
     sets: Sets = None
     as_json: Json = False
     quiet: Quiet = False
@@ -48,15 +56,20 @@ def demonstrate(options: DemonstrateOptions) -> None:
     The controller of mode rear_push plays; docs/learning.md says what the file holds.
     """
     from pushpressslide.learning import demonstrations
+    from pushpressslide.learning.lerobot import check_folder, write_lerobot
     from pushpressslide.learning.push_task import push_task
 
     push = push_task(task_of(options.task, options.sets))
     path = _file(options, push.task.name)
+    if options.lerobot is not None:
+        check_folder(options.lerobot)
     seeds = range(options.seed, options.seed + options.episodes)
     label = f"{options.episodes} episodes of {push.task.name}"
     with progress_bar(label, not options.quiet) as progress:
         shown = demonstrations.demonstrate(push, seeds, progress)
     shown.write(path)
+    if options.lerobot is not None:
+        write_lerobot(shown, options.lerobot, push.task.description or push.task.name)
     reached = int(shown.success.sum())
     if options.as_json:
         print_json(
