@@ -13,13 +13,15 @@ gymnasium = pytest.importorskip(
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
-import pushpressslide.learning  # noqa: E402, F401 - registers the environments
+import pushpressslide as pps  # noqa: E402
+import pushpressslide.learning  # noqa: E402 - registers the environments
 from pushpressslide.learning.environment import PushEnv  # noqa: E402
 from pushpressslide.learning.registration import ENVIRONMENTS  # noqa: E402
 from pushpressslide.learning.vector import PushVectorEnv  # noqa: E402
 
 REGISTERED = [name for name in gymnasium.registry if name.startswith("pushpressslide/")]
 every_environment = pytest.mark.parametrize("name", REGISTERED)
+VECTORISED = [name for name in REGISTERED if gymnasium.spec(name).vector_entry_point]
 
 
 def test_every_environment_is_registered() -> None:
@@ -55,8 +57,9 @@ def test_a_seed_draws_the_same_episode_again(name) -> None:
     assert not np.array_equal(runs[0], runs[2])
 
 
-def test_a_reset_is_exactly_where_it_was_asked_for() -> None:
-    env = PushEnv()
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_reset_is_exactly_where_it_was_asked_for(exact) -> None:
+    env = PushEnv(exact=exact)
     start = (0.31, 0.17, 0.2)
     first, info = env.reset(options={"start": start})
     np.testing.assert_allclose(first[:3], start, atol=1e-15)
@@ -87,8 +90,9 @@ def test_wrong_resets_and_actions_are_one_line() -> None:
         PushVectorEnv(3).reset(seed=[0, 1])
 
 
-def test_a_tip_that_passes_its_face_ends_the_episode() -> None:
-    env = PushEnv()
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_tip_that_passes_its_face_ends_the_episode(exact) -> None:
+    env = PushEnv(exact=exact)
     env.reset(seed=0)
     for velocity in [(-0.1, 0.2)] * 10 + [(0.2, 0.0)] * 10:
         *_, terminated, truncated, info = env.step(np.array(velocity))
@@ -99,8 +103,9 @@ def test_a_tip_that_passes_its_face_ends_the_episode() -> None:
     assert not info["success"]
 
 
-def test_an_episode_is_cut_off_after_its_steps() -> None:
-    env = PushEnv()
+@pytest.mark.parametrize("exact", [False, True])
+def test_an_episode_is_cut_off_after_its_steps(exact) -> None:
+    env = PushEnv(exact=exact)
     env.reset(seed=0)
     for step in range(1, env.push.steps + 1):
         *_, terminated, truncated, _ = env.step(np.array([0.0, 0.0]))
@@ -108,7 +113,7 @@ def test_an_episode_is_cut_off_after_its_steps() -> None:
         assert truncated == (step == env.push.steps)
 
 
-@every_environment
+@pytest.mark.parametrize("name", VECTORISED)
 def test_many_go_as_one_does_step_for_step(name) -> None:
     """Past the end of episodes too: both begin anew in the step after it."""
     count = 6
@@ -166,3 +171,37 @@ def test_pictures_of_many_are_those_of_one() -> None:
     assert not np.array_equal(*pictures)
     assert PushVectorEnv(1).render() is None
     assert PushEnv().render() is None
+
+
+def test_on_the_exact_limit_surface_an_object_goes_nearly_as_the_ellipsoid() -> None:
+    """A push beside the middle, over 8 cm: what differs is a hundredth of the way."""
+    ends = []
+    for exact in (False, True):
+        env = PushEnv(exact=exact)
+        first, _ = env.reset(options={"start": (0.3, 0.1, 0.0)})
+        np.testing.assert_allclose(first[6:], (0.225, 0.1), atol=2e-6)
+        for _ in range(40):
+            observation, *_ = env.step(np.array([0.04, 0.01]))
+        ends.append(observation)
+    assert abs(ends[0][2]) > 0.1
+    np.testing.assert_allclose(ends[0][:2], ends[1][:2], atol=2e-3)
+    np.testing.assert_allclose(ends[0][2], ends[1][2], atol=0.05)
+    np.testing.assert_allclose(ends[0][6:], (0.305, 0.12), atol=1e-3)
+    np.testing.assert_allclose(ends[1][6:], (0.305, 0.12), atol=1e-3)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_what_is_believed_moves_nothing(exact) -> None:
+    """Neither the tip's place nor what a push does."""
+    told = pps.load_task(
+        "rear-push-rear",
+        ["belief.center_of_mass=[0.0, 0.01]", "belief.support_friction=0.5"],
+    )
+    ends = []
+    for task in (told, "rear-push-rear"):
+        env = PushEnv(task, exact=exact)
+        env.reset(options={"start": (0.3, 0.1, 0.0)})
+        for _ in range(10):
+            observation, *_ = env.step(np.array([0.04, 0.01]))
+        ends.append(observation)
+    np.testing.assert_array_equal(*ends)

@@ -10,16 +10,29 @@ from pushpressslide.batch.pushing import SideContact
 from pushpressslide.core.errors import TaskError
 from pushpressslide.learning.demonstrations import demonstrate
 from pushpressslide.learning.push_task import push_task
-from pushpressslide.learning.registration import ENVIRONMENTS
+from pushpressslide.learning.registration import TASKS
 from pushpressslide.planning.rear_car_fit import ANGLES, fitted_faces, push_twists
 
 
-@pytest.mark.parametrize("task", ENVIRONMENTS.values())
+@pytest.mark.parametrize("task", TASKS.values())
 def test_the_expert_succeeds_in_95_of_100(task) -> None:
     push = push_task(task)
     shown = demonstrate(push, range(100))
     assert shown.success.mean() >= 0.95
     assert np.abs(shown.actions).max() < push.speed_limit
+
+
+@pytest.mark.parametrize("task", TASKS.values())
+def test_the_expert_succeeds_on_the_exact_limit_surface(task) -> None:
+    shown = demonstrate(push_task(task), range(5), exact=True)
+    assert shown.success.all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("task", TASKS.values())
+def test_the_expert_succeeds_in_95_of_100_on_the_exact_limit_surface(task) -> None:
+    shown = demonstrate(push_task(task), range(100), exact=True)
+    assert shown.success.mean() >= 0.95
 
 
 @pytest.mark.parametrize(
@@ -72,7 +85,7 @@ def test_a_round_face_is_refused() -> None:
         push_task(round_one)
 
 
-@pytest.mark.parametrize("task", ENVIRONMENTS.values())
+@pytest.mark.parametrize("task", TASKS.values())
 def test_an_object_turns_as_on_the_exact_limit_surface(task) -> None:
     """For the same velocity of the tip; within 4 % up to the planned share of the cone,
     within 8 % at its edge.

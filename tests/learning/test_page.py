@@ -12,8 +12,8 @@ PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
 def test_every_environment_is_in_the_page() -> None:
-    for name, task in ENVIRONMENTS.items():
-        assert f"| `{name}` | `{task}` |" in PAGE
+    for name, arguments in ENVIRONMENTS.items():
+        assert f"| `{name}` | `{arguments['task']}` |" in PAGE
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

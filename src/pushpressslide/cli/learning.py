@@ -35,6 +35,10 @@ class DemonstrateOptions:
             help="File of the demonstrations, ends in .npz [in a new folder in runs/].",
         ),
     ] = None
+    exact: Annotated[
+        bool,
+        typer.Option("--exact", help="On the exact limit surface: slower."),
+    ] = False
     lerobot: Annotated[
         Path | None,
         typer.Option(
@@ -66,7 +70,7 @@ def demonstrate(options: DemonstrateOptions) -> None:
     seeds = range(options.seed, options.seed + options.episodes)
     label = f"{options.episodes} episodes of {push.task.name}"
     with progress_bar(label, not options.quiet) as progress:
-        shown = demonstrations.demonstrate(push, seeds, progress)
+        shown = demonstrations.demonstrate(push, seeds, progress, options.exact)
     shown.write(path)
     if options.lerobot is not None:
         write_lerobot(shown, options.lerobot, push.task.description or push.task.name)

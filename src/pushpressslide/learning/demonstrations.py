@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.whole_file import write_whole
+from pushpressslide.learning.exact import ExactPushing
 from pushpressslide.learning.expert import RearPushPolicy
 from pushpressslide.learning.push_task import PERIOD, PushTask
 from pushpressslide.learning.pushing import OBSERVATION, Pushing, drawn_start
@@ -89,14 +90,16 @@ def demonstrate(
     push: PushTask,
     seeds: Sequence[int],
     progress: Progress | None = None,
+    exact: bool = False,
 ) -> Demonstrations:
     """Return one episode of mode rear_push for each seed; the starts are those of
-    ``environment.PushEnv`` with that seed. Raises ValueError for no seed.
+    ``environment.PushEnv`` with that seed, on the exact limit surface if ``exact``.
+    Raises ValueError for no seed.
     """
     if not seeds:
         raise ValueError("0 seeds give no episode; at least 1 is needed")
     policy = RearPushPolicy(push)
-    pushing = Pushing(push, 1)
+    pushing = ExactPushing(push) if exact else Pushing(push, 1)
     episodes = []
     for done, seed in enumerate(seeds, 1):
         policy.reset()
@@ -107,7 +110,7 @@ def demonstrate(
     return _joined(push, seeds, episodes)
 
 
-def _played(pushing: Pushing, policy: Policy) -> _Episode:
+def _played(pushing: Pushing | ExactPushing, policy: Policy) -> _Episode:
     """Play an episode to its end."""
     states = [pushing.observations()[0]]
     actions = []

@@ -9,6 +9,7 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Task
+from pushpressslide.learning.exact import ExactPushing
 from pushpressslide.learning.options import METADATA, checked_mode, start_asked
 from pushpressslide.learning.picture import Camera, Pixels
 from pushpressslide.learning.push_task import push_task
@@ -37,11 +38,15 @@ class PushEnv(gymnasium.Env):
     metadata: ClassVar[dict[str, Any]] = METADATA
 
     def __init__(
-        self, task: Task | str | Path = "rear-push-rear", render_mode: str | None = None
+        self,
+        task: Task | str | Path = "rear-push-rear",
+        exact: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         """Prepare a task: itself, the name of a shipped one, or the path of a file.
 
-        ``render_mode`` is None, or "rgb_array" for pictures as ``picture.Camera``.
+        ``exact``: the object is on its exact limit surface, by the planar engine, and
+        not on an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures as ``picture.Camera``.
         """
         push = push_task(task)
         self.render_mode = checked_mode(render_mode)
@@ -49,7 +54,7 @@ class PushEnv(gymnasium.Env):
         self.push = push
         self.observation_space = observation_space(push)
         self.action_space = action_space(push)
-        self._pushing = Pushing(push, 1)
+        self._pushing = ExactPushing(push) if exact else Pushing(push, 1)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

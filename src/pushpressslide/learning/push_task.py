@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pushpressslide.core.errors import Shown, TaskError
-from pushpressslide.core.plan import Choice
+from pushpressslide.core.plan import Choice, Contact
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.task import Belief, Task
 from pushpressslide.modes.rear_push import MODE
 from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
+from pushpressslide.planning.side_contacts import lone_contact_height
 from pushpressslide.taskfile.load import load_task
 
 PERIOD = 0.05
@@ -38,6 +39,7 @@ class PushTask:
 
     task: Task
     face: int  # index of the pushed face
+    contact: Contact  # its middle, in the frame at the true centre of mass
     foot: Point  # [m] in B, of the face
     normal: Point  # unit, inward
     ends: tuple[float, float] = (-math.inf, math.inf)  # [m] of the face from its foot
@@ -136,10 +138,12 @@ def _figures(truth: Task, task: Task, fitted: FittedFace, steps: int) -> PushTas
     car, shift = fitted.cars[min(fitted.cars)]
     ex, ey = car.axis
     x, y = truth.object.center_of_mass
+    height = lone_contact_height(truth.scene, truth.motion)
     ahead = (shift * ex, shift * ey)
     return PushTask(
         task=task,
         face=face.index,
+        contact=Contact(0, "side", face.foot, face.normal, height),
         foot=(face.foot[0] - ahead[0], face.foot[1] - ahead[1]),
         normal=face.normal,
         ends=(face.ends[0] - face.offset, face.ends[1] - face.offset),

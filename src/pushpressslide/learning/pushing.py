@@ -45,8 +45,7 @@ class Pushing:
         self._bodies = PushedBodies(
             push.foot, push.normal, push.ends, friction, push.rho
         )
-        goal = push.task.goal
-        self._goal = np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
+        self._goal = goal_of(push)
         self._pushes = self._bodies.begin(np.zeros((count, 3)))
         self._tips = np.zeros((count, 2))
         self._steps = np.zeros(count, dtype=np.intp)
@@ -84,23 +83,13 @@ class Pushing:
 
         Raises ValueError for a velocity that is no number.
         """
-        limit = self.push.speed_limit
-        asked = np.asarray(velocities, dtype=np.float64)
-        if np.isnan(asked).any():
-            raise ValueError("velocity nan m/s is not allowed; allowed: numbers")
-        v = np.clip(asked, -limit, limit)
+        v = clipped(self.push, velocities)
         self._pushes = self._bodies.advance(self._pushes, v, PERIOD)
         self._tips = self._touching(self._tips + PERIOD * v)
         self._steps += 1
-        observations = self.observations()
-        distance, turn = errors(observations)
-        tolerance = self.push.task.tolerance
-        success = (distance <= tolerance.position) & (turn <= tolerance.yaw)
         passed = np.isinf(self._pushes.gaps)
-        terminated = success | passed
-        truncated = ~terminated & (self._steps >= self.push.steps)
-        rewards = -(distance + self.push.rho * turn)
-        return Outcome(observations, rewards, terminated, truncated, success)
+        over = self._steps >= self.push.steps
+        return outcome(self.push, self.observations(), passed, over)
 
     def _touching(self, tips: Array) -> Array:
         """Return the tips' points (n, 2) [m] in the world; ``tips`` of those that have
@@ -118,6 +107,35 @@ class Pushing:
             [poses[:, 0] + c * x - s * y, poses[:, 1] + s * x + c * y], axis=1
         )
         return np.where(ahead[:, None], points, tips)
+
+
+def clipped(push: PushTask, velocities: ArrayLike) -> Array:
+    """Return velocities [m/s] within the speed limit.
+
+    Raises ValueError for one that is no number.
+    """
+    asked = np.asarray(velocities, dtype=np.float64)
+    if np.isnan(asked).any():
+        raise ValueError("velocity nan m/s is not allowed; allowed: numbers")
+    return np.clip(asked, -push.speed_limit, push.speed_limit)
+
+
+def outcome(push: PushTask, observations: Array, passed: Flags, over: Flags) -> Outcome:
+    """Return what a step leads to, of tips that have ``passed`` their faces (n,) and
+    episodes whose time is ``over`` (n,).
+    """
+    distance, turn = errors(observations)
+    tolerance = push.task.tolerance
+    success = (distance <= tolerance.position) & (turn <= tolerance.yaw)
+    terminated = success | passed
+    rewards = -(distance + push.rho * turn)
+    return Outcome(observations, rewards, terminated, over & ~terminated, success)
+
+
+def goal_of(push: PushTask) -> Array:
+    """Return the goal X_WG (3,)."""
+    goal = push.task.goal
+    return np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
 
 
 def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
-ENVIRONMENTS = {
-    "pushpressslide/RearPush-v0": "rear-push-rear",
-    "pushpressslide/LeftPush-v0": "rear-push-left",
+from typing import Any
+
+TASKS = {
+    "RearPush": "rear-push-rear",
+    "LeftPush": "rear-push-left",
 }
-"""The shipped task of each registered id."""
+"""The shipped task of each environment."""
+ENVIRONMENTS: dict[str, dict[str, Any]] = {
+    **{f"pushpressslide/{name}-v0": {"task": task} for name, task in TASKS.items()},
+    **{
+        f"pushpressslide/{name}Exact-v0": {"task": task, "exact": True}
+        for name, task in TASKS.items()
+    },
+}
+"""The arguments of each registered id."""
 SINGLE = "pushpressslide.learning.environment:PushEnv"
 VECTOR = "pushpressslide.learning.vector:PushVectorEnv"
 MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
@@ -18,11 +28,11 @@ def register() -> None:
         import gymnasium
     except ImportError:
         return
-    for name, task in ENVIRONMENTS.items():
+    for name, arguments in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
             gymnasium.register(
                 id=name,
                 entry_point=SINGLE,
-                vector_entry_point=VECTOR,
-                kwargs={"task": task},
+                vector_entry_point=None if "exact" in arguments else VECTOR,
+                kwargs=arguments,
             )
