@@ -8,8 +8,8 @@ import pytest
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("[0-9]*.py"))
 
 
-def test_there_are_ten() -> None:
-    assert [path.name[:2] for path in EXAMPLES] == [f"{i:02}" for i in range(1, 11)]
+def test_there_are_eleven() -> None:
+    assert [path.name[:2] for path in EXAMPLES] == [f"{i:02}" for i in range(1, 12)]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -1,0 +1,97 @@
+"""One pushed object as an environment of Gymnasium."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.task import Task
+from pushpressslide.learning.exact import ExactPushing
+from pushpressslide.learning.options import METADATA, checked_mode, start_asked
+from pushpressslide.learning.picture import Camera, Pixels
+from pushpressslide.learning.push_task import push_task
+from pushpressslide.learning.pushing import Pushing, drawn_start, errors
+from pushpressslide.learning.registration import MISSING
+
+try:
+    import gymnasium
+except ImportError as error:
+    raise ImportError(MISSING) from error
+
+from pushpressslide.learning.spaces import action_space, observation_space
+
+ONE = np.zeros(1, dtype=np.intp)
+
+
+class PushEnv(gymnasium.Env):
+    """One object that a tip pushes to a goal.
+
+    Observations (8,) as ``pushing.OBSERVATION``, actions (2,) velocities [m/s] of the
+    tip in the world; the reward [m] is minus the distance to the goal and minus rho
+    times the angle to it. ``success`` in ``info``: the object is within the task's
+    tolerance, which ends the episode, as does a tip that has passed its face.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = METADATA
+
+    def __init__(
+        self,
+        task: Task | str | Path = "rear-push-rear",
+        exact: bool = False,
+        render_mode: str | None = None,
+    ) -> None:
+        """Prepare a task: itself, the name of a shipped one, or the path of a file.
+
+        ``exact``: the object is on its exact limit surface, by the planar engine, and
+        not on an ellipsoid. ``render_mode`` is None, or "rgb_array" for pictures as ``picture.Camera``.
+        """
+        push = push_task(task)
+        self.render_mode = checked_mode(render_mode)
+        self._camera = Camera(push)
+        self.push = push
+        self.observation_space = observation_space(push)
+        self.action_space = action_space(push)
+        self._pushing = ExactPushing(push) if exact else Pushing(push, 1)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode near the task's start, or at ``options["start"]``: x, y [m]
+        and yaw [rad] of X_WG.
+        """
+        super().reset(seed=seed)
+        starts = start_asked(options, 1)
+        if starts is None:
+            starts = drawn_start(self.push, self.np_random)
+        self._pushing.place(ONE, starts)
+        observation = self._pushing.observations()
+        return observation[0], _info(observation, False)
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Move the tip for one period."""
+        out = self._pushing.step(np.reshape(action, (1, 2)))
+        return (
+            out.observations[0],
+            float(out.rewards[0]),
+            bool(out.terminated[0]),
+            bool(out.truncated[0]),
+            _info(out.observations, bool(out.success[0])),
+        )
+
+    def render(self) -> Pixels | None:
+        """Return the picture (96, 96, 3) of this moment; None without pictures."""
+        if self.render_mode is None:
+            return None
+        return self._camera.picture(self._pushing.observations()[0])
+
+
+def _info(observations: Array, success: bool) -> dict[str, Any]:
+    distance, turn = errors(observations)
+    return {
+        "success": success,
+        "distance": float(distance[0]),
+        "angle": float(turn[0]),
+    }

@@ -1,0 +1,59 @@
+"""The controller of a mode as a policy: from an observation to an action."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.plan import Segment
+from pushpressslide.core.pose import Pose2
+from pushpressslide.learning.push_task import PERIOD, PushTask, choice
+from pushpressslide.modes.base import Tracker
+from pushpressslide.modes.rear_push import MODE
+
+
+class RearPushPolicy:
+    """Mode rear_push, as it believes the task to be.
+
+    The first observation of an episode is planned from; after that the mode's law
+    follows the path.
+    """
+
+    def __init__(self, push: PushTask) -> None:
+        """Prepare the policy for a task."""
+        self._push = push
+        self._segment: Segment | None = None
+        self._tracker: Tracker | None = None
+        self._progress = 0.0
+
+    def reset(self) -> None:
+        """Forget the path: the next observation is the first of an episode."""
+        self._segment = None
+
+    def __call__(self, observation: Array) -> Array:
+        """Return the velocity (2,) [m/s] of the tip in the world for an observation
+        (8,) as ``pushing.OBSERVATION``.
+        """
+        x, y, yaw, _, _, _, tip_x, tip_y = np.asarray(observation).tolist()
+        X_WG = Pose2(x, y, yaw)
+        if self._segment is None:
+            self._segment = self._planned(X_WG)
+            self._tracker = MODE.tracker(self._push.task.told, self._segment)
+            self._progress = 0.0
+        assert self._tracker is not None
+        path = self._segment.path
+        left = max(path.length - self._progress, 0.0)
+        speed = min(self._segment.profile.speed, left / PERIOD)
+        X_WB = X_WG.compose(self._push.task.X_GB)
+        guidance = self._tracker.step(path, X_WB, self._progress, speed, 1.0)
+        self._progress = guidance.progress
+        at_tip = guidance.twist.moved_to(X_WB.unapply((tip_x, tip_y)))
+        return np.array(X_WB.rotate((at_tip.vx, at_tip.vy)))
+
+    def _planned(self, X_WG: Pose2) -> Segment:
+        """Return the push from a pose to the goal."""
+        seen = replace(self._push.task.told, start=X_WG)
+        (segment,) = choice(seen, self._push.face).segments
+        return segment

@@ -1,0 +1,33 @@
+"""What an environment and its reset are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.learning.push_task import PERIOD
+from pushpressslide.learning.pushing import checked_starts
+
+MODES = ("rgb_array",)
+METADATA = {"render_modes": list(MODES), "render_fps": round(1.0 / PERIOD)}
+
+
+def checked_mode(mode: str | None) -> str | None:
+    """Return a render mode; raises ValueError for one that there is not."""
+    if mode is not None and mode not in MODES:
+        allowed = ", ".join(MODES)
+        raise ValueError(f"render_mode {mode!r} is not allowed; allowed: {allowed}")
+    return mode
+
+
+def start_asked(options: Mapping[str, Any] | None, count: int) -> Array | None:
+    """Return the starts (count, 3) X_WG of a reset's options; None if it has none.
+
+    Raises ValueError for another option than ``start``.
+    """
+    for name in options or {}:
+        if name != "start":
+            raise ValueError(f"option {name!r} is not allowed; allowed: start")
+    start = (options or {}).get("start")
+    return None if start is None else checked_starts(start, count)

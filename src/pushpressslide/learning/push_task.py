@@ -1,0 +1,153 @@
+"""The tasks that are learned: one object on a table, pushed by one tip on a straight
+face, and the figures of their environment.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pushpressslide.core.errors import Shown, TaskError
+from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.task import Belief, Task
+from pushpressslide.modes.rear_push import MODE
+from pushpressslide.planning.rear_car_fit import FittedFace, fitted_faces
+from pushpressslide.planning.side_contacts import lone_contact_height
+from pushpressslide.taskfile.load import load_task
+
+PERIOD = 0.05
+"""Time [s] of a step."""
+SPREAD = (0.05, 0.05, math.radians(15.0))
+"""How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+FIELD = 10.0
+"""Largest coordinate [m] of a start, and of a goal."""
+FASTER = 4.0  # times motion.speed that a tip may move along x and along y
+LONGER = 2.0  # times the planned duration that an episode may last
+
+
+@dataclass(frozen=True, slots=True)
+class PushTask:
+    """A task of one push, and its environment's figures; the truth, not what is
+    believed.
+
+    Its object is an ellipsoid: the one that moves as the exact limit surface does for
+    forces at which a planned path turns. Frame B is at its centre of pressure, which the
+    support's friction moves ahead of the centre of mass, axes along G's.
+    """
+
+    task: Task
+    face: int  # index of the pushed face
+    contact: Contact  # its middle, in the frame at the true centre of mass
+    foot: Point  # [m] in B, of the face
+    normal: Point  # unit, inward
+    ends: tuple[float, float] = (-math.inf, math.inf)  # [m] of the face from its foot
+    rho: float = 1.0  # [m]
+    center: Point = (0.0, 0.0)  # [m] of B in G
+    steps: int = 1  # that an episode may last
+
+    @property
+    def speed_limit(self) -> float:
+        """Largest speed [m/s] of the tip along x and along y of the world."""
+        return FASTER * self.task.motion.speed
+
+    @property
+    def reach(self) -> float:
+        """Largest coordinate [m] that object and tip may come to."""
+        way = PERIOD * self.steps * self.speed_limit
+        return FIELD + way + 2.0 * self.task.object.radius
+
+
+def push_task(task: Task | str | Path) -> PushTask:
+    """Return the task of one push; a name or a path is that of a task file.
+
+    Raises TaskError for a task of another kind.
+    """
+    loaded = task if isinstance(task, Task) else load_task(task)
+    _check(loaded)
+    planned = choice(loaded)
+    (segment,) = planned.segments
+    (contact,) = segment.contacts
+    truth = replace(loaded, belief=Belief(), start_error=Pose2())
+    fitted = _face_at(truth, contact.point, contact.normal)
+    steps = math.ceil(LONGER * segment.profile.duration / PERIOD)
+    return _figures(truth, loaded, fitted, steps)
+
+
+def choice(task: Task, face: int | None = None) -> Choice:
+    """Return the quickest push of a task, on ``face`` if that is given, whether the arm
+    reaches it or not.
+
+    Raises TaskError where no face can be pushed.
+    """
+    index = task.motion.face if face is None else face
+    asked = replace(task, motion=replace(task.motion, face=index))
+    choices = [one for draft in MODE.drafts(asked) for one in draft.make(True)]
+    able = [one for one in choices if one.segments]
+    if not able:
+        reason = "; ".join(str(one.refusal) for one in choices) or "it has no face"
+        raise _refused(task, "object", "this", f"no face can be pushed: {reason}")
+    return min(able, key=lambda one: (not one.feasible, one.time))
+
+
+def _check(task: Task) -> None:
+    """Refuse a task that is not one push of one body on a table."""
+    kind = task.support.kind
+    if kind != "table":
+        raise _refused(task, "support.kind", kind, "allowed to learn: table")
+    if task.modes is not None and MODE.name not in task.modes:
+        modes = ", ".join(task.modes)
+        raise _refused(task, "modes", modes, f"allowed to learn: {MODE.name}")
+    for field in ("obstacles", "goals", "legs"):
+        count = len(getattr(task, field))
+        if count:
+            raise _refused(task, field, f"{count} of them", "allowed to learn: none")
+    if task.support.region is not None:
+        raise _refused(task, "support.region", "an edge", "allowed to learn: null")
+
+
+def _refused(task: Task, field: str, value: str, allowed: str) -> TaskError:
+    return TaskError(task.source or task.name, field, Shown(value), allowed)
+
+
+def _face_at(task: Task, foot: Point, normal: Point) -> FittedFace:
+    """Return the pushed face of the true object.
+
+    Raises TaskError for one that is round, and where the push tips the object.
+    """
+    fitted = min(
+        fitted_faces(task.scene, task.motion),
+        key=lambda one: (
+            math.dist(one.face.normal, normal),
+            math.dist(one.face.foot, foot),
+        ),
+    )
+    if not fitted.face.flat:
+        raise _refused(
+            task, "object", "a round face", "allowed to learn: a straight one"
+        )
+    if not fitted.cars:
+        raise _refused(task, "object", "its push", f"{fitted.refusal}")
+    return fitted
+
+
+def _figures(truth: Task, task: Task, fitted: FittedFace, steps: int) -> PushTask:
+    """Return the ellipsoid that has the axle and the wheelbase of the fitted car."""
+    face = fitted.face
+    car, shift = fitted.cars[min(fitted.cars)]
+    ex, ey = car.axis
+    x, y = truth.object.center_of_mass
+    height = lone_contact_height(truth.scene, truth.motion)
+    ahead = (shift * ex, shift * ey)
+    return PushTask(
+        task=task,
+        face=face.index,
+        contact=Contact(0, "side", face.foot, face.normal, height),
+        foot=(face.foot[0] - ahead[0], face.foot[1] - ahead[1]),
+        normal=face.normal,
+        ends=(face.ends[0] - face.offset, face.ends[1] - face.offset),
+        rho=math.sqrt(car.effective_wheelbase * (car.lever + shift)),
+        center=(x + ahead[0], y + ahead[1]),
+        steps=steps,
+    )

@@ -1,0 +1,192 @@
+"""Many objects that are pushed at once, step by step: what every environment is made
+of. NumPy alone; compiled where numba is installed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pushpressslide.batch.pushed_bodies import PushedBodies, Pushes
+from pushpressslide.core.arrays import Array
+from pushpressslide.learning.push_task import FIELD, PERIOD, SPREAD, PushTask
+
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
+
+OBSERVATION = ("x", "y", "yaw", "goal_x", "goal_y", "goal_yaw", "tip_x", "tip_y")
+"""What an observation holds, in the world: the pose of the shape's frame G, that of the
+goal, [m] and [rad] in [-pi, pi], and the point [m] by which the tip touches.
+"""
+TURN = 2.0 * math.pi
+
+
+class Outcome(NamedTuple):
+    """What a step leads to."""
+
+    observations: Array  # (n, 8)
+    rewards: Array  # (n,) [m]
+    terminated: Flags  # (n,)
+    truncated: Flags  # (n,)
+    success: Flags  # (n,)
+
+
+class Pushing:
+    """Objects of one task, each with its own tip; all begin at the task's start."""
+
+    def __init__(self, push: PushTask, count: int) -> None:
+        """Prepare ``count`` objects."""
+        self.push = push
+        self.count = count
+        friction = push.task.contact_friction
+        self._bodies = PushedBodies(
+            push.foot, push.normal, push.ends, friction, push.rho
+        )
+        self._goal = goal_of(push)
+        self._pushes = self._bodies.begin(np.zeros((count, 3)))
+        self._tips = np.zeros((count, 2))
+        self._steps = np.zeros(count, dtype=np.intp)
+        start = push.task.true_start
+        everyone = np.arange(count, dtype=np.intp)
+        self.place(everyone, np.array([start.x, start.y, start.yaw]))
+
+    def place(self, rows: Indices, starts: ArrayLike) -> None:
+        """Begin episodes of ``rows`` with the objects at ``starts`` (..., 3) X_WG and
+        the tips at the middle of their faces.
+        """
+        poses = np.array(self._pushes.poses)
+        X_WG = np.asarray(starts, dtype=np.float64)
+        poses[rows] = moved(X_WG, self.push.center, 1.0)
+        places = np.array(self._pushes.places)
+        gaps = np.array(self._pushes.gaps)
+        places[rows] = 0.0
+        gaps[rows] = 0.0
+        self._pushes = Pushes(poses, places, gaps)
+        self._tips = self._touching(self._tips)
+        self._steps[rows] = 0
+
+    def observations(self) -> Array:
+        """Return what is observed of each object (n, 8)."""
+        out = np.empty((self.count, len(OBSERVATION)))
+        out[:, :3] = moved(self._pushes.poses, self.push.center, -1.0)
+        out[:, 2] = wrapped(out[:, 2])
+        out[:, 3:6] = self._goal
+        out[:, 6:] = self._tips
+        return out
+
+    def step(self, velocities: ArrayLike) -> Outcome:
+        """Move the tips for a period at ``velocities`` (n, 2) [m/s] in the world, which
+        are clipped to the speed limit.
+
+        Raises ValueError for a velocity that is no number.
+        """
+        v = clipped(self.push, velocities)
+        self._pushes = self._bodies.advance(self._pushes, v, PERIOD)
+        self._tips = self._touching(self._tips + PERIOD * v)
+        self._steps += 1
+        passed = np.isinf(self._pushes.gaps)
+        over = self._steps >= self.push.steps
+        return outcome(self.push, self.observations(), passed, over)
+
+    def _touching(self, tips: Array) -> Array:
+        """Return the tips' points (n, 2) [m] in the world; ``tips`` of those that have
+        passed their object.
+        """
+        poses, places, gaps = self._pushes
+        nx, ny = self.push.normal
+        ahead = np.isfinite(gaps)
+        gap = np.where(ahead, gaps, 0.0)
+        x = self.push.foot[0] - ny * places - nx * gap
+        y = self.push.foot[1] + nx * places - ny * gap
+        c = np.cos(poses[:, 2])
+        s = np.sin(poses[:, 2])
+        points = np.stack(
+            [poses[:, 0] + c * x - s * y, poses[:, 1] + s * x + c * y], axis=1
+        )
+        return np.where(ahead[:, None], points, tips)
+
+
+def clipped(push: PushTask, velocities: ArrayLike) -> Array:
+    """Return velocities [m/s] within the speed limit.
+
+    Raises ValueError for one that is no number.
+    """
+    asked = np.asarray(velocities, dtype=np.float64)
+    if np.isnan(asked).any():
+        raise ValueError("velocity nan m/s is not allowed; allowed: numbers")
+    return np.clip(asked, -push.speed_limit, push.speed_limit)
+
+
+def outcome(push: PushTask, observations: Array, passed: Flags, over: Flags) -> Outcome:
+    """Return what a step leads to, of tips that have ``passed`` their faces (n,) and
+    episodes whose time is ``over`` (n,).
+    """
+    distance, turn = errors(observations)
+    tolerance = push.task.tolerance
+    success = (distance <= tolerance.position) & (turn <= tolerance.yaw)
+    terminated = success | passed
+    rewards = -(distance + push.rho * turn)
+    return Outcome(observations, rewards, terminated, over & ~terminated, success)
+
+
+def goal_of(push: PushTask) -> Array:
+    """Return the goal X_WG (3,)."""
+    goal = push.task.goal
+    return np.array([goal.x, goal.y, float(wrapped(np.array(goal.yaw)))])
+
+
+def drawn_start(push: PushTask, rng: np.random.Generator) -> Array:
+    """Return a start X_WG (3,) near the task's."""
+    start = push.task.true_start
+    offset = rng.uniform(-1.0, 1.0, 3) * SPREAD
+    return np.array([start.x, start.y, start.yaw]) + offset
+
+
+def checked_starts(starts: ArrayLike, count: int) -> Array:
+    """Return starts (count, 3) X_WG as asked for.
+
+    Raises ValueError for another shape, and for what is not in the field.
+    """
+    X = np.asarray(starts, dtype=np.float64)
+    if X.shape not in ((3,), (count, 3)):
+        raise ValueError(f"start of shape {X.shape} is not allowed; allowed: x, y, yaw")
+    if not (np.isfinite(X).all() and (np.abs(X[..., :2]) <= FIELD).all()):
+        raise ValueError(
+            f"start {X.tolist()} is not allowed; allowed: x and y in [-{FIELD:g}, "
+            f"{FIELD:g}] m"
+        )
+    return np.broadcast_to(X, (count, 3))
+
+
+def errors(observations: Array) -> tuple[Array, Array]:
+    """Return how far objects are from their goals: distance [m] and angle [rad]."""
+    dx = observations[..., 3] - observations[..., 0]
+    dy = observations[..., 4] - observations[..., 1]
+    turn = np.abs(wrapped(observations[..., 5] - observations[..., 2]))
+    return np.sqrt(dx * dx + dy * dy), turn
+
+
+def wrapped(angles: Array) -> Array:
+    """Return angles in [-pi, pi] [rad]."""
+    out: Array = angles - TURN * np.round(angles / TURN)
+    return out
+
+
+def moved(poses: Array, offset: tuple[float, float], sign: float) -> Array:
+    """Return poses (..., 3) with their origins moved by ``sign`` times ``offset`` [m],
+    in their own axes.
+    """
+    c = sign * np.cos(poses[..., 2])
+    s = sign * np.sin(poses[..., 2])
+    x, y = offset
+    return np.stack(
+        [
+            poses[..., 0] + c * x - s * y,
+            poses[..., 1] + s * x + c * y,
+            poses[..., 2],
+        ],
+        axis=-1,
+    )

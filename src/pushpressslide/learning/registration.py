@@ -1,0 +1,38 @@
+"""The environments that Gymnasium is told of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+TASKS = {
+    "RearPush": "rear-push-rear",
+    "LeftPush": "rear-push-left",
+}
+"""The shipped task of each environment."""
+ENVIRONMENTS: dict[str, dict[str, Any]] = {
+    **{f"pushpressslide/{name}-v0": {"task": task} for name, task in TASKS.items()},
+    **{
+        f"pushpressslide/{name}Exact-v0": {"task": task, "exact": True}
+        for name, task in TASKS.items()
+    },
+}
+"""The arguments of each registered id."""
+SINGLE = "pushpressslide.learning.environment:PushEnv"
+VECTOR = "pushpressslide.learning.vector:PushVectorEnv"
+MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
+
+
+def register() -> None:
+    """Register the environments; nothing happens where Gymnasium is not installed."""
+    try:
+        import gymnasium
+    except ImportError:
+        return
+    for name, arguments in ENVIRONMENTS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                id=name,
+                entry_point=SINGLE,
+                vector_entry_point=None if "exact" in arguments else VECTOR,
+                kwargs=arguments,
+            )
