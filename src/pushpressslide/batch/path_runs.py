@@ -39,7 +39,7 @@ LEFT_FACE = 2
 ASTRAY = 3
 """How a run stands: ``Motion.end``."""
 TURN = 2.0 * math.pi
-KEPT_ROWS = 64  # ticks between two looks at which rows have ended
+TOGETHER = 64  # ticks after which the runs that have ended are left out
 
 
 class Motion(NamedTuple):
@@ -78,7 +78,6 @@ class Bodies(NamedTuple):
     friction: Column  # of the pair tip/body
     n: Column  # [m] centre of mass from where it is believed, along n and t
     t: Column
-    square: Column  # [m^2] rho^2 of the ellipsoid about the centre of pressure
 
 
 class Lead(NamedTuple):
@@ -104,7 +103,7 @@ class Lead(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """The tip and its face; in B."""
+    """The tip, its face, and the base of the body; in B."""
 
     nx: Column  # unit inward normal
     ny: Column
@@ -121,6 +120,13 @@ class Touch(NamedTuple):
     force_gain: Column
     acceleration: Column  # [m/s^2] of the tip's reference
     patience: Column  # [s] without a contact's force
+    # rho^2 [m^2] of the ellipsoid about the centre of pressure: as the exact surface has
+    # it for a force at the tangent k to the line through the centre of mass, less the
+    # square of the distance between the two centres
+    square: Column  # [m^2] at k = 0
+    slope: Column  # [m^2] per |k|
+    bend: Column  # [m^2] per k^2
+    steepest: Column  # |k| beyond which it stays
 
 
 class Pace(NamedTuple):
@@ -288,6 +294,18 @@ class PushedOn(NamedTuple):
     ft: Column
 
 
+def square_of_base(m: Motion, body: Bodies, touch: Touch) -> Column:
+    """Return rho^2 [m^2] about the centre of pressure, under the last tick's force."""
+    en = body.n - touch.depth
+    et = body.t - m.place
+    along = en * m.fn + et * m.ft
+    across = np.abs(en * m.ft - et * m.fn)
+    k = least(across / where(along > 0.0, along, 1.0), touch.steepest)
+    k = where(along > 0.0, k, 0.0)
+    moved = body.lift * body.lift * (m.fn * m.fn + m.ft * m.ft)
+    return touch.square + (touch.slope + touch.bend * k) * k - moved
+
+
 def pushed_on(
     m: Motion,
     asked: tuple[PoseColumns, Guide, Column, Column],
@@ -320,7 +338,7 @@ def pushed_on(
         touch.depth - touch.radius - cop_n,
         body.friction,
         body.drag,
-        body.square,
+        square_of_base(m, body, touch),
     )
     pushed = tip_pushed(tip)
     return carried(m, (tip, pushed, fn, ft), (cop_n, cop_t), touch, pace)
@@ -388,50 +406,45 @@ class PathRuns(NamedTuple):
     def finish(self, motion: Array, bodies: Array, rng: np.random.Generator) -> Array:
         """Return the motion (21, n) when every run has ended, or after the limit.
 
-        ``bodies`` (6, n) are the fields of ``Bodies``.
+        ``bodies`` (5, n) are the fields of ``Bodies``.
         """
         out = motion.copy()
         rows = np.arange(motion.shape[1])
         at = np.zeros(len(rows), dtype=np.intp)
         pieces = self.pieces[:, at]
-        spare = np.empty_like(motion)
-        dt = float(self.pace.dt)
-        for tick in range(1, round(self.limit / dt) + 1):
-            self._tick((motion, pieces, bodies), rng, tick * dt, spare)
-            motion, spare = spare, motion
-            self._go_on(motion, pieces, at)
-            if tick % KEPT_ROWS:
-                continue
+        last = round(self.limit / float(self.pace.dt))
+        for first in range(0, last, TOGETHER):
+            spare = np.empty_like(motion)
+            for tick in range(first, min(first + TOGETHER, last)):
+                self._tick((motion, pieces, bodies), rng, tick + 1, spare)
+                motion, spare = spare, motion
+                self._go_on(motion, pieces, at)
             out[:, rows] = motion
             stay = motion[-1] == UNDER_WAY
-            if stay.all():
-                continue
-            rows = rows[stay]
-            if not len(rows):
+            if not stay.any():
                 break
+            rows = rows[stay]
             at = at[stay]
             motion, pieces, bodies = (
-                np.ascontiguousarray(a[:, stay]) for a in (motion, pieces, bodies)
+                np.compress(stay, a, axis=1) for a in (motion, pieces, bodies)
             )
-            spare = np.empty_like(motion)
-        out[:, rows] = motion
         return out
 
     def _tick(
         self,
         columns: tuple[Array, Array, Array],
         rng: np.random.Generator,
-        time: float,
+        tick: int,
         out: Array,
     ) -> None:
-        """Write the motion after a tick at ``time`` [s] of the profile into ``out``."""
+        """Write the motion after a ``tick``, counted from the first, into ``out``."""
         motion, pieces, bodies = columns
         noise = PoseColumns(*np.zeros(3))
         if self.noise.any():
             draws = rng.standard_normal((3, motion.shape[1]))
             draws *= self.noise[:, None]
             noise = PoseColumns(*draws)
-        progress, speed = self.profile(time)
+        progress, speed = self.profile(tick * float(self.pace.dt))
         pace = self.pace._replace(
             progress=np.float64(progress), speed=np.float64(speed)
         )

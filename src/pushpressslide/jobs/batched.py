@@ -44,6 +44,8 @@ from pushpressslide.core.task import Sensing, Task
 from pushpressslide.jobs.engines import EngineName, engine_named
 from pushpressslide.jobs.rows import Row
 from pushpressslide.jobs.sampling import varied_task
+from pushpressslide.planning.rear_car_fit import looked_at, push_twists
+from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.rom.drives import RearSteerDrive
 from pushpressslide.selection.solve import solve
 from pushpressslide.tracking.rear_car import EASING
@@ -218,33 +220,56 @@ def _touch(plan: Plan) -> Touch:
         *_numbers(told.contact_friction, felt, margins.KEPT_SHARE * felt),
         *_numbers(task.motion.servo_damping, 1.0, TIP_ACCELERATION[contact.kind]),
         *_numbers(margins.ARM.loss_time(contact.kind) + task.motion.control_period),
+        *_numbers(*_base(plan)),
     )
 
 
-def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
-    """Return the fields of ``Bodies`` (6, n), the starts (n, 3) X_WB, and where along
-    the face the tip is [m].
+def _base(plan: Plan) -> tuple[float, float, float, float]:
+    """Return how rho^2 [m^2] depends on the tangent k of a push's angle: the polynomial
+    nearest to what the exact surface has on both sides, and the largest k that was looked
+    at without the object tipping.
 
-    The ellipsoid about the centre of pressure, ahead of the centre of mass by what the
-    push's height moves it, has the virtual axle and the wheelbase of the planned car.
+    An ellipsoid about the centre of pressure with this rho has the curvature that the
+    exact surface has at each angle.
+    """
+    told = plan.task.told
+    (contact,) = plan.contacts
+    scene = told.scene
+    motion = told.motion
+    face = min(
+        pushable(scene, motion.face),
+        key=lambda f: math.dist((*f.foot, *f.normal), (*contact.point, *contact.normal)),
+    )
+    tangents = np.tan(looked_at(scene, motion, face))
+    vx, vy, w = np.moveaxis(push_twists(scene, motion, [face])[0], -1, 0)
+    lever = math.hypot(*face.foot)
+    along = -(vx * face.foot[0] + vy * face.foot[1]) / lever
+    wheelbases = tangents.sum(axis=0) / np.diff(w / along, axis=0)[0]
+    stands = np.isfinite(wheelbases)
+    k = tangents.mean(axis=0)[stands]
+    shift = contact.height * scene.support.friction
+    squares = wheelbases[stands] * (lever + shift) + shift * shift
+    bend, slope, square = np.polyfit(k, squares, 2)
+    return float(square), float(slope), float(bend), float(k[-1])
+
+
+def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
+    """Return the fields of ``Bodies`` (5, n), the starts (n, 3) X_WB, and where along
+    the face the tip is [m].
     """
     task = plan.task
-    drive, _ = _pushed_car(plan)
     (contact,) = plan.contacts
     nx, ny = contact.normal
     px, py = contact.point
     load = truths.mass * GRAVITY
     X_GB = task.told.X_GB
     x, y = (truths.centers - X_GB.position).T
-    car = drive.car
-    square = car.effective_wheelbase * (car.lever + drive.shift)
     bodies = Bodies(
         truths.support_friction * load,
         contact.height / load,
         truths.contact_friction,
         nx * x + ny * y,
         nx * y - ny * x,
-        np.full(len(load), square),
     )
     return np.array(bodies), _moved(truths.starts, X_GB.position), nx * py - ny * px
 
