@@ -42,7 +42,9 @@ class TipPushed(NamedTuple):
     touches: Column  # truth value
 
 
-def held(slide: Column, tip: PushingTip, fn: Column, ft: Column) -> tuple[Column, Column]:
+def held(
+    slide: Column, tip: PushingTip, fn: Column, ft: Column
+) -> tuple[Column, Column]:
     """Return (1 + slide A)^-1 (fn, ft), A f the velocity of the tip's centre under f."""
     a = 1.0 + slide * (1.0 + tip.pt * tip.pt / tip.square)
     b = -slide * tip.pt * tip.pn / tip.square

@@ -83,7 +83,9 @@ class Bodies(NamedTuple):
 class Lead(NamedTuple):
     """The laws that lead a body; in B, of the car that is believed."""
 
-    pose_gain: Column  # share of a measured pose's error that corrects the predicted one
+    pose_gain: (
+        Column  # share of a measured pose's error that corrects the predicted one
+    )
     axle_x: Column  # [m] virtual front axle
     axle_y: Column
     ex: Column  # heading axis
@@ -223,9 +225,7 @@ def believed(m: Motion, noise: PoseColumns, lead: Lead, pace: Pace) -> PoseColum
     )
 
 
-def guided(
-    seen: PoseColumns, m: Motion, piece: Piece, lead: Lead, pace: Pace
-) -> Guide:
+def guided(seen: PoseColumns, m: Motion, piece: Piece, lead: Lead, pace: Pace) -> Guide:
     """Return what the rear Stanley law asks for at the speed of the moment."""
     left = pace.length - m.progress
     wanted = pace.speed + pace.catch_up * (pace.progress - m.progress)

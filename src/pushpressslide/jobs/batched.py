@@ -173,7 +173,9 @@ def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
     if not task.scene.carried(task.goal) or any(task.scene.weight_along):
         raise _refused(f"a {task.support.kind} as support", "level supports")
     if not task.motion.velocity_servo or task.motion.force_gain is not None:
-        raise _refused("motion.velocity_servo with a force_gain or off", "the servo alone")
+        raise _refused(
+            "motion.velocity_servo with a force_gain or off", "the servo alone"
+        )
     sensing = task.sensing
     poses = Sensing(position_noise=sensing.position_noise, yaw_noise=sensing.yaw_noise)
     if sensing != poses:
@@ -238,7 +240,9 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
     motion = told.motion
     face = min(
         pushable(scene, motion.face),
-        key=lambda f: math.dist((*f.foot, *f.normal), (*contact.point, *contact.normal)),
+        key=lambda f: math.dist(
+            (*f.foot, *f.normal), (*contact.point, *contact.normal)
+        ),
     )
     tangents = np.tan(looked_at(scene, motion, face))
     vx, vy, w = np.moveaxis(push_twists(scene, motion, [face])[0], -1, 0)
@@ -248,7 +252,7 @@ def _base(plan: Plan) -> tuple[float, float, float, float]:
     stands = np.isfinite(wheelbases)
     k = tangents.mean(axis=0)[stands]
     shift = contact.height * scene.support.friction
-    squares = wheelbases[stands] * (lever + shift) + shift * shift
+    squares = wheelbases[stands] * lever + shift * shift
     bend, slope, square = np.polyfit(k, squares, 2)
     return float(square), float(slope), float(bend), float(k[-1])
 
