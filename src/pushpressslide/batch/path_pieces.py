@@ -45,9 +45,9 @@ def pieces_of(path: ArcPath) -> Array:
     """
     rows = []
     pieces = (*path.pieces, (0.0, math.inf))
+    curvatures = [curvature for curvature, _ in path.pieces]
     # the path's own ends bend nothing
-    changes = [0.0, *(b[0] - a[0] for a, b in zip(path.pieces, path.pieces[1:])), 0.0]
-    changes.append(0.0)
+    changes = [0.0, *np.diff(curvatures).tolist(), 0.0, 0.0]
     rooms = [min(s, path.length - s) for s, _ in path.starts] + [0.0]
     for i, ((curvature, length), (s, pose)) in enumerate(
         zip(pieces, path.starts, strict=True)
