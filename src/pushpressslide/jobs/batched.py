@@ -51,7 +51,7 @@ from pushpressslide.selection.solve import solve
 from pushpressslide.tracking.rear_car import EASING
 
 MODE = "rear_push"
-AT_ONCE = 2000  # samples, whose figures stay in the processor's cache
+AT_ONCE = 4000  # samples, whose figures stay in the processor's cache
 REASONS = {
     UNDER_WAY: "still under way at limits.time",
     ARRIVED: "ended outside the tolerance",
