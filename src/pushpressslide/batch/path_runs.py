@@ -159,6 +159,18 @@ class Guide(NamedTuple):
     w: Column  # [rad/s]
 
 
+class PushedOn(NamedTuple):
+    """Body and tip after a tick."""
+
+    x: Column
+    y: Column
+    yaw: Column
+    place: Column
+    gap: Column
+    fn: Column
+    ft: Column
+
+
 def ticked(
     m: Motion,
     piece: Piece,
@@ -174,14 +186,25 @@ def ticked(
     seen = believed(m, noise, lead, pace)
     guide = guided(seen, m, piece, lead, pace)
     ux, uy = reference(seen, guide, m, touch, pace)
-    goes = m.end == UNDER_WAY
     grip = eased_grip(m, lead, touch, pace)
-    off = where(goes, greater(np.abs(guide.left), m.off), m.off)
     moved = pushed_on(m, (seen, guide, ux, uy), body, touch, pace)
     apart = where(moved.fn < touch.kept, m.apart + pace.dt, 0.0)
     end = where(pace.length - guide.progress <= pace.stop, ARRIVED, UNDER_WAY)
     end = where(apart > touch.patience, LEFT_FACE, end)
     end = where(np.abs(guide.left) > pace.astray, ASTRAY, end)
+    return after(m, (seen, guide, moved), (ux, uy, grip, apart, end), pace.dt)
+
+
+def after(
+    m: Motion,
+    found: tuple[PoseColumns, Guide, PushedOn],
+    kept: tuple[Column, Column, Column, Column, Column],
+    dt: Column,
+) -> Columns:
+    """Return the fields of the motion after a tick of ``dt`` [s]."""
+    seen, guide, moved = found
+    ux, uy, grip, apart, end = kept
+    goes = m.end == UNDER_WAY
     return (
         where(goes, moved.x, m.x),
         where(goes, moved.y, m.y),
@@ -201,8 +224,8 @@ def ticked(
         guide.progress,
         grip,
         apart,
-        off,
-        where(goes, m.time + pace.dt, m.time),
+        where(goes, greater(np.abs(guide.left), m.off), m.off),
+        where(goes, m.time + dt, m.time),
         where(goes, end, m.end),
     )
 
@@ -280,18 +303,6 @@ def eased_grip(m: Motion, lead: Lead, touch: Touch, pace: Pace) -> Column:
     used = np.abs(m.ft) / (touch.friction * greater(m.fn, touch.felt))
     rate = where(used > lead.grip_use, -lead.grip_fall, lead.grip_rise)
     return least(greater(m.grip + rate * pace.dt, lead.grip_least), 1.0)
-
-
-class PushedOn(NamedTuple):
-    """Body and tip after a tick."""
-
-    x: Column
-    y: Column
-    yaw: Column
-    place: Column
-    gap: Column
-    fn: Column
-    ft: Column
 
 
 def square_of_base(m: Motion, body: Bodies, touch: Touch) -> Column:
