@@ -99,6 +99,8 @@ def test_numpy_and_compiled_loops_give_the_same():
         second = batched(plan, truths, 3)
     assert np.abs(first.poses - second.poses).max() < 1e-9
     assert (first.ends == second.ends).all()
+    more = batched(plan, drawn_truths(task, 0, 6), 3)  # a sample's noise is its own
+    assert np.abs(first.poses - more.poses[:4]).max() < 1e-9
     other = batched(plan, truths, 4)
     assert np.abs(first.poses - other.poses).max() > 1e-6  # of other noise
 

@@ -400,6 +400,8 @@ class PathRuns(NamedTuple):
     profile: Callable[[float], tuple[float, float]]  # progress [m] and speed [m/s]
     noise: Array  # (3,) [m], [m], [rad] standard deviations of a measured pose
     limit: float  # [s] after which runs are ended
+    # rows that noise is drawn for: what one is given does not depend on how many there are
+    width: int
 
     def begin(self, poses: Array, place: float, rng: np.random.Generator) -> Array:
         """Return the motion (21, n) of bodies at ``poses`` (n, 3), X_WB, with the tip in
@@ -409,7 +411,8 @@ class PathRuns(NamedTuple):
         motion[:3] = poses.T
         k = float(self.lead.pose_gain)
         spread = self.noise * np.sqrt(k / (2.0 - k))
-        motion[3:6] = poses.T + spread[:, None] * rng.normal(size=(3, len(poses)))
+        draws = rng.standard_normal((3, self.width))[:, : len(poses)]
+        motion[3:6] = poses.T + spread[:, None] * draws
         motion[Motion._fields.index("place")] = place
         motion[Motion._fields.index("grip")] = 1.0
         return motion
@@ -427,7 +430,8 @@ class PathRuns(NamedTuple):
         for first in range(0, last, TOGETHER):
             spare = np.empty_like(motion)
             for tick in range(first, min(first + TOGETHER, last)):
-                self._tick((motion, pieces, bodies), rng, tick + 1, spare)
+                noise = self._noise(rng, rows)
+                self._tick((motion, pieces, bodies), noise, tick + 1, spare)
                 motion, spare = spare, motion
                 self._go_on(motion, pieces, at)
             out[:, rows] = motion
@@ -441,20 +445,23 @@ class PathRuns(NamedTuple):
             )
         return out
 
+    def _noise(self, rng: np.random.Generator, rows: NDArray[np.intp]) -> PoseColumns:
+        """Return the noise of a tick's poses, of ``rows``."""
+        if not self.noise.any():
+            return PoseColumns(*np.zeros(3))
+        draws = rng.standard_normal((3, self.width))
+        draws *= self.noise[:, None]
+        return PoseColumns(*draws.take(rows, axis=1))
+
     def _tick(
         self,
         columns: tuple[Array, Array, Array],
-        rng: np.random.Generator,
+        noise: PoseColumns,
         tick: int,
         out: Array,
     ) -> None:
         """Write the motion after a ``tick``, counted from the first, into ``out``."""
         motion, pieces, bodies = columns
-        noise = PoseColumns(*np.zeros(3))
-        if self.noise.any():
-            draws = rng.standard_normal((3, motion.shape[1]))
-            draws *= self.noise[:, None]
-            noise = PoseColumns(*draws)
         progress, speed = self.profile(tick * float(self.pace.dt))
         pace = self.pace._replace(
             progress=np.float64(progress), speed=np.float64(speed)

@@ -51,7 +51,7 @@ from pushpressslide.selection.solve import solve
 from pushpressslide.tracking.rear_car import EASING
 
 MODE = "rear_push"
-AT_ONCE = 4000  # samples, whose figures stay in the processor's cache
+AT_ONCE = 2500  # samples, whose figures stay in the processor's cache
 REASONS = {
     UNDER_WAY: "still under way at limits.time",
     ARRIVED: "ended outside the tolerance",
@@ -110,15 +110,15 @@ def truths_of(samples: list[Task]) -> Truths:
 def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
     """Return what comes of ``plan`` for ``truths``, a push from behind on a flat face.
 
-    ``seed`` is that of the sensors' noise, of which every sample has its own. Raises
-    PushPressSlideError for other plans.
+    ``seed`` is that of the sensors' noise, of which every sample has its own, by its
+    number alone. Raises PushPressSlideError for other plans.
     """
     runs = path_runs(plan, truths.noise)
     bodies, starts, place = _bodies(plan, truths)
-    rng = np.random.default_rng([seed, 2])
     parts = []
     for first in range(0, len(starts), AT_ONCE):
         chosen = slice(first, first + AT_ONCE)
+        rng = np.random.default_rng([seed, first])
         motion = runs.begin(starts[chosen], place, rng)
         parts.append(runs.finish(motion, bodies[:, chosen].copy(), rng))
     return _outcomes(plan.task, Motion(*np.concatenate(parts, axis=1)), place)
@@ -147,6 +147,7 @@ def path_runs(plan: Plan, noise: Array) -> PathRuns:
         profile.at,
         noise,
         plan.task.limits.time,
+        AT_ONCE,
     )
 
 
