@@ -29,6 +29,7 @@ NAMES = (
     "engines",
     "batches",
     "runs",
+    "truths",
     "start",
     "scaling",
 )

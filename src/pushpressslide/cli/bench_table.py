@@ -25,6 +25,7 @@ HEADINGS = {
     "wall_per_simulated": "wall s per simulated s",
     "planned_s": "planned s",
     "apart_mm": "played back apart mm",
+    "samples_s": "10,000 samples s",
     "possible": "possible, share",
     "symmetric": "paper's split, share",
     "bias": "paper's bias, wrench",

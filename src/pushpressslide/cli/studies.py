@@ -86,6 +86,14 @@ class SweepOptions:
             "--sample-time", min=0.0, help="Seconds that a sample may take; 0: any."
         ),
     ] = 0.0
+    batched: Annotated[
+        bool,
+        typer.Option(
+            "--batched",
+            help="Of --vary truth: plan once and run all samples on arrays, without "
+            "engine, arms, touch and new plans; for plans of one rear_push.",
+        ),
+    ] = False
     mode: ModeName = None
     jobs: Annotated[
         int, typer.Option("--jobs", min=0, help="Processes; 0: one for each core.")
@@ -131,8 +139,9 @@ def sweep(options: SweepOptions) -> None:
         jobs=options.jobs,
         cluster=options.cluster,
         force=options.force,
+        batched=options.batched,
     )
-    label = f"{options.samples} samples on {options.engine}"
+    label = f"{options.samples} samples on {job.engine_name}"
     if options.attempts:
         label = f"{options.attempts} attempts on {options.engine}"
     with progress_bar(label, not options.quiet) as progress:

@@ -71,12 +71,17 @@ class Rows:
 
     def add(self, row: Row) -> None:
         """Append a row."""
-        row = {"key": self._key, **row}
+        self.extend([row])
+
+    def extend(self, rows: Iterable[Row]) -> None:
+        """Append rows."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("ab") as file:
-            place = file.tell()
-            file.write((json.dumps(row) + "\n").encode())
-        self._note(row, place)
+            for row in rows:
+                keyed = {"key": self._key, **row}
+                place = file.tell()
+                file.write((json.dumps(keyed) + "\n").encode())
+                self._note(keyed, place)
 
     def read(self, count: int) -> Iterator[Row]:
         """Yield the rows of the first ``count`` samples in their order."""

@@ -54,6 +54,12 @@ class SweepOptions:
     jobs: int = 0  # processes; 0: one for each core
     cluster: str = ""  # address of a Dask scheduler whose workers run the samples
     force: bool = False  # run finished samples again
+    batched: bool = False  # one plan and all samples on arrays, without engine and arms
+
+    @property
+    def engine_name(self) -> str:
+        """What runs the samples."""
+        return "batched" if self.batched else str(self.engine)
 
     def settings(self, task: Task) -> dict[str, Any]:
         """Return what a finished sample must agree with to stand for a new run."""
@@ -62,7 +68,7 @@ class SweepOptions:
         return {
             "task": task_data(task),
             "seed": self.seed,
-            "engine": self.engine,
+            "engine": self.engine_name,
             "vary": self.vary,
             "draw": self.draw,
             "world": self.world,
@@ -90,16 +96,50 @@ def sweep(
         bodies = [goal.body for goal in task.goals]
         reason = "allowed: null; a sweep varies tasks of one goal"
         raise TaskError(task.source or task.name, "goals", bodies, reason)
+    if options.batched:
+        _check_batched(options)
     sample_task(task, options, 0)
     path = out / "rows.jsonl"
     if options.force:
         path.unlink(missing_ok=True)
     settings = options.settings(task)
     rows = Rows(path, key_of(settings))
+    if options.batched:
+        return _batched(task, options, out, rows)
     with terminated_as_interrupt(), _pool(options) as (pool, processes):
         drawn = _draw(pool, processes, task, options, rows, progress)
         _check_refusals(pool, task, options, rows, drawn)
     return _write_results(out, task, options, rows, drawn)
+
+
+def _check_batched(options: SweepOptions) -> None:
+    """Raise PushPressSlideError for what has no batch."""
+    checks = (
+        ("--vary", options.vary, "truth"),
+        ("--attempts", options.attempts, 0),
+        ("--check-refusals", options.check_refusals, 0),
+        ("--sample-time", options.sample_time, 0.0),
+        ("--cluster", options.cluster, ""),
+    )
+    for name, value, allowed in checks:
+        if value != allowed:
+            raise PushPressSlideError(
+                f"{name}: {value!r} is not allowed with --batched; allowed: {allowed!r}"
+            )
+
+
+def _batched(
+    task: Task, options: SweepOptions, out: Path, rows: Rows
+) -> dict[str, Any]:
+    """Run the samples on arrays, where rows are missing, and return the summary."""
+    from pushpressslide.jobs.batched import batched_rows, batched_samples
+
+    samples = batched_samples(task, options.seed, options.samples)
+    made = batched_rows(task, options.seed, samples.outcomes)
+    rows.extend(row for row in made if row["index"] not in rows)
+    summary = _write_results(out, task, options, rows, options.samples)
+    spent = samples.drawing_time + samples.running_time
+    return summary | {"time_per_sample": spent / options.samples}
 
 
 @contextmanager
@@ -216,7 +256,7 @@ def _write_results(
     summary = {
         "task": task.name,
         "seed": options.seed,
-        "engine": options.engine,
+        "engine": options.engine_name,
         "vary": options.vary,
         "draw": options.draw,
         "world": options.world,

@@ -224,6 +224,13 @@ def runs(seed: int, out: Path) -> list[Row]:
     return rows()
 
 
+def truths(seed: int, out: Path) -> list[Row]:
+    """Run samples of one planned push, on arrays and each by the run loop."""
+    from pushpressslide.studies.bench.truths import truths as rows
+
+    return rows(seed)
+
+
 def start(seed: int, out: Path) -> list[Row]:
     """Start programs, beside ``import numpy``."""
     from pushpressslide.studies.bench.start import start as rows
@@ -260,6 +267,7 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         engines,
         mpc,
         runs,
+        truths,
         start,
         scaling,
     )

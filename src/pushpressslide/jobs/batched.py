@@ -1,0 +1,360 @@
+"""Many truths of one planned push from behind at once, on arrays: the samples of a sweep
+without a run loop for each.
+
+The plan is made once. Every sample goes along its path by the law of the mode, with the
+tip and the servo of the planar engine, on an ellipsoid. Left out are the approach, the
+touch and the release, new plans after the touch and on the way, what is identified on
+the way (drag, axle, centre of mass), retries, and another touch where the tip has left
+the face: such a sample has missed. Obstacles and tipping are not looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.batch.path_pieces import pieces_of
+from pushpressslide.batch.path_runs import (
+    ARRIVED,
+    ASTRAY,
+    LEFT_FACE,
+    UNDER_WAY,
+    Bodies,
+    Lead,
+    Motion,
+    Pace,
+    PathRuns,
+    Touch,
+)
+from pushpressslide.control import controller
+from pushpressslide.control.tip_motion import TIP_ACCELERATION
+from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.errors import PushPressSlideError
+from pushpressslide.core.path import ArcPath
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.sides import FlatSide
+from pushpressslide.core.task import Sensing, Task
+from pushpressslide.jobs.engines import EngineName, engine_named
+from pushpressslide.jobs.rows import Row
+from pushpressslide.jobs.sampling import varied_task
+from pushpressslide.planning.rear_car_fit import looked_at, push_twists
+from pushpressslide.planning.side_contacts import pushable
+from pushpressslide.rom.drives import RearSteerDrive
+from pushpressslide.selection.solve import solve
+from pushpressslide.tracking.rear_car import EASING
+
+MODE = "rear_push"
+AT_ONCE = 2500  # samples, whose figures stay in the processor's cache
+REASONS = {
+    UNDER_WAY: "still under way at limits.time",
+    ARRIVED: "ended outside the tolerance",
+    LEFT_FACE: "the tip left the face",
+    ASTRAY: "astray from the path",
+}
+
+
+class Truths(NamedTuple):
+    """What is true of n samples of a task."""
+
+    support_friction: Array  # (n,)
+    contact_friction: Array  # (n,)
+    mass: Array  # (n,) [kg]
+    centers: Array  # (n, 2) [m] centres of mass in G
+    starts: Array  # (n, 3) X_WG: x, y [m] and yaw [rad]
+    noise: Array  # (3,) [m], [m], [rad] standard deviations of a measured pose
+
+
+class Outcomes(NamedTuple):
+    """What came of n samples."""
+
+    poses: Array  # (n, 3) final X_WG: x, y [m] and yaw [rad]
+    position_errors: Array  # (n,) [m] from the goal
+    yaw_errors: Array  # (n,) [rad]
+    off_path: Array  # (n,) [m] largest distance of the virtual axle from the path
+    slips: Array  # (n,) [m] of the tip along the face, to its left
+    times: Array  # (n,) [s] of the motion
+    ends: NDArray[np.intp]  # (n,) ARRIVED, LEFT_FACE, ASTRAY or UNDER_WAY
+    reached: NDArray[np.bool_]  # (n,) arrived within the tolerance
+
+
+def drawn_truths(task: Task, seed: int, count: int) -> Truths:
+    """Return the first ``count`` truths that ``jobs.sampling.varied_task`` draws."""
+    samples = [varied_task(task, index, seed) for index in range(count)]
+    return truths_of(samples)
+
+
+def truths_of(samples: list[Task]) -> Truths:
+    """Return the truths of tasks that differ in nothing else; their sensors' noise is
+    that of the first.
+    """
+    starts = [sample.true_start for sample in samples]
+    sensing = samples[0].sensing
+    spread = sensing.position_noise
+    return Truths(
+        np.array([sample.support.friction for sample in samples]),
+        np.array([sample.contact_friction for sample in samples]),
+        np.array([sample.object.mass for sample in samples]),
+        np.array([sample.object.center_of_mass for sample in samples]),
+        np.array([(X.x, X.y, X.yaw) for X in starts]),
+        np.array((spread, spread, sensing.yaw_noise)),
+    )
+
+
+def batched(plan: Plan, truths: Truths, seed: int = 0) -> Outcomes:
+    """Return what comes of ``plan`` for ``truths``, a push from behind on a flat face.
+
+    ``seed`` is that of the sensors' noise, of which every sample has its own, by its
+    number alone. Raises PushPressSlideError for other plans.
+    """
+    runs = path_runs(plan, truths.noise)
+    bodies, starts, place = _bodies(plan, truths)
+    parts = []
+    for first in range(0, len(starts), AT_ONCE):
+        chosen = slice(first, first + AT_ONCE)
+        rng = np.random.default_rng([seed, first])
+        motion = runs.begin(starts[chosen], place, rng)
+        parts.append(runs.finish(motion, bodies[:, chosen].copy(), rng))
+    return _outcomes(plan.task, Motion(*np.concatenate(parts, axis=1)), place)
+
+
+def path_runs(plan: Plan, noise: Array) -> PathRuns:
+    """Return the laws of a plan, with the figures that the controller has; ``noise`` (3,)
+    [m], [m], [rad] is that of a measured pose.
+
+    Raises PushPressSlideError for a plan that is not one push from behind on a flat face.
+    """
+    drive, path = _pushed_car(plan)
+    profile = plan.segments[0].profile
+    motion = plan.task.motion
+    floor = margins.FLOOR_SPEED * motion.speed
+    pace = Pace(
+        *_numbers(0.0, 0.0, path.length, floor, 1.5 * profile.speed),
+        *_numbers(profile.acceleration, controller.CATCH_UP, EASING),
+        *_numbers(margins.ARM.stop, margins.ARM.astray, motion.control_period),
+    )
+    return PathRuns(
+        pieces_of(path),
+        _lead(plan.task, drive, noise),
+        _touch(plan),
+        pace,
+        profile.at,
+        noise,
+        plan.task.limits.time,
+        AT_ONCE,
+    )
+
+
+def _numbers(*values: float) -> list[np.float64]:
+    return [np.float64(value) for value in values]
+
+
+def _pushed_car(plan: Plan) -> tuple[RearSteerDrive, ArcPath]:
+    """Return drive and path of a plan of one push from behind, on a flat face of an
+    object that stands on its support.
+    """
+    task = plan.task
+    modes = ", ".join(piece.mode for piece in plan.segments)
+    if modes != MODE:
+        raise _refused(f"a plan of {modes}", f"plans of one {MODE}")
+    if task.legs:
+        raise _refused(f"a task of {len(task.legs)} legs", "tasks without legs")
+    (piece,) = plan.segments
+    (contact,) = piece.contacts
+    told = task.told.object
+    side = told.shape.side(contact.point, contact.normal, told.center_of_mass)
+    if not isinstance(side, FlatSide):
+        raise _refused("a push on a round side", "pushes on flat faces")
+    if not task.scene.carried(task.goal) or any(task.scene.weight_along):
+        raise _refused(f"a {task.support.kind} as support", "level supports")
+    if not task.motion.velocity_servo or task.motion.force_gain is not None:
+        raise _refused(
+            "motion.velocity_servo with a force_gain or off", "the servo alone"
+        )
+    sensing = task.sensing
+    poses = Sensing(position_noise=sensing.position_noise, yaw_noise=sensing.yaw_noise)
+    if sensing != poses:
+        raise _refused("sensing other than noise of poses", "noise of poses")
+    drive = piece.drive
+    path = piece.path
+    assert isinstance(drive, RearSteerDrive)
+    assert isinstance(path, ArcPath)
+    return drive, path
+
+
+def _refused(value: str, allowed: str) -> PushPressSlideError:
+    return PushPressSlideError(f"--batched: {value} is not allowed; allowed: {allowed}")
+
+
+def _lead(task: Task, drive: RearSteerDrive, noise: Array) -> Lead:
+    car = drive.car
+    low, high = car.steering_limits
+    reserve = margins.STEERING_RESERVE * 0.5 * (high - low)
+    sensing = Sensing(position_noise=float(noise[0]), yaw_noise=float(noise[2]))
+    ex, ey = car.axis
+    return Lead(
+        *_numbers(controller.pose_gain(sensing), drive.X_BV.x, drive.X_BV.y),
+        *_numbers(ex, ey, drive.X_BV.yaw, car.effective_wheelbase),
+        *_numbers(car.lever, car.rho, drive.max_friction),
+        *_numbers(low + reserve, high - reserve, task.motion.tracking_gain),
+        *_numbers(margins.GRIP_USE, controller.GRIP_FALL),
+        *_numbers(controller.GRIP_RISE, controller.GRIP_LEAST),
+    )
+
+
+def _touch(plan: Plan) -> Touch:
+    task = plan.task
+    told = task.told
+    (contact,) = plan.contacts
+    body = told.object
+    side = body.shape.side(contact.point, contact.normal, body.center_of_mass)
+    assert isinstance(side, FlatSide)
+    radius = task.robots[contact.arm].tip_radius
+    (tip_x, tip_y), _ = contact.tip_place(radius)
+    felt = task.sensing.felt_force
+    return Touch(
+        *_numbers(*contact.normal, side.depth, *side.ends, radius, tip_x, tip_y),
+        *_numbers(told.contact_friction, felt, margins.KEPT_SHARE * felt),
+        *_numbers(task.motion.servo_damping, 1.0, TIP_ACCELERATION[contact.kind]),
+        *_numbers(margins.ARM.loss_time(contact.kind) + task.motion.control_period),
+        *_numbers(*_base(plan)),
+    )
+
+
+def _base(plan: Plan) -> tuple[float, float, float, float]:
+    """Return how rho^2 [m^2] depends on the tangent k of a push's angle: the polynomial
+    nearest to what the exact surface has on both sides, and the largest k that was looked
+    at without the object tipping.
+
+    An ellipsoid about the centre of pressure with this rho has the curvature that the
+    exact surface has at each angle.
+    """
+    told = plan.task.told
+    (contact,) = plan.contacts
+    scene = told.scene
+    motion = told.motion
+    face = min(
+        pushable(scene, motion.face),
+        key=lambda f: math.dist(
+            (*f.foot, *f.normal), (*contact.point, *contact.normal)
+        ),
+    )
+    tangents = np.tan(looked_at(scene, motion, face))
+    vx, vy, w = np.moveaxis(push_twists(scene, motion, [face])[0], -1, 0)
+    lever = math.hypot(*face.foot)
+    along = -(vx * face.foot[0] + vy * face.foot[1]) / lever
+    wheelbases = tangents.sum(axis=0) / np.diff(w / along, axis=0)[0]
+    stands = np.isfinite(wheelbases)
+    k = tangents.mean(axis=0)[stands]
+    shift = contact.height * scene.support.friction
+    squares = wheelbases[stands] * lever + shift * shift
+    bend, slope, square = np.polyfit(k, squares, 2)
+    return float(square), float(slope), float(bend), float(k[-1])
+
+
+def _bodies(plan: Plan, truths: Truths) -> tuple[Array, Array, float]:
+    """Return the fields of ``Bodies`` (5, n), the starts (n, 3) X_WB, and where along
+    the face the tip is [m].
+    """
+    task = plan.task
+    (contact,) = plan.contacts
+    nx, ny = contact.normal
+    px, py = contact.point
+    load = truths.mass * GRAVITY
+    X_GB = task.told.X_GB
+    x, y = (truths.centers - X_GB.position).T
+    bodies = Bodies(
+        truths.support_friction * load,
+        contact.height / load,
+        truths.contact_friction,
+        nx * x + ny * y,
+        nx * y - ny * x,
+    )
+    return np.array(bodies), _moved(truths.starts, X_GB.position), nx * py - ny * px
+
+
+def _moved(poses: Array, offset: tuple[float, float]) -> Array:
+    """Return poses (n, 3) with their origins ``offset`` [m] further on, in their own
+    frames.
+    """
+    x, y, yaw = poses.T
+    c = np.cos(yaw)
+    s = np.sin(yaw)
+    dx, dy = offset
+    return np.column_stack([x + c * dx - s * dy, y + s * dx + c * dy, yaw])
+
+
+def _outcomes(task: Task, motion: Motion, place: float) -> Outcomes:
+    dx, dy = task.told.X_GB.position
+    poses = _moved(np.column_stack([motion.x, motion.y, motion.yaw]), (-dx, -dy))
+    goal = task.goal
+    off = np.hypot(poses[:, 0] - goal.x, poses[:, 1] - goal.y)
+    turn = poses[:, 2] - goal.yaw
+    turned = np.abs(turn - 2.0 * math.pi * np.round(turn / (2.0 * math.pi)))
+    ends = motion.end.astype(np.intp)
+    within = (off <= task.tolerance.position) & (turned <= task.tolerance.yaw)
+    return Outcomes(
+        poses,
+        off,
+        turned,
+        motion.off,
+        motion.place - place,
+        motion.time,
+        ends,
+        within & (ends == ARRIVED),
+    )
+
+
+def planned(task: Task) -> Plan:
+    """Return the plan of ``task``, without arms."""
+    preparation = engine_named(EngineName.planar).preparation(False)
+    return solve(preparation, task, 1).plan
+
+
+class BatchedSamples(NamedTuple):
+    """The samples of a sweep, and what they took."""
+
+    outcomes: Outcomes
+    plan: Plan
+    drawing_time: float  # [s] of wall time
+    running_time: float  # [s]
+
+
+def batched_samples(task: Task, seed: int, count: int) -> BatchedSamples:
+    """Plan ``task`` and run ``count`` truths of it.
+
+    Raises InfeasibleTaskError where it cannot be done, and PushPressSlideError where its
+    plan is not one push from behind.
+    """
+    plan = planned(task)
+    _pushed_car(plan)
+    began = perf_counter()
+    truths = drawn_truths(task, seed, count)
+    drawn = perf_counter()
+    outcomes = batched(plan, truths, seed)
+    return BatchedSamples(outcomes, plan, drawn - began, perf_counter() - drawn)
+
+
+def batched_rows(task: Task, seed: int, outcomes: Outcomes) -> Iterator[Row]:
+    """Yield the row of each sample; ``duration`` [s] is that of the motion alone."""
+    for index, reached in enumerate(outcomes.reached.tolist()):
+        end = int(outcomes.ends[index])
+        yield {
+            "index": index,
+            "task": f"{task.name}-varied-{seed}-{index:03d}",
+            "status": "reached" if reached else "missed",
+            "code": "goal_reached" if reached else "goal_missed",
+            "reason": "goal_reached" if reached else REASONS[end],
+            "modes": [MODE],
+            "final_position_error": float(outcomes.position_errors[index]),
+            "final_yaw_error": float(outcomes.yaw_errors[index]),
+            "duration": float(outcomes.times[index]),
+            "off_path": float(outcomes.off_path[index]),
+            "slip": float(outcomes.slips[index]),
+        }
