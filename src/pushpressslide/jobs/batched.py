@@ -352,6 +352,7 @@ def batched_rows(task: Task, seed: int, outcomes: Outcomes) -> Iterator[Row]:
             "code": "goal_reached" if reached else "goal_missed",
             "reason": "goal_reached" if reached else REASONS[end],
             "modes": [MODE],
+            "choice": "",
             "final_position_error": float(outcomes.position_errors[index]),
             "final_yaw_error": float(outcomes.yaw_errors[index]),
             "duration": float(outcomes.times[index]),
