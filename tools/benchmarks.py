@@ -1,9 +1,10 @@
 """Run the benchmarks of docs/benchmarks.md, and write the page from their figures.
 
-    python tools/benchmarks.py [run | write]
+    python tools/benchmarks.py [run | write] [--only NAME ...]
 
-``run`` writes docs/data/bench.json and the plots, ``write`` the page alone; both by
-default. Nothing else should run meanwhile: it takes some minutes.
+``run`` writes docs/data/bench.json and the plots, ``write`` the pages alone; both by
+default. ``--only`` runs some again and keeps the figures of the others. Nothing else
+should run meanwhile: all take some ten minutes.
 """
 
 from __future__ import annotations
@@ -11,13 +12,16 @@ from __future__ import annotations
 import argparse
 import json
 import platform
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pushpressslide.cli.bench_table import HEADINGS
+from pushpressslide.core.whole_file import write_whole
+from pushpressslide.report import style
 from pushpressslide.studies.bench.bench import bench
+from pushpressslide.studies.bench.pictures import ratios
+from pushpressslide.studies.bench.scaling import figure
 from pushpressslide.studies.paper.documents import renewed
 
 NAMES = (
@@ -37,18 +41,22 @@ DATA = Path("docs/data/bench.json")
 PAGE = Path("docs/benchmarks.md")
 README = Path("README.md")
 FIGURES = Path("docs/figures")
-PLOTS = {"ratios.png": "bench-ratios.png", "scaling.png": "bench-scaling.png"}
 
 
-def run() -> None:
-    """Run all, and keep figures and plots."""
+def run(names: Sequence[str]) -> None:
+    """Run some benchmarks, and keep figures and plots."""
     out = Path("runs/benchmarks")
     out.mkdir(parents=True, exist_ok=True)
-    result = bench(NAMES, out=out)
+    result = bench(names, out=out)
     result["machine"] = f"{platform.machine()}, Python {platform.python_version()}"
+    if set(names) != set(NAMES):
+        before = json.loads(DATA.read_text(encoding="utf-8"))
+        result = before | {"benchmarks": before["benchmarks"] | result["benchmarks"]}
     DATA.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
-    for name, kept in PLOTS.items():
-        shutil.copy(out / name, FIGURES / kept)
+    rows = result["benchmarks"]
+    for made, name in ((ratios(rows), "ratios"), (figure(rows["scaling"]), "scaling")):
+        if made is not None:
+            write_whole(FIGURES / f"bench-{name}.png", style.png(made))
 
 
 def write() -> None:
@@ -122,11 +130,17 @@ def _text(value: object) -> str:
     return format(value, ".3g") if abs(value) < 1e3 else format(value, ",.0f")
 
 
-if __name__ == "__main__":
-    ACTIONS = {"run": run, "write": write}
+def main() -> None:
+    """Do what is asked."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument(
-        "actions", nargs="*", choices=[*ACTIONS, []], metavar="run|write"
-    )
-    for action in parser.parse_args().actions or ACTIONS:
-        ACTIONS[action]()
+    parser.add_argument("action", nargs="?", choices=("run", "write"))
+    parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES)
+    asked = parser.parse_args()
+    if asked.action != "write":
+        run(asked.only)
+    if asked.action != "run":
+        write()
+
+
+if __name__ == "__main__":
+    main()
