@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pushpressslide.core.bodies import OBJECT, body_shape, stage_task, start_poses
+from pushpressslide.core.bodies import OBJECT, body_shape, stage_task, start_state
 from pushpressslide.core.errors import InfeasibleTaskError, TaskError
 from pushpressslide.core.footprint import overlap_area
 from pushpressslide.core.task import Task
@@ -59,18 +59,19 @@ def check(task: Task, planned: list[PlannedStage]) -> None:
     """Check that each stage begins where the one before ends, that no two bodies
     overlap between two stages, and that all are at their goals in the end.
     """
-    poses = start_poses(task)
+    state = start_state(task)
     for one in planned:
         plan = one.solution.plan
-        assert plan.task.start == poses[one.stage.body]
+        assert plan.task.start == state.poses[one.stage.body]
         assert plan.goal == one.stage.goal
-        poses = after(poses, one.stage)
+        state = after(state, one.stage)
+        poses = state.poses
         for a, b in combinations(poses, 2):
             shapes = body_shape(task, a), body_shape(task, b)
             area = overlap_area(shapes[0], poses[a], shapes[1], poses[b])
             assert area <= 1e-8
     for body, goals in goals_of(task).items():
-        assert is_there(poses[body], goals[-1], task.tolerance)
+        assert is_there(state.poses[body], goals[-1], task.tolerance)
 
 
 def test_cubes_that_change_places_take_one_put_aside() -> None:
@@ -136,7 +137,7 @@ def test_a_refusal_names_the_body_that_cannot_go() -> None:
 def test_a_stage_is_a_task_of_the_body_with_all_others_as_obstacles() -> None:
     task = load_task("three-objects")
     stage = next(one.stage for one in plan_stages(task) if one.stage.body == "cube")
-    own = stage_task(task, stage, start_poses(task))
+    own = stage_task(task, stage, start_state(task))
     cube = next(o for o in task.obstacles if o.name == "cube")
     assert own.object.mass == cube.mass
     assert own.support.friction == cube.friction

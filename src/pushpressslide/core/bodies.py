@@ -7,10 +7,11 @@ they are at that moment.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import OBJECT as OBJECT
+from pushpressslide.core.state import State
 from pushpressslide.core.task import (
     ON_THE_WAY,
     ObjectModel,
@@ -19,16 +20,10 @@ from pushpressslide.core.task import (
     Task,
 )
 
-OBJECT = "object"
-"""Name of a task's own object among its bodies."""
-
 SET_DOWN = "task-object"
 """Name of the task's object as an obstacle, while another body is the one to be moved:
 'object' is then that body's.
 """
-
-Poses = Mapping[str, Pose2]
-"""Where each body that can be moved is, X_WG by its name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +35,18 @@ class Stage:
     aside: bool = False  # out of the way of another, not to a goal of its own
 
 
-def start_poses(task: Task) -> dict[str, Pose2]:
-    """Return where each body that can be moved stands as the task begins; the planned
-    start of the object.
-    """
+def start_state(task: Task) -> State:
+    """Return the state in which the task begins, with the object at its planned start."""
     others = {o.name: o.pose for o in task.obstacles if o.movable}
-    return {OBJECT: task.start, **others}
+    return State({OBJECT: task.start, **others})
+
+
+def motion_task(task: Task, begin: State, goal: Pose2) -> Task:
+    """Return the ordinary task of one motion of the object from a state to ``goal``,
+    X_WG; what the arms hold there is not part of it.
+    """
+    obstacles = tuple(_at(obstacle, begin) for obstacle in task.obstacles)
+    return replace(task, start=begin.object, goal=goal, obstacles=obstacles)
 
 
 def body_shape(task: Task, body: str) -> Shape:
@@ -62,15 +63,15 @@ def obstacle_name(body: str, moved: str) -> str:
     return SET_DOWN if body == OBJECT else body
 
 
-def stage_task(task: Task, stage: Stage, poses: Poses) -> Task:
-    """Return the ordinary task of a stage that begins with the bodies at ``poses``.
+def stage_task(task: Task, stage: Stage, begin: State) -> Task:
+    """Return the ordinary task of a stage that begins in a state.
 
     The body is as the task has it: its own mass and shape, and its own friction with
     the support. What ``motion`` says of face, contacts and height is said of the
     task's object alone.
     """
-    obstacles = [_at(o, poses) for o in task.obstacles if o.name != stage.body]
-    common = replace(task, start=poses[stage.body], goal=stage.goal, goals=())
+    obstacles = [_at(o, begin) for o in task.obstacles if o.name != stage.body]
+    common = replace(task, start=begin.poses[stage.body], goal=stage.goal, goals=())
     common = replace(common, source=f"{task.source or task.name}: {stage.body!r}")
     if stage.aside:
         loose = replace(ON_THE_WAY, bodies=task.tolerance.bodies)
@@ -79,7 +80,7 @@ def stage_task(task: Task, stage: Stage, poses: Poses) -> Task:
         return replace(common, obstacles=tuple(obstacles))
     moved = _obstacle(task, stage.body)
     shape = moved.shape
-    set_down = _set_down(task, poses[OBJECT])
+    set_down = _set_down(task, begin.object)
     belief = replace(
         task.belief,
         support_friction=moved.believed_friction,
@@ -102,8 +103,9 @@ def _obstacle(task: Task, name: str) -> Obstacle:
     return next(o for o in task.obstacles if o.name == name)
 
 
-def _at(obstacle: Obstacle, poses: Poses) -> Obstacle:
-    return replace(obstacle, pose=poses.get(obstacle.name, obstacle.pose))
+def _at(obstacle: Obstacle, state: State) -> Obstacle:
+    pose = state.poses.get(obstacle.name)
+    return obstacle if pose is None else replace(obstacle, pose=pose)
 
 
 def _set_down(task: Task, pose: Pose2) -> Obstacle:

@@ -15,11 +15,11 @@ from pushpressslide.core.errors import PushPressSlideError
 
 if TYPE_CHECKING:
     from pushpressslide.control.run_loop import RunOptions
-    from pushpressslide.core.arrays import Array
     from pushpressslide.core.knock import Knock
     from pushpressslide.core.plan import Plan
     from pushpressslide.core.pose import Pose2
     from pushpressslide.core.record import Record
+    from pushpressslide.core.state import State
     from pushpressslide.core.task import Shape
     from pushpressslide.selection.preparation import Preparation
     from pushpressslide.sim.joints.joint_path import ArmPath
@@ -57,12 +57,11 @@ class Engine(Protocol):
     # a plan needs joint paths; a run can be watched live and filmed
     has_arms: bool
 
-    def preparation(
-        self, force: bool, postures: tuple[Array, ...] | None = None
-    ) -> Preparation:
+    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
         """Return an empty preparation; with ``force`` it takes the best there is.
 
-        ``postures`` (n,) [rad] are where the arms are, None for their ready postures.
+        The arms are as in ``begin``, where that has their joints, else in their ready
+        postures.
         """
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
@@ -77,13 +76,15 @@ class Engine(Protocol):
 class _Drake:
     has_arms = True
 
-    def preparation(
-        self, force: bool, postures: tuple[Array, ...] | None = None
-    ) -> Preparation:
+    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
         """Return the search for joint paths."""
+        import numpy as np
+
         from pushpressslide.sim.joints.placements import PlacementPaths
 
-        return PlacementPaths(force, postures)
+        if begin is None or not begin.joints:
+            return PlacementPaths(force)
+        return PlacementPaths(force, tuple(map(np.array, begin.joints)))
 
     def run(self, plan: Plan, options: RunOptions, arms: ArmOptions) -> Record:
         """Run a plan and return its record."""
@@ -114,9 +115,7 @@ class _Drake:
 class _Planar:
     has_arms = False
 
-    def preparation(
-        self, force: bool, postures: tuple[Array, ...] | None = None
-    ) -> Preparation:
+    def preparation(self, force: bool, begin: State | None = None) -> Preparation:
         """Return the plans alone."""
         from pushpressslide.selection.preparation import PlansAlone
 

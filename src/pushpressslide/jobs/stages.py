@@ -18,15 +18,15 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.bodies import (
     OBJECT,
     SET_DOWN,
-    Poses,
     obstacle_name,
-    start_poses,
+    start_state,
 )
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.state import Joints, State
 from pushpressslide.core.task import Belief, Obstacle, Sensing, Task, Tolerance
 from pushpressslide.jobs.engines import ArmOptions, engine_named
 from pushpressslide.jobs.monitor import Monitor
@@ -55,11 +55,10 @@ class StageOptions:
 
 @dataclass(frozen=True, slots=True)
 class _Left:
-    """What a stage leaves to the next one, as it is."""
+    """What a stage leaves to the next one, as an engine has it."""
 
-    poses: Poses  # of all bodies
-    positions: Mapping[str, Array]  # the same as Drake has them; empty without Drake
-    joints: tuple[Array, ...]  # (n,) [rad]
+    positions: Mapping[str, Array]  # (7,) of each body in Drake; empty without Drake
+    joints: tuple[Array, ...]  # (n,) [rad] of each arm
     speeds: tuple[Array, ...]  # (n,) [rad/s]
     tips: tuple[Vector3, ...]
 
@@ -90,9 +89,9 @@ class StageRunner:
         )
         self.lacking: Ending | None = None  # why a stage was not begun
         self._time = 0.0  # [s] since the first stage began
-        self._expected: Poses = start_poses(task)  # by the plans
+        self._expected = start_state(task)  # by the plans
         self._within: dict[str, Tolerance] = {}  # of these, where not the task's
-        self._poses: Poses = {**start_poses(task), OBJECT: task.true_start}
+        self._state = start_state(task).led(OBJECT, task.true_start)  # as it is
         self._left: _Left | None = None
         self._learnt: dict[str, Belief] = {}
 
@@ -127,7 +126,7 @@ class StageRunner:
             record,
             tuple(planned.solution.choices),
             self._time,
-            self._poses,
+            self._state,
             planned is not self.planned[number],
         )
         self._go_on(done)
@@ -139,20 +138,22 @@ class StageRunner:
         """
         planned = self.planned[number]
         seen = self._seen()
-        if number == 0 or all(self._as_expected(body, seen[body]) for body in seen):
+        if number == 0 or all(map(self._as_expected, seen.poses, seen.poses.values())):
             return planned
-        assert self._left is not None
-        joints = self._left.joints or None
-        preparation = self.engine.preparation(self.options.force, joints)
+        preparation = self.engine.preparation(self.options.force, seen)
         return plan_stage(self.task, planned.stage, seen, preparation, self.enough)
 
     def _as_expected(self, body: str, seen: Pose2) -> bool:
         within = self._within.get(body, self.task.tolerance)
-        return is_there(seen, self._expected[body], within)
+        return is_there(seen, self._expected.poses[body], within)
 
-    def _seen(self) -> dict[str, Pose2]:
-        """Return where the bodies are seen at rest: noise averages out, a bias stays."""
-        return {body: _seen(X, self.task.sensing) for body, X in self._poses.items()}
+    def _seen(self) -> State:
+        """Return the state with the bodies where they are seen at rest: noise averages
+        out, a bias stays.
+        """
+        sensing = self.task.sensing
+        poses = {body: _seen(X, sensing) for body, X in self._state.poses.items()}
+        return replace(self._state, poses=poses)
 
     def _record(self, planned: PlannedStage, number: int) -> Record:
         """Run a planned stage from where everything is."""
@@ -179,8 +180,8 @@ class StageRunner:
         """
         plan = planned.solution.plan
         task = plan.task
-        others = self._poses if self._left is None else self._seen()
-        true = self._poses[planned.stage.body]
+        others = self._state if self._left is None else self._seen()
+        true = self._state.poses[planned.stage.body]
         turn = np.arctan2(
             np.sin(true.yaw - task.start.yaw), np.cos(true.yaw - task.start.yaw)
         )
@@ -209,14 +210,14 @@ class StageRunner:
         task = done.plan.task
         period = task.motion.control_period
         self._time += float(arrays["time"][-1] - arrays["time"][0]) + period
-        self._poses = final_poses(done)
         joints = _of_arms(done.record, "joint_position")
         speeds = _of_arms(done.record, "joint_velocity")
         positions = {b: values[-1] for b, values in body_positions(done).items()}
         tips = tuple(
             (float(x), float(y), float(z)) for x, y, z in arrays["tip_position"][-1]
         )
-        self._left = _Left(self._poses, positions, joints, speeds, tips)
+        self._left = _Left(positions, joints, speeds, tips)
+        self._state = State(final_poses(done), tuple(map(_angles, joints)))
         self._expected = after(self._expected, done.stage)
         self._within[body] = task.tolerance
         learnt = _learnt(done.plan)
@@ -231,9 +232,13 @@ def _of_arms(record: Record, name: str) -> tuple[Array, ...]:
     return tuple(record.arrays[key][-1] for key in keys if key in record.arrays)
 
 
-def _at(obstacle: Obstacle, poses: Poses) -> Obstacle:
+def _angles(joints: Array) -> Joints:
+    return tuple(map(float, joints))
+
+
+def _at(obstacle: Obstacle, state: State) -> Obstacle:
     body = OBJECT if obstacle.name == SET_DOWN else obstacle.name
-    return replace(obstacle, pose=poses.get(body, obstacle.pose))
+    return replace(obstacle, pose=state.poses.get(body, obstacle.pose))
 
 
 def _seen(X: Pose2, sensing: Sensing) -> Pose2:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
-from pushpressslide.core.bodies import OBJECT, Stage, start_poses
+from pushpressslide.core.bodies import OBJECT, Stage, start_state
 from pushpressslide.core.pose import Pose2, wrap_angle
 from pushpressslide.core.record import Ending
 from pushpressslide.core.task import Task, Tolerance
@@ -151,12 +151,12 @@ def _bodies(task: Task, runs: Sequence[StageRun]) -> dict[str, Any]:
     last one and the errors there.
     """
     goals = {goal.body: goal.pose for goal in task.goals}
-    first = {**start_poses(task), OBJECT: task.true_start}
+    first = start_state(task).led(OBJECT, task.true_start)
     out = {}
     for body, X in final_poses(runs[-1]).items():
         entry: dict[str, Any] = {
             "final_pose": [X.x, X.y, wrap_angle(X.yaw)],
-            "displacement": math.dist(X.position, first[body].position),
+            "displacement": math.dist(X.position, first.poses[body].position),
         }
         if body in goals:
             goal = goals[body]

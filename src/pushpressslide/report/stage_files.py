@@ -14,6 +14,7 @@ from typing import Any
 from pushpressslide.core.bodies import Stage
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
+from pushpressslide.core.state import State
 from pushpressslide.core.task import Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.files import (
@@ -85,7 +86,7 @@ def stages_to_dict(
         if index < len(runs):
             run = runs[index]
             entry["began"] = run.began
-            entry["poses"] = {body: asdict(X) for body, X in run.poses.items()}
+            entry["poses"] = {body: asdict(X) for body, X in run.state.poses.items()}
             entry["planned_anew"] = run.anew
         out.append(entry)
     return {"schema": SCHEMA, "task": task.name, "stages": out}
@@ -132,7 +133,7 @@ def load_stages(folder: Path) -> StagesRun:
                 run.record,
                 run.choices,
                 entry["began"],
-                poses,
+                State(poses),
                 entry["planned_anew"],
             )
         )

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from pushpressslide.core.arrays import Array
-from pushpressslide.core.bodies import OBJECT, Poses, Stage, obstacle_name
+from pushpressslide.core.bodies import OBJECT, Stage, obstacle_name
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.state import State
 from pushpressslide.report import series
 from pushpressslide.report.outcome import goal_error
 
@@ -27,7 +28,7 @@ class StageRun:
     record: Record
     choices: tuple[Choice, ...]
     began: float  # [s] since the first stage began
-    poses: Poses  # X_WG of all bodies when it began, as they were
+    state: State  # in which it began, with the bodies where they were
     anew: bool = False  # whether it was planned again for where the bodies were seen
 
     @property
@@ -57,7 +58,7 @@ def body_positions(run: StageRun) -> dict[str, Array]:
     if "object_pose_3d" not in arrays:
         return {}
     out = {}
-    for body in run.poses:
+    for body in run.state.poses:
         name = obstacle_name(body, run.stage.body)
         key = "object_pose_3d" if name == OBJECT else f"body_{name}"
         out[body] = arrays[key]
@@ -69,7 +70,7 @@ def body_poses(run: StageRun) -> dict[str, Array]:
     positions = body_positions(run)
     moved = run.record.arrays["object_pose"]
     out = {}
-    for body, X in run.poses.items():
+    for body, X in run.state.poses.items():
         if body == run.stage.body:
             out[body] = moved
         elif body in positions:
@@ -173,7 +174,7 @@ def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
     )
     tracked = series.compose(tracked, arrays["vehicle_frame"])
     arrays["vehicle_frame"] = _relative(series.compose(shown, offsets[0]), tracked)
-    for body in runs[0].poses:
+    for body in runs[0].state.poses:
         positions = arrays.pop(f"body_{body}", None)
         if positions is None:
             continue

@@ -13,9 +13,11 @@ from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 
-from pushpressslide.core.plan import Choice, Contact
+from pushpressslide.core.bodies import motion_task
+from pushpressslide.core.plan import Choice
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED
+from pushpressslide.core.state import OBJECT, Held, State
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import straight_time
@@ -54,17 +56,17 @@ ALWAYS = frozenset(
 # of those, that stand against it with whatever contacts
 HOPELESS = frozenset({"smooth_tip"})
 
-# of a motion, with whatever contacts or with those that are held
-JudgeMotion = Callable[[Task, tuple[Contact, ...] | None], list[Choice]]
-Placement = tuple[str, tuple[Contact, ...]]
+# of a motion by a mode, from a state to a pose X_WG: with the contacts that are held
+# in the state, with whatever contacts where none are
+JudgeMotion = Callable[[Task, str, State, Pose2], list[Choice]]
 
 
 @dataclass(frozen=True, slots=True)
-class State:
-    """Where the object is, and with which contacts it is held there."""
+class Node:
+    """A state of the search: where the object is, and by what it is held there."""
 
     pose: int  # index of the pose X_WG
-    placement: Placement | None  # None: none, at the start
+    held: Held | None  # None: nothing, at the start
     since: int  # index of the pose at which it was taken
 
 
@@ -72,16 +74,16 @@ class State:
 class Step:
     """One motion of a sequence."""
 
-    begin: State
-    end: State
+    begin: Node
+    end: Node
     choice: Choice
 
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """A state on the way, how it was come to, and when [s]."""
+    """A node on the way, how it was come to, and when [s]."""
 
-    state: State
+    node: Node
     steps: tuple[Step, ...]
     time: float
 
@@ -113,11 +115,11 @@ class LegSearch:
     onward: Callable[[Pose2], list[Pose2]] | None = None
     judged: int = 0  # motions
     spent: int = 0  # work on them
-    banned: set[tuple[int, int, Placement]] = field(default_factory=set)
+    banned: set[tuple[int, int, Held]] = field(default_factory=set)
     modes: list[str] = field(default_factory=list)
     _refused: dict[tuple[str, str], RefusedMotions] = field(default_factory=dict)
     _dropped: list[DroppedSequence] = field(default_factory=list)
-    _found: dict[tuple[int, int, str, Placement | None], list[Choice]] = field(
+    _found: dict[tuple[int, int, str, Held | None], list[Choice]] = field(
         default_factory=dict
     )
     _lengths: list[float] = field(default_factory=list)
@@ -148,9 +150,9 @@ class LegSearch:
         """Never again do ``steps`` from the ``first`` to the ``last``, of one placement,
         with its contacts.
         """
-        placement = steps[last].end.placement
-        assert placement is not None
-        self.banned.add((steps[first].begin.pose, steps[last].end.pose, placement))
+        held = steps[last].end.held
+        assert held is not None
+        self.banned.add((steps[first].begin.pose, steps[last].end.pose, held))
         modes = tuple(step.choice.mode for step in steps)
         times = (step.choice.time or 0.0 for step in steps)
         self._dropped.append(DroppedSequence(modes, sum(times), why))
@@ -168,17 +170,17 @@ class LegSearch:
         """
         order = count()
         heap: list[tuple[float, int, Reached | Motion]] = []
-        done: set[State] = set()
-        start = Reached(State(START, None, START), (), 0.0)
+        done: set[Node] = set()
+        start = Reached(Node(START, None, START), (), 0.0)
         heappush(heap, (0.0, next(order), start))
         while heap:
             _, _, item = heappop(heap)
             if isinstance(item, Reached):
-                if item.state in done:
+                if item.node in done:
                     continue
-                if item.state.pose == GOAL:
+                if item.node.pose == GOAL:
                     return item.steps
-                done.add(item.state)
+                done.add(item.node)
                 self._lead_on(item)
                 for due, motion in self._motions(item, range(1, len(self.poses))):
                     heappush(heap, (due, next(order), motion))
@@ -191,8 +193,8 @@ class LegSearch:
                 )
                 continue
             for after in self._after(item):
-                due = after.time + self._ahead(after.state.pose)
-                if after.state in done or due > self.task.limits.time:
+                due = after.time + self._ahead(after.node.pose)
+                if after.node in done or due > self.task.limits.time:
                     continue
                 heappush(heap, (due, next(order), after))
                 # whether it is one motion from the goal is asked before all else
@@ -202,7 +204,7 @@ class LegSearch:
 
     def _lead_on(self, here: Reached) -> None:
         """Add the poses that one push may lead to, where two motions may follow."""
-        pose = here.state.pose
+        pose = here.node.pose
         if self.onward is None or pose in self._led_on:
             return
         if len(here.steps) + 2 > self.task.limits.legs:
@@ -216,25 +218,25 @@ class LegSearch:
     def _motions(
         self, here: Reached, targets: Iterable[int]
     ) -> list[tuple[float, Motion]]:
-        """Return the motions from a state to some poses, with a time [s] that their
+        """Return the motions from a node to some poses, with a time [s] that their
         sequences are not below.
         """
         left = self.task.limits.legs - len(here.steps)
-        if left == 0 or here.state.pose == GOAL:
+        if left == 0 or here.node.pose == GOAL:
             return []
         if left == 1:
             targets = (GOAL,)
-        behind = {step.begin.pose for step in here.steps} | {here.state.pose}
-        held = here.state.placement
+        behind = {step.begin.pose for step in here.steps} | {here.node.pose}
+        held = here.node.held
         out = []
         for to in targets:
-            if to in behind or self._short(here.state.pose, to):
+            if to in behind or self._short(here.node.pose, to):
                 continue
-            due = here.time + self._ahead(to) + self._straight(here.state.pose, to)
+            due = here.time + self._ahead(to) + self._straight(here.node.pose, to)
             for mode in self.modes:
-                if not self.touching.able(mode, self.poses, here.state.pose, to):
+                if not self.touching.able(mode, self.poses, here.node.pose, to):
                     continue
-                if held is not None and held[0] == mode:
+                if held is not None and held.mode == mode:
                     out.append((due, Motion(here, to, mode, held=True)))
                 out.append((due + self._regrasp, Motion(here, to, mode, held=False)))
         return out
@@ -242,36 +244,36 @@ class LegSearch:
     def _due(self, motion: Motion) -> float:
         """Return the least time [s] of the sequences that begin with a motion."""
         here = motion.before
-        least = self._least(here.state.pose, motion.to, motion.mode)
+        least = self._least(here.node.pose, motion.to, motion.mode)
         regrasp = 0.0 if motion.held else self._regrasp
         return here.time + self._ahead(motion.to) + least + regrasp
 
     def _after(self, motion: Motion) -> list[Reached]:
-        """Return the states that a motion leads to."""
+        """Return the nodes that a motion leads to."""
         here = motion.before
         out = []
         for choice in self._choices(motion):
-            placement = _placement(choice)
-            held = placement == here.state.placement
-            since = here.state.pose
+            contacts = Held.by(choice.mode, choice.contacts)
+            held = contacts == here.node.held
+            since = here.node.pose
             time = choice.time or 0.0
             if held:
-                since = here.state.since
+                since = here.node.since
                 time = max(time - self._regrasp, 0.0)
             elif motion.held:
                 continue
-            if (since, motion.to, placement) in self.banned:
+            if (since, motion.to, contacts) in self.banned:
                 continue
-            end = State(motion.to, placement, since)
-            step = Step(here.state, end, choice)
+            end = Node(motion.to, contacts, since)
+            step = Step(here.node, end, choice)
             out.append(Reached(end, (*here.steps, step), here.time + time))
         return out
 
-    def _key(self, motion: Motion) -> tuple[int, int, str, Placement | None]:
+    def _key(self, motion: Motion) -> tuple[int, int, str, Held | None]:
         """Return under what the choices of a motion are kept."""
-        begin = motion.before.state
-        placement = begin.placement if motion.held else None
-        return (begin.pose, motion.to, motion.mode, placement)
+        begin = motion.before.node
+        held = begin.held if motion.held else None
+        return (begin.pose, motion.to, motion.mode, held)
 
     def _worth_asking(self, motion: Motion) -> bool:
         """Return whether a motion has choices, or may be judged."""
@@ -282,19 +284,18 @@ class LegSearch:
 
     def _choices(self, motion: Motion) -> list[Choice]:
         """Return the feasible choices of a motion, judged the first time."""
-        begin = motion.before.state
         key = self._key(motion)
-        *_, placement = key
+        begin, end, mode, held = key
         if key not in self._found:
             self.judged += 1
-            self.spent += 1 if motion.held else MODES[motion.mode].work
-            part = self._part(begin.pose, motion.to, motion.mode)
-            judged = self.judge(part, None if placement is None else placement[1])
+            self.spent += 1 if motion.held else MODES[mode].work
+            state = State({OBJECT: self.poses[begin]}, held=held)
+            judged = self.judge(self.task, mode, state, self.poses[end])
             self._found[key] = _best(judged)
             if not self._found[key]:
-                self._note(motion.mode, judged)
-            if _hopeless(judged) and motion.mode in self.modes:
-                self.modes.remove(motion.mode)
+                self._note(mode, judged)
+            if _hopeless(judged) and mode in self.modes:
+                self.modes.remove(mode)
         return self._found[key]
 
     def _note(self, mode: str, judged: Sequence[Choice]) -> None:
@@ -308,12 +309,6 @@ class LegSearch:
         text = str(first) if before is None else before.text
         motions = RefusedMotions(mode, first.code, count + 1, text)
         self._refused[mode, first.code] = motions
-
-    def _part(self, begin: int, end: int, mode: str) -> Task:
-        """Return the task of one motion."""
-        start = self.poses[begin]
-        goal = self.poses[end]
-        return replace(self.task, start=start, goal=goal, modes=(mode,), searched=True)
 
     def _short(self, begin: int, end: int) -> bool:
         """Return whether a motion is not worth its price: one on the way that leads
@@ -336,7 +331,8 @@ class LegSearch:
         """
         key = (begin, end, mode)
         if key not in self._least_times:
-            part = self._part(begin, end, mode)
+            state = State({OBJECT: self.poses[begin]})
+            part = motion_task(self.task, state, self.poses[end])
             least = MODES[mode].least_time(part)
             if not self.ways.space.straight(part.start, part.goal):
                 least = BLOCKED * least + self._regrasp
@@ -364,16 +360,10 @@ def _hopeless(judged: Sequence[Choice]) -> bool:
     return any(r is not None and r.code in HOPELESS for r in refusals)
 
 
-def _placement(choice: Choice) -> Placement:
-    """Return the mode and its contacts, however hard they press."""
-    contacts = tuple(replace(contact, load=0.0) for contact in choice.contacts)
-    return (choice.mode, contacts)
-
-
 def _best(choices: Sequence[Choice]) -> list[Choice]:
     """Return the feasible choices of some placements, the quickest one of each."""
-    out: dict[Placement, Choice] = {}
+    out: dict[Held, Choice] = {}
     for choice in choices:
         if choice.feasible and len(out) < KEPT:
-            out.setdefault(_placement(choice), choice)
+            out.setdefault(Held.by(choice.mode, choice.contacts), choice)
     return list(out.values())

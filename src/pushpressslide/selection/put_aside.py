@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pushpressslide.core.bodies import (
-    Poses,
     Stage,
     body_shape,
     stage_task,
 )
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import State
 from pushpressslide.core.task import Task
 from pushpressslide.selection.waypoints import free_space, reached
 
@@ -35,15 +35,15 @@ Goals = Mapping[str, tuple[Pose2, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """Where all bodies are between two stages, and where they have still to go."""
+    """The state between two stages, and where the bodies have still to go."""
 
     task: Task
-    poses: Poses
+    state: State
     goals: Goals
 
     def outline(self, body: str) -> Polygon:
         """Return the footprint of a body where it is."""
-        return body_shape(self.task, body).placed(self.poses[body])
+        return body_shape(self.task, body).placed(self.state.poses[body])
 
     def goal_outlines(self, body: str) -> list[Polygon]:
         """Return the footprints of a body at the goals that it has left."""
@@ -87,7 +87,8 @@ def spots(moment: Moment, body: str) -> list[Pose2]:
     bodies and of the goals that the others have left. Those that also keep clear of the
     others' straight ways come first, then those that are nearer.
     """
-    stage = stage_task(moment.task, Stage(body, moment.poses[body]), moment.poses)
+    here = moment.state.poses[body]
+    stage = stage_task(moment.task, Stage(body, here), moment.state)
     shape = stage.object.shape
     others = [other for other in moment.goals if other != body]
     ways = [moment.way(other) for other in others if moment.goals[other]]

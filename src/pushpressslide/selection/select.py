@@ -7,10 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from pushpressslide.core.bodies import motion_task
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.plan import Choice, Contact, MotionPath, same_places
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal
 from pushpressslide.core.scene import ARM_NAMES
+from pushpressslide.core.state import State
 from pushpressslide.core.task import Task
 from pushpressslide.modes import MODES
 from pushpressslide.modes.base import ENOUGH, Judge, Mode, promptness
@@ -82,11 +85,13 @@ def _select_leg(part: Task, leg: int, enough: int) -> list[Choice]:
     return [of_leg(choice, leg) for choice in _select(part, enough)]
 
 
-def judged_motion(task: Task, held: tuple[Contact, ...] | None) -> list[Choice]:
-    """Return the choices for one motion from a told task's start to its goal, best
-    first; few are judged. ``held``: the only contacts that are asked for.
+def judged_motion(task: Task, mode: str, begin: State, goal: Pose2) -> list[Choice]:
+    """Return the choices of a mode for one motion of a told task's object from a state
+    to ``goal``, X_WG, best first; few are judged. Where the state holds contacts, no
+    others are asked for.
     """
-    return _select(task, 2, held)
+    part = replace(motion_task(task, begin, goal), modes=(mode,), searched=True)
+    return _select(part, 2, None if begin.held is None else begin.held.contacts)
 
 
 def of_leg(choice: Choice, leg: int) -> Choice:

@@ -16,14 +16,14 @@ from itertools import islice
 
 from pushpressslide.core import margins
 from pushpressslide.core.bodies import (
-    Poses,
     Stage,
     body_shape,
     stage_task,
-    start_poses,
+    start_state,
 )
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.pose import Pose2
+from pushpressslide.core.state import State
 from pushpressslide.core.task import Task, Tolerance
 from pushpressslide.planning.free_way import moved
 from pushpressslide.selection.preparation import PlansAlone, Preparation
@@ -61,8 +61,7 @@ def plan_stages(
     """
     first = PlansAlone() if preparation is None else preparation
     search = _OrderSearch(task, first, enough, force)
-    poses = start_poses(task)
-    moment = Moment(task, poses, goals_of(task))
+    moment = Moment(task, start_state(task), goals_of(task))
     bodies = len(moment.goals)
     for asides in range(bodies + 1 if bodies > 1 else 1):
         orders = list(islice(_orders(moment, asides), ORDERS))
@@ -78,17 +77,17 @@ def plan_stages(
 def plan_stage(
     task: Task,
     stage: Stage,
-    poses: Poses,
+    begin: State,
     preparation: Preparation,
     enough: int,
     *,
     force: bool = False,
 ) -> PlannedStage:
-    """Return one stage planned from where the bodies are, X_WG.
+    """Return one stage planned from a state; ``preparation`` has its arms.
 
     Raises InfeasibleTaskError where nothing leads to its goal.
     """
-    solution = solve(preparation, stage_task(task, stage, poses), enough, force=force)
+    solution = solve(preparation, stage_task(task, stage, begin), enough, force=force)
     return PlannedStage(stage, solution, preparation)
 
 
@@ -100,9 +99,9 @@ def goals_of(task: Task) -> dict[str, tuple[Pose2, ...]]:
     return out
 
 
-def after(poses: Poses, stage: Stage) -> dict[str, Pose2]:
-    """Return where the bodies are after a stage that went as planned."""
-    return {**poses, stage.body: stage.goal}
+def after(state: State, stage: Stage) -> State:
+    """Return the state after a stage that went as planned."""
+    return state.led(stage.body, stage.goal)
 
 
 def is_there(X: Pose2, goal: Pose2, tolerance: Tolerance) -> bool:
@@ -116,17 +115,17 @@ def estimate(task: Task, order: Sequence[Stage]) -> tuple[int, float]:
     """Return what orders are ranked by: the number of stages, and the time [s] that
     straight ways and the arms' ways between them would take.
     """
-    poses = start_poses(task)
+    state = start_state(task)
     time = 0.0
     before: Pose2 | None = None
     for stage in order:
-        here = poses[stage.body]
+        here = state.poses[stage.body]
         far = moved(body_shape(task, stage.body), here, stage.goal)
         if before is not None:
             far += math.dist(before.position, here.position)
         time += far / task.motion.speed + margins.ARM.regrasp
         before = stage.goal
-        poses = after(poses, stage)
+        state = after(state, stage)
     return len(order), round(time, 6)
 
 
@@ -145,7 +144,7 @@ def _orders(
         if goals and _is_free(moment, body) and not _stays(moment, body):
             stage = Stage(body, goals[0])
             left = {**moment.goals, body: goals[1:]}
-            ahead = replace(moment, poses=after(moment.poses, stage), goals=left)
+            ahead = replace(moment, state=after(moment.state, stage), goals=left)
             yield from _orders(ahead, asides, (*done, stage))
     if asides == 0:
         return
@@ -155,7 +154,7 @@ def _orders(
             continue
         for X in spots(moment, body):
             stage = Stage(body, X, aside=True)
-            ahead = replace(moment, poses=after(moment.poses, stage))
+            ahead = replace(moment, state=after(moment.state, stage))
             yield from _orders(ahead, asides - 1, (*done, stage))
 
 
@@ -164,7 +163,9 @@ def _visited(moment: Moment) -> Moment:
     tolerance = moment.task.tolerance
     left: dict[str, tuple[Pose2, ...]] = {}
     for body, goals in moment.goals.items():
-        while len(goals) > 1 and is_there(moment.poses[body], goals[0], tolerance):
+        while len(goals) > 1 and is_there(
+            moment.state.poses[body], goals[0], tolerance
+        ):
             goals = goals[1:]
         left[body] = goals
     return replace(moment, goals=left)
@@ -173,7 +174,7 @@ def _visited(moment: Moment) -> Moment:
 def _stays(moment: Moment, body: str) -> bool:
     """Return whether a body is at the only goal that it has left."""
     goals = moment.goals[body]
-    here = moment.poses[body]
+    here = moment.state.poses[body]
     return len(goals) == 1 and is_there(here, goals[0], moment.task.tolerance)
 
 
@@ -184,7 +185,7 @@ def _all_there(moment: Moment) -> bool:
 def _is_free(moment: Moment, body: str) -> bool:
     """Return whether no other body stands in the next goal of ``body``."""
     goal = moment.goal_outlines(body)[0]
-    others = (moment.outline(other) for other in moment.poses if other != body)
+    others = (moment.outline(other) for other in moment.state.poses if other != body)
     return all(goal.intersection(other).area <= SHARED for other in others)
 
 
@@ -195,7 +196,7 @@ def _shut_in(moment: Moment) -> str:
         if goals and not _is_free(moment, body):
             standing = [
                 other
-                for other in moment.poses
+                for other in moment.state.poses
                 if other != body
                 and moment.outline(other).intersects(moment.goal_outlines(body)[0])
             ]
@@ -235,22 +236,22 @@ class _OrderSearch:
     ) -> list[PlannedStage] | None:
         """Return the plans of all stages; None where one of them has none."""
         out: list[PlannedStage] = []
-        poses: Poses = start_poses(self.task)
+        state = start_state(self.task)
         for number, stage in enumerate(order, start=1):
             key = tuple(order[:number])
             if key not in self._known:
                 before = out[-1].preparation if out else self.first
-                self._plan(key, poses, before.after(), thorough)
+                self._plan(key, state, before.after(), thorough)
             if key not in self._known:
                 return None
             out.append(self._known[key])
-            poses = after(poses, stage)
+            state = after(state, stage)
         return out
 
     def _plan(
         self,
         key: tuple[Stage, ...],
-        poses: Poses,
+        begin: State,
         preparation: Preparation,
         thorough: bool,
     ) -> None:
@@ -268,7 +269,7 @@ class _OrderSearch:
             planned = plan_stage(
                 replace(task, limits=limits),
                 key[-1],
-                poses,
+                begin,
                 preparation,
                 self.enough,
                 force=self.force,

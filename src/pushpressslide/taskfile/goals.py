@@ -14,7 +14,7 @@ from pushpressslide.core.bodies import (
     Stage,
     body_shape,
     stage_task,
-    start_poses,
+    start_state,
 )
 from pushpressslide.core.errors import TaskError
 from pushpressslide.core.footprint import overlap_area
@@ -75,9 +75,9 @@ def check_goals(task: Task) -> None:
         reason = "allowed: table, where a task has goals"
         raise TaskError(task.source, "support.kind", task.support.kind, reason)
     fixed = tuple(o for o in task.obstacles if not o.movable)
-    poses = start_poses(task)
+    begin = start_state(task)
     for i, goal in enumerate(task.goals):
-        own = stage_task(task, Stage(goal.body, goal.pose), poses)
+        own = stage_task(task, Stage(goal.body, goal.pose), begin)
         own = replace(own, obstacles=fixed, source=task.source)
         start = "start" if goal.body == OBJECT else _pose_field(task, goal.body)
         try:

@@ -1,0 +1,59 @@
+"""Where everything is between two motions: what a motion begins from and leaves.
+
+A task says where all begins. From there planners go from state to state: a search over
+motions, the stages of several bodies, what goes on after a recovery. The ordinary task
+of one motion is made from a state by ``core.bodies``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from pushpressslide.core.pose import Pose2
+
+if TYPE_CHECKING:
+    from pushpressslide.core.plan import Contact
+
+OBJECT = "object"
+"""Name of a task's own object among its bodies."""
+
+Joints = tuple[float, ...]  # [rad] of one arm
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """The contacts of a mode, however hard they press."""
+
+    mode: str
+    contacts: tuple[Contact, ...]  # without loads
+
+    @classmethod
+    def by(cls, mode: str, contacts: tuple[Contact, ...]) -> Held:
+        """Return contacts of a mode without their loads."""
+        return cls(mode, tuple(replace(contact, load=0.0) for contact in contacts))
+
+
+@dataclass(frozen=True)
+class State:
+    """Where the bodies that can be moved are, how the arms stand, what they hold."""
+
+    poses: Mapping[
+        str, Pose2
+    ]  # X_WG of bodies by name; any other is as the task has it
+    joints: tuple[Joints, ...] = ()  # of each arm; empty: as they come, or no arms
+    held: Held | None = None  # None: the arms have let go
+
+    @property
+    def object(self) -> Pose2:
+        """X_WG of the task's own object."""
+        return self.poses[OBJECT]
+
+    def led(self, body: str, X_WG: Pose2) -> State:
+        """Return the state with one body at ``X_WG`` and nothing held."""
+        return replace(self, poses={**self.poses, body: X_WG}, held=None)
+
+    def __hash__(self) -> int:
+        """Return the hash of what is compared."""
+        return hash((frozenset(self.poses.items()), self.joints, self.held))
