@@ -40,7 +40,7 @@ def as_polygon(corners: Sequence[Point]) -> Array:
         raise ValueError(
             f"polygon of shape {polygon.shape}; need at least 3 finite corners (x, y)"
         )
-    edges = np.roll(polygon, -1, axis=0) - polygon
+    edges = _next_corners(polygon) - polygon
     following = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     size = float(np.abs(edges).max())
@@ -129,17 +129,19 @@ def moments(polygon: Array) -> tuple[float, Array, Array]:
     """Return area, first moments (2,) and second moments (2, 2) about the origin,
     exactly.
     """
-    p = polygon
-    q = np.roll(polygon, -1, axis=0)
-    turn = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-    s = p + q
-    first = turn @ s / 6.0
-    outer = (
-        s[:, :, None] * s[:, None, :]
-        + p[:, :, None] * p[:, None, :]
-        + q[:, :, None] * q[:, None, :]
-    )
-    return float(turn.sum()) / 2.0, first, np.tensordot(turn, outer, axes=1) / 24.0
+    x, y = polygon.T
+    to_x, to_y = _next_corners(polygon).T
+    turn = x * to_y - to_x * y
+    first = np.array([turn @ (x + to_x), turn @ (y + to_y)]) / 6.0
+    xx = turn @ (x * x + x * to_x + to_x * to_x) / 12.0
+    yy = turn @ (y * y + y * to_y + to_y * to_y) / 12.0
+    xy = turn @ ((x + to_x) * (y + to_y) + x * y + to_x * to_y) / 24.0
+    return float(turn.sum()) / 2.0, first, np.array([[xx, xy], [xy, yy]])
+
+
+def _next_corners(polygon: Array) -> Array:
+    """Return of each corner the next one (n, 2)."""
+    return np.concatenate((polygon[1:], polygon[:1]))
 
 
 def clipped(polygon: Array, a: float, b: Array) -> Array:
@@ -148,17 +150,21 @@ def clipped(polygon: Array, a: float, b: Array) -> Array:
     m = 0 if there is none. Several parts of a concave polygon are joined by pairs of
     opposite edges along the line: ``moments`` are right of them too.
     """
-    values = a + polygon @ b
-    if values.min() >= 0.0:
+    heights = a + polygon @ b
+    if heights.min() >= 0.0:
         return polygon
-    corners: list[Array] = []
-    for i in range(len(polygon)):
-        j = (i + 1) % len(polygon)
-        if values[i] >= 0.0:
-            corners.append(polygon[i])
-        if (values[i] >= 0.0) != (values[j] >= 0.0):
-            share = values[i] / (values[i] - values[j])
-            corners.append(polygon[i] + share * (polygon[j] - polygon[i]))
+    values: list[float] = heights.tolist()
+    points: list[Point] = polygon.tolist()
+    corners: list[Point] = []
+    for i, (x, y) in enumerate(points):
+        j = (i + 1) % len(points)
+        here, there = values[i], values[j]
+        if here >= 0.0:
+            corners.append((x, y))
+        if (here >= 0.0) != (there >= 0.0):
+            share = here / (here - there)
+            to_x, to_y = points[j]
+            corners.append((x + share * (to_x - x), y + share * (to_y - y)))
     return np.array(corners) if corners else np.zeros((0, 2))
 
 
@@ -181,7 +187,7 @@ def linear_pressure(
 
 
 def _check_inside(polygon: Array, cop: Array) -> None:
-    edges = np.roll(polygon, -1, axis=0) - polygon
+    edges = _next_corners(polygon) - polygon
     lengths = np.hypot(edges[:, 0], edges[:, 1])
     real = lengths > 0.0
     to_cop = cop - polygon
@@ -251,9 +257,24 @@ def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
     """
     area, first, _ = moments(polygon)
     center = first / area
-    p = polygon
-    q = np.roll(polygon, -1, axis=0)
     cuts = max(1, round(resolution * math.sqrt(4.0 / len(polygon))))
+    local, share = _triangle_rule(cuts)
+    to_p = polygon - center
+    to_q = _next_corners(to_p)
+    triangle = 0.5 * (to_p[:, 0] * to_q[:, 1] - to_p[:, 1] * to_q[:, 0])
+    points = (
+        center + local[None, :, :1] * to_p[:, None] + local[None, :, 1:] * to_q[:, None]
+    )
+    areas = triangle[:, None] * share[None, :]
+    kept = areas.ravel() > 0.0
+    return points.reshape(-1, 2)[kept], areas.ravel()[kept]
+
+
+@lru_cache(maxsize=64)
+def _triangle_rule(cuts: int) -> tuple[Array, Array]:
+    """Return points (m, 2), as shares of the two sides from one corner, and shares (m,)
+    of the area, of the rule over a triangle whose sides are cut into ``cuts``.
+    """
     rule = np.array(
         [(1 - 2 * g, g, g) for g, _ in _RULE] + [(g, 1 - 2 * g, g) for g, _ in _RULE]
     )
@@ -266,16 +287,7 @@ def polygon_rule(polygon: Array, resolution: float) -> tuple[Array, Array]:
             if i + j < cuts - 1:
                 parts.append(((i + 1, j + 1), (i, j + 1), (i + 1, j)))
     local = (rule @ np.array(parts, dtype=np.float64) / cuts).reshape(-1, 2)
-    share = np.tile(weights / cuts**2, len(parts))
-    to_p = p - center
-    to_q = q - center
-    triangle = 0.5 * (to_p[:, 0] * to_q[:, 1] - to_p[:, 1] * to_q[:, 0])
-    points = (
-        center + local[None, :, :1] * to_p[:, None] + local[None, :, 1:] * to_q[:, None]
-    )
-    areas = triangle[:, None] * share[None, :]
-    kept = areas.ravel() > 0.0
-    return points.reshape(-1, 2)[kept], areas.ravel()[kept]
+    return local, np.tile(weights / cuts**2, len(parts))
 
 
 def pieces_rule(parts: Sequence[Array], resolution: int) -> tuple[Array, Array]:

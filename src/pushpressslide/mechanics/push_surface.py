@@ -12,8 +12,10 @@ from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.height_term import DraggedSurface
 from pushpressslide.mechanics.osculating import dragged_ellipsoid, pressures
 
+KEPT = 4096  # surfaces; a search comes back to the same twists with other contacts
 
-@lru_cache(maxsize=16)
+
+@lru_cache(maxsize=KEPT)
 def push_surface(scene: Scene, height: float, twist: Twist) -> DraggedSurface:
     """Return the ellipsoid that touches the exact surface at ``twist`` (any body
     point), as believed.
