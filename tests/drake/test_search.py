@@ -2,6 +2,7 @@
 that follow from the result alone.
 """
 
+import re
 from dataclasses import FrozenInstanceError, replace
 from itertools import pairwise
 
@@ -16,6 +17,7 @@ from pushpressslide.robots.continuation import Continuation
 from pushpressslide.robots.tool import UPRIGHT
 from pushpressslide.selection.solve import plan as make_plan
 from pushpressslide.sim.joints import arms
+from pushpressslide.sim.joints import joint_path as joint_paths
 from pushpressslide.sim.joints.approach import Descent
 from pushpressslide.sim.joints.arm_problem import STEP, ArmProblem, object_path
 from pushpressslide.sim.joints.arms import Conflict
@@ -108,6 +110,22 @@ def test_a_search_without_a_solution_has_one_result_with_its_misses() -> None:
     assert str(caught.value).endswith(result.misses[0].why)
     (forced, *_) = search(problem, force=True)
     assert forced.solutions
+
+
+def test_an_arm_that_could_not_let_go_is_refused_at_once(
+    push: Plan, results: list[SearchResult], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = results[0].solutions[0].path
+    monkeypatch.setattr(joint_paths, "_candidates", None)  # nothing is looked for
+    touching = ArmProblem(push, 0, start=path.move[0])
+    (result,) = search(touching)
+    assert not result.solutions
+    assert re.search(
+        r"where the arm stands \w+ and object come as near as .* mm, allowed from 5 mm",
+        result.misses[0].why,
+    )
+    with pytest.raises(TypeError):  # an arm that stands clear is not refused
+        next(search(ArmProblem(push, 0, start=path.approach[0])))
 
 
 def test_the_refusal_depends_on_nothing_but_the_result(push: Plan) -> None:

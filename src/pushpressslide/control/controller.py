@@ -208,8 +208,13 @@ class Controller:
     def halted(
         self, state: ControllerState, measurement: Measurement
     ) -> ControllerState:
-        """Return the state in which tips that draw back stay where they are led now."""
-        return replace(state, drawn=min(state.drawn, _share_back(state, measurement)))
+        """Return the state in which tips that draw back stay where they are led now;
+        those that still stand at their contacts will draw back.
+        """
+        share = _share_back(state, measurement)
+        if share == 0.0:
+            return state
+        return replace(state, drawn=min(state.drawn, share))
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was decided, and

@@ -23,7 +23,7 @@ from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath, Plan
-from pushpressslide.robots.tool import ToolAttitude
+from pushpressslide.robots.tool import UPRIGHT, ToolAttitude
 from pushpressslide.sim.joints.approach import (
     BARELY,
     CAREFUL,
@@ -124,6 +124,10 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
     barely well enough for the touch, and refined moves, are tried only where the grid
     has no other joint path. Work is done only for the results that are asked for.
     """
+    stuck = None if force else _stuck(problem)
+    if stuck is not None:
+        yield SearchResult((), (stuck,))
+        return
     solutions: tuple[Solution, ...] = ()
     blocked: list[Miss] = []
     unreached: list[Miss] = []
@@ -166,6 +170,21 @@ def search(problem: ArmProblem, *, force: bool = False) -> Iterator[SearchResult
             yield SearchResult(solutions)
     if not solutions:
         yield SearchResult((), misses)
+
+
+def _stuck(problem: ArmProblem) -> Miss | None:
+    """Return what is too near an arm where it stands after it has let go, so that no
+    approach can begin there; None if nothing.
+    """
+    if problem.start is None or problem.holds or problem.along is None:
+        return None
+    begin = problem.start[None]
+    clear, pair = problem.approach_clearance(problem.clearance, begin)
+    if clear >= CLEARANCE:
+        return None
+    posture = Posture(UPRIGHT, 0.0, begin)
+    why = f"where the arm stands {too_near(pair, clear)}"
+    return Miss(10.0 * (CLEARANCE - clear), why, posture, in_approach=True)
 
 
 def path_of_move(
