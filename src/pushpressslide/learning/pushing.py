@@ -170,7 +170,7 @@ def errors(observations: Array) -> tuple[Array, Array]:
 
 
 def wrapped(angles: Array) -> Array:
-    """Return angles in [-pi, pi] [rad]."""
+    """Return angles [rad], each between -pi and pi."""
     out: Array = angles - TURN * np.round(angles / TURN)
     return out
 

@@ -198,8 +198,8 @@ def _path(
 def shortest_path(
     start: Pose2, goal: Pose2, kappa_left: float, kappa_right: float
 ) -> ArcPath:
-    """Return the shortest path from ``start`` to ``goal`` with curvature in
-    [-kappa_right, kappa_left] [1/m].
+    """Return the shortest path from ``start`` to ``goal`` whose curvature [1/m] is
+    between -kappa_right and kappa_left.
 
     At most three pieces, signed curvature, none of zero length; no piece at all when
     the poses agree to round-off. The yaw at the end is the goal's up to whole turns. Of

@@ -19,8 +19,8 @@ def with_run_in(
     run_in: float,
     turning: float | None = None,
 ) -> ArcPath:
-    """Return the shortest path with curvature in [-right, left] [1/m] that ends with
-    ``run_in`` [m] of straight line.
+    """Return the shortest path that ends with ``run_in`` [m] of straight line and whose
+    curvature [1/m] is between -right and left.
 
     Of those that turn by ``turning`` [rad] in all, to half a turn, where there are any:
     an arm that was planned to go round one way cannot go round the other.

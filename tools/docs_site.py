@@ -1,0 +1,195 @@
+"""Pages of the site that are made from other files, and links between them.
+
+mkdocs calls the ``on_`` functions (mkdocs.yml, ``hooks``). The pages in docs/ are read
+on a code host too, so they link to files of the repository; the site has its own pages
+for those, and a link to one leads there.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import json
+import posixpath
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "src" / "pushpressslide"
+READ = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+"""Pages of the repository outside docs/."""
+ROOMS_NOT_SHOWN = ("cli", "sim", "studies", "tasks")
+MOVED = {
+    "README.md": "index.md",
+    "CHANGELOG.md": "changelog.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "LICENSE": "license.md",
+    "CITATION.cff": "citation.md",
+    "examples": "examples/index.md",
+    "docs/data": "docs/data/index.md",
+}
+"""Files and folders of the repository, and their pages on the site."""
+
+LINK = re.compile(r"\]\(([^)\s:]+?)(#[^)\s]*)?\)")
+
+
+def program(path: Path) -> str:
+    """Return a page that shows an example: its docstring, then all of it."""
+    text = path.read_text(encoding="utf-8")
+    title = path.stem[3:].replace("_", " ").capitalize()
+    about = ast.get_docstring(ast.parse(text)) or ""
+    code = text.split('"""', 2)[2].strip()
+    return f"# {path.stem[:2]} {title}\n\n{about}\n\n```python\n{code}\n```\n"
+
+
+def notebook(path: Path) -> str:
+    """Return a page that shows a notebook: its words, and its code in blocks."""
+    parts = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        code = cell["cell_type"] == "code"
+        parts.append(f"```python\n{source}\n```" if code else source)
+    return "\n\n".join(parts) + f"\n\nThe notebook: `examples/{path.name}`.\n"
+
+
+def title_of(text: str) -> str:
+    """Return the heading of a page."""
+    return text.partition("\n")[0].removeprefix("# ")
+
+
+def examples() -> Iterator[tuple[str, str]]:
+    """Yield name and text of the pages of the examples, their list last."""
+    rows = []
+    for path in sorted((ROOT / "examples").glob("[0-9]*")):
+        if path.suffix not in (".py", ".ipynb"):
+            continue
+        text = program(path) if path.suffix == ".py" else notebook(path)
+        name = f"{path.stem}.md"
+        rows.append(f"- [{title_of(text)}]({name})")
+        yield f"examples/{name}", text
+    head = (
+        "# Examples\n\nEach is a program or a notebook of its own, run by the tests.\n"
+    )
+    yield "examples/index.md", "\n".join([head, *rows, ""])
+
+
+def data() -> tuple[str, str]:
+    """Return name and text of the page that lists the files of docs/data."""
+    names = sorted(path.name for path in (ROOT / "docs" / "data").iterdir())
+    rows = [f"- [{name}]({name})" for name in names]
+    head = "# Data of the tables\n\nRows as the commands wrote them, one JSON a line.\n"
+    return "data/index.md", "\n".join([head, *rows, ""])
+
+
+def commands() -> tuple[str, str]:
+    """Return name and text of the page of the command line, as typer writes it."""
+    call = [sys.executable, "-m", "typer", "pushpressslide.cli", "utils", "docs"]
+    text = subprocess.run(
+        [*call, "--name", "pps", "--title", "Commands"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    return "commands.md", text
+
+
+def modules(room: Path) -> Iterator[str]:
+    """Yield the full names of the modules of a room that have words of their own."""
+    for path in sorted(room.rglob("*.py")):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        if not any(part.startswith("_") for part in parts):
+            yield ".".join(parts)
+
+
+def api() -> Iterator[tuple[str, str]]:
+    """Yield name and text of the pages of the Python API: a room each, their list."""
+    top = importlib.import_module("pushpressslide")
+    rows = ["# Python API", "", "## Names of `pushpressslide`", ""]
+    for name, home in vars(top)["_HOMES"].items():
+        about = (getattr(top, name).__doc__ or "").partition("\n\n")[0]
+        line = " ".join(about.split())
+        rows.append(f"- [`{name}`][pushpressslide.{home}]: {line}")
+    rows += ["", "## Rooms", ""]
+    for room in sorted(path for path in PACKAGE.iterdir() if path.is_dir()):
+        names = list(modules(room))
+        if room.name in ROOMS_NOT_SHOWN or not names:
+            continue
+        about = ast.get_docstring(ast.parse((room / "__init__.py").read_text("utf-8")))
+        line = " ".join((about or "").partition("\n\n")[0].split())
+        rows.append(f"- [`{room.name}`]({room.name}.md): {line}")
+        blocks = [f"::: {name}\n" for name in names]
+        yield (
+            f"api/{room.name}.md",
+            "\n".join([f"# {room.name}\n", about or "", "", *blocks]),
+        )
+    yield "api/index.md", "\n".join([*rows, ""])
+
+
+LISTS = ("examples/index.md", "api/index.md")
+"""Pages that list others of their folder."""
+
+
+def made() -> Iterator[tuple[str, str]]:
+    """Yield name and text of every page that is not in docs/."""
+    for name in READ:
+        yield MOVED[name], (ROOT / name).read_text(encoding="utf-8")
+    for name, title in (("LICENSE", "Licence"), ("CITATION.cff", "To cite")):
+        text = (ROOT / name).read_text(encoding="utf-8")
+        yield MOVED[name], f"# {title}\n\n```text\n{text}```\n"
+    yield from examples()
+    yield from api()
+    yield data()
+    yield commands()
+
+
+def on_files(files: Files, *, config: MkDocsConfig) -> Files:
+    """Add the pages that are made, and list those of a folder below its head."""
+    folders: dict[str, list[str]] = {}
+    for name, text in made():
+        files.append(File.generated(config, name, content=text))
+        folders.setdefault(posixpath.dirname(name), []).append(name)
+    for section in config.nav or ():
+        for entry in next(iter(section.values())):
+            for title, page in entry.items() if isinstance(entry, dict) else ():
+                if page in LISTS:
+                    below = sorted({*folders[posixpath.dirname(page)]} - {page})
+                    entry[title] = [page, *below]
+    return files
+
+
+def place_on_the_site(target: str, page: str) -> str:
+    """Return where a link ``target`` of the file behind ``page`` leads on the site.
+
+    Both are paths; ``page`` is that of the site. A target that has no page of its own
+    is returned as it is.
+    """
+    homes = {made: name for name, made in MOVED.items()}
+    home = homes.get(page, f"docs/{page}")
+    full = posixpath.normpath(posixpath.join(posixpath.dirname(home), target))
+    there = MOVED.get(full, full)
+    if there.startswith("examples/"):
+        there = re.sub(r"\.(py|ipynb)$", ".md", there)
+    there = there.removeprefix("docs/")
+    return posixpath.relpath(there, posixpath.dirname(page) or ".")
+
+
+def on_page_markdown(
+    markdown: str, *, page: Page, config: MkDocsConfig, files: Files
+) -> str:
+    """Lead the links of a page to the pages of the site."""
+    name = page.file.src_uri
+    if page.file.generated_by and name not in [MOVED[read] for read in READ]:
+        return markdown
+
+    def moved(match: re.Match[str]) -> str:
+        target, anchor = match.group(1), match.group(2) or ""
+        return f"]({place_on_the_site(target, name)}{anchor})"
+
+    return LINK.sub(moved, markdown)
