@@ -15,7 +15,7 @@ QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
 .PHONY: demo test test-long test-all test-newest quick search mutants lint results \
-  random-tasks picture docs lock clean
+  random-tasks picture figures docs lock clean
 
 demo: $(READY)
 	$(BIN)/pps run rear-push-rear --out runs/demo --force
@@ -62,6 +62,10 @@ picture: $(READY)
 	cp runs/picture/rear-push/left/pictures.png docs/figures/rear-push-left.png
 	$(BIN)/pps run post --video --out runs/picture/post --force
 	cp runs/picture/post/run.webp docs/figures/post.webp
+
+# The figures of docs/mechanics.md.
+figures: $(READY)
+	$(BIN)/python tools/mechanics_figures.py docs/figures
 
 # The site in runs/site, read without a network; a link that leads nowhere is an error.
 docs: $(READY)

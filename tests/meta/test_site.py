@@ -49,3 +49,9 @@ def test_no_page_loads_anything_from_elsewhere(site: Path) -> None:
         assert not [name for name in loaded if name.startswith(("http", "//"))], (
             page.name
         )
+
+
+def test_every_formula_of_the_mechanics_is_marked_as_one(site: Path) -> None:
+    text = (site / "mechanics.html").read_text(encoding="utf-8")
+    assert text.count('class="arithmatex"') > 100
+    assert "$" not in re.sub(r"<(script|style|code)\b.*?</\1>", "", text, flags=re.S)
