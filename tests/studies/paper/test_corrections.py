@@ -87,7 +87,7 @@ EXPECTED = {
 
 
 def test_there_is_a_row_for_every_line_of_the_mechanics() -> None:
-    table = MECHANICS.split("## 12.")[1].split("\n|---|---|\n")[1]
+    table = MECHANICS.split("## 12.")[1].split("\n|---|---|---|\n")[1]
     assert (
         len([line for line in table.splitlines() if line.startswith("|")])
         == len(ROWS)
