@@ -63,9 +63,10 @@ picture: $(READY)
 	$(BIN)/pps run post --video --out runs/picture/post --force
 	cp runs/picture/post/run.webp docs/figures/post.webp
 
-# The figures of docs/mechanics.md.
+# The figures of docs/mechanics.md and docs/getting-started.md.
 figures: $(READY)
 	$(BIN)/python tools/mechanics_figures.py docs/figures
+	$(BIN)/python tools/tutorial_figures.py docs/figures
 
 # The site in runs/site, read without a network; a link that leads nowhere is an error.
 docs: $(READY)

@@ -1,8 +1,10 @@
-"""The figures of docs/mechanics.md are those that the tool draws."""
+"""The figures of the documents are those that the tools make."""
 
 import re
 import runpy
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 PNG = b"\x89PNG"
@@ -16,3 +18,21 @@ def test_every_figure_of_the_mechanics_is_drawn(tmp_path: Path) -> None:
     shown = re.findall(r"\(figures/(mechanics-[a-z-]+\.png)\)", page)
     assert sorted(shown) == sorted(drawn)
     assert all((ROOT / "docs" / "figures" / name).is_file() for name in drawn)
+
+
+def tutorial():
+    return runpy.run_path(str(ROOT / "tools" / "tutorial_figures.py"))
+
+
+def test_every_picture_of_the_tutorial_is_made_by_its_commands() -> None:
+    page = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"\(figures/([a-z-]+\.png)\)", page))
+    assert shown - {"rear-push-left.png"} == set(tutorial()["PICTURES"].values())
+    assert len(tutorial()["commands"](page)) == 6
+    assert len(re.findall(r"^## [1-6]\. ", page, re.MULTILINE)) == 6
+
+
+@pytest.mark.long
+def test_the_commands_of_the_tutorial_write_its_pictures(tmp_path: Path) -> None:
+    for path in tutorial()["make"](tmp_path):
+        assert path.read_bytes().startswith(PNG)
