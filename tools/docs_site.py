@@ -167,11 +167,10 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 def place_on_the_site(target: str, page: str) -> str:
     """Return where a link ``target`` of the file behind ``page`` leads on the site.
 
-    Both are paths; ``page`` is that of the site. A target that has no page of its own
-    is returned as it is.
+    Both are paths; ``page`` is that of the site.
     """
-    homes = {made: name for name, made in MOVED.items()}
-    home = homes.get(page, f"docs/{page}")
+    homes = {MOVED[name]: name for name in READ}
+    home = page if page.startswith("examples/") else homes.get(page, f"docs/{page}")
     full = posixpath.normpath(posixpath.join(posixpath.dirname(home), target))
     there = MOVED.get(full, full)
     if there.startswith("examples/"):
@@ -185,7 +184,7 @@ def on_page_markdown(
 ) -> str:
     """Lead the links of a page to the pages of the site."""
     name = page.file.src_uri
-    if page.file.generated_by and name not in [MOVED[read] for read in READ]:
+    if name.startswith(("api/", "data/")) or name == "commands.md":
         return markdown
 
     def moved(match: re.Match[str]) -> str:
