@@ -176,7 +176,7 @@ def cones() -> Any:
         x = [contact[0], *(contact[0] + 0.1 * np.cos(bow))]
         y = [contact[1], *(contact[1] + 0.1 * np.sin(bow))]
         size = math.degrees(max(angles))
-        axes.fill(x, y, color=color, alpha=0.75, label=f"{text}, +-{size:.0f} degrees")
+        axes.fill(x, y, color=color, alpha=0.75, label=f"{text}, ±{size:.0f}°")
     car = RearSteerCar(contact, normal, (0.0, 0.0), rho, MU_A)
     axes.plot(0.0, 0.0, "o", color=style.BLACK, label="centre of pressure")
     axes.plot(
