@@ -32,6 +32,7 @@ from pushpressslide.modes.shared.twist_pushes import (
     driven_by_twists,
     exact_margin,
     in_free_arms,
+    within_reach,
 )
 from pushpressslide.planning.face_placements import (
     angle_between,
@@ -50,6 +51,7 @@ from pushpressslide.planning.side_contacts import (
     push_refusal,
     pushable,
 )
+from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, TwistDrive
 
 ANGLES = (math.radians(40.0), math.radians(140.0))  # between the two normals
@@ -111,6 +113,9 @@ class OrthogonalPush(TwistPushes):
             refusal = Refusal("too_close", text, None, least_distance(scene), "m")
         if refusal is not None:
             return [none.refused(refusal)]
+        placements = within_reach(task, placements)
+        if not placements:
+            return [none.refused(UNKNOWN)]
         cone_goal = ConeGoal.from_task(task)
         try:
             surface = push_surface(scene, height, Twist(*cone_goal.direct))

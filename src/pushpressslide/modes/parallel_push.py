@@ -33,6 +33,7 @@ from pushpressslide.modes.shared.twist_pushes import (
     driven_by_twists,
     exact_margin,
     in_free_arms,
+    within_reach,
 )
 from pushpressslide.planning.face_placements import (
     Contacts,
@@ -58,6 +59,7 @@ from pushpressslide.planning.segments import (
     segment,
 )
 from pushpressslide.planning.side_contacts import contact_height, pushable
+from pushpressslide.robots.contact_reach import UNKNOWN
 from pushpressslide.rom.drives import ORIGIN, CarDrive, TwistDrive
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.axle import AxleTracker
@@ -96,8 +98,10 @@ class ParallelPush(TwistPushes):
         placed = [
             (face, contacts)
             for face in flat
-            for contacts in side_by_side(scene, face, height)
+            for contacts in within_reach(task, side_by_side(scene, face, height))
         ]
+        if not placed:
+            return [Choice(self.name, refusal=UNKNOWN)]
 
         @cache
         def cars(face: Face, synchronised: bool) -> dict[Contacts, PushedCar]:

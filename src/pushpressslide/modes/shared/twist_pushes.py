@@ -15,7 +15,14 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import TwistPath, TwistRate
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.push_surface import push_surface
-from pushpressslide.modes.base import Course, Measured, Mode, Tracker, in_arms
+from pushpressslide.modes.base import (
+    Course,
+    Judge,
+    Measured,
+    Mode,
+    Tracker,
+    in_arms,
+)
 from pushpressslide.planning.in_cone import (
     Margin,
     describe_cone_margin,
@@ -23,7 +30,7 @@ from pushpressslide.planning.in_cone import (
     path_onward,
 )
 from pushpressslide.planning.segments import ends_onward, run_time, segment
-from pushpressslide.planning.side_contacts import assignments
+from pushpressslide.planning.side_contacts import assignments, given_to
 from pushpressslide.rom.drives import TwistDrive
 from pushpressslide.tracking.holonomic import HolonomicTracker
 
@@ -51,6 +58,26 @@ class TwistPushes(Mode):
         start, goal = ends_onward(task.object, segment, measured.X_WB, drive.X_BV)
         path = path_onward(start, goal, cone, drive.radius, measured.longest)
         return None if path is None else Course(contacts, drive, path)
+
+
+def within_reach(
+    task: Task, placements: Sequence[tuple[Contact, ...]]
+) -> list[tuple[Contact, ...]]:
+    """Return the placements of two contacts that two arms reach at start and goal, as
+    the tables know, for one of the many motions of a search; else all of them.
+    """
+    if not task.searched:
+        return list(placements)
+    judge = Judge(task)
+
+    def reached(contacts: Sequence[Contact]) -> bool:
+        """Return whether two arms reach two contacts."""
+        return any(
+            all(map(judge.reach_ends, given_to(contacts, arms)))
+            for arms in ((0, 1), (1, 0))
+        )
+
+    return [contacts for contacts in placements if reached(contacts)]
 
 
 def exact_margin(task: Task, contacts: Sequence[Contact]) -> Margin:
