@@ -116,8 +116,8 @@ AMONG_OBSTACLES = (
             draw="cluttered",
         )
         for name, what, task, seed, force in (
-            ("cluttered-one-arm", "a Panda", "post", 2200, 60),
-            ("cluttered-two-arms", "two iiwa7", "bimanual-slide", 2201, 100),
+            ("cluttered-one-arm", "a Panda", "post", 2300, 60),
+            ("cluttered-two-arms", "two iiwa7", "bimanual-slide", 2301, 100),
         )
     ),
     Table("push-t", "`push-t`, other starts", "push-t", 2000, samples=40, vary="start"),
