@@ -30,6 +30,7 @@ NAMES = (
     "tick",
     "mpc",
     "dubins",
+    "planners",
     "engines",
     "batches",
     "runs",

@@ -203,6 +203,13 @@ def dubins(seed: int, out: Path) -> list[Row]:
     return rows(seed)
 
 
+def planners(seed: int, out: Path) -> list[Row]:
+    """Plan pushes past a post, beside OMPL's planners."""
+    from pushpressslide.studies.bench.planners import planners as rows
+
+    return rows(seed)
+
+
 def engines(seed: int, out: Path) -> list[Row]:
     """Push a box in several engines, one push or many."""
     from pushpressslide.studies.bench.engines import engines as rows
@@ -264,6 +271,7 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         select,
         batches,
         dubins,
+        planners,
         engines,
         mpc,
         runs,
