@@ -63,8 +63,9 @@ picture: $(READY)
 	$(BIN)/pps run post --video --out runs/picture/post --force
 	cp runs/picture/post/run.webp docs/figures/post.webp
 
-# The figures of docs/mechanics.md and docs/getting-started.md.
+# The figures of README.md, docs/mechanics.md and docs/getting-started.md.
 figures: $(READY)
+	$(BIN)/python tools/mode_icons.py docs/figures
 	$(BIN)/python tools/mechanics_figures.py docs/figures
 	$(BIN)/python tools/tutorial_figures.py docs/figures
 
