@@ -38,6 +38,12 @@ class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 
 
+class MissingPackageError(PushPressSlideError, ImportError):
+    """A package of an extra that is not installed; the message holds the command that
+    installs it.
+    """
+
+
 class Shown(str):
     """A value that is put in a message as it is, without quotes: numbers with their
     units.

@@ -98,6 +98,8 @@ def sweep(
         raise TaskError(task.source or task.name, "goals", bodies, reason)
     if options.batched:
         _check_batched(options)
+    else:
+        engine_named(options.engine)
     sample_task(task, options, 0)
     path = out / "rows.jsonl"
     if options.force:
