@@ -18,7 +18,7 @@ QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   random-tasks picture figures docs size lock clean
 
 demo: $(READY)
-	$(BIN)/pps run rear-push-rear --out runs/demo --force
+	$(BIN)/pps run any-mode --out runs/demo --force
 
 test: $(READY) lint
 	$(PYTEST) -m "not long" --durations=20

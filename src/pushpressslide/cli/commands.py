@@ -206,7 +206,9 @@ def run(options: RunOptions) -> int:
         print_json(result)
     elif not options.quiet:
         from pushpressslide.cli import tables
+        from pushpressslide.cli.contest_table import print_contests
 
+        print_contests(folder)
         tables.print_result(result, folder)
     return REACHED if result["success"] else MISSED
 

@@ -29,7 +29,8 @@ MISSING = "-"
 """Shown for a figure that does not apply."""
 
 
-def _table(*headings: str) -> Table:
+def simple_table(*headings: str) -> Table:
+    """Return an empty table of named columns, the first one never wrapped."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for i, heading in enumerate(headings):
         table.add_column(heading, overflow="fold", no_wrap=i == 0)
@@ -62,7 +63,7 @@ def mode_rows(modes: Iterable[Mode]) -> list[dict[str, Any]]:
 
 def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
     """Print the library of modes."""
-    table = _table("mode", "arms", "reduced model", "tracking point", "CoP steering")
+    table = simple_table("mode", "arms", "reduced model", "tracking point", "CoP steering")
     for row in rows:
         steering = "yes" if row["cop_steering"] else "no"
         texts = (row["mode"], str(row["arms"]), row["reduced_model"])
@@ -155,7 +156,7 @@ def print_legs(plan: Plan) -> None:
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
     """Print the figures of a run, and where its pages are."""
-    table = _table("figure", "value", "unit")
+    table = simple_table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])
     reached = "yes" if result["success"] else "no"
@@ -201,7 +202,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
 
 def print_figures(result: Mapping[str, Any]) -> None:
     """Print the single figures of any result by their names."""
-    table = _table("figure", "value")
+    table = simple_table("figure", "value")
     for name, value in result.items():
         if isinstance(value, float):
             table.add_row(name, f"{value:.4g}")
