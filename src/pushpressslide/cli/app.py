@@ -22,7 +22,6 @@ Status = TypeVar("Status")
 app = typer.Typer(
     cls=Commands,
     help="Push, press and slide objects with robot arms. TASK: a shipped task's name, or a YAML file.",
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pushpressslide.cli import complete
 from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
 from pushpressslide.cli.options import (
     Drawing,
@@ -153,7 +154,12 @@ def sweep(options: SweepOptions) -> None:
 def reproduce(
     only: Annotated[
         list[str] | None,
-        typer.Option("--only", metavar="NAME", help="This experiment; repeatable."),
+        typer.Option(
+            "--only",
+            metavar="NAME",
+            help=f"This experiment; repeatable: {', '.join(complete.EXPERIMENTS)}.",
+            autocompletion=complete.experiments,
+        ),
     ] = None,
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")] = 2,
     seed: Seed = 0,
@@ -235,7 +241,11 @@ def identify(options: IdentifyOptions) -> None:
 def bench(
     names: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME...]", help="Benchmarks; default: all."),
+        typer.Argument(
+            metavar="[NAME...]",
+            help=f"Of {', '.join(complete.BENCHMARKS)}; default: all.",
+            autocompletion=complete.benchmarks,
+        ),
     ] = None,
     seed: Seed = 0,
     out: Out = None,
@@ -243,11 +253,7 @@ def bench(
     quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Run the benchmarks beside the alternatives, as ratios.
-
-    Names: pushes, presses, tick, agreement, coverage, turning, sticking,
-    select, batches, dubins, engines, mpc, runs, start, scaling.
-    """
+    """Run the benchmarks beside the alternatives, as ratios."""
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 
     folder = results_folder(out, "bench", force)

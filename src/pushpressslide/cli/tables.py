@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from pushpressslide.cli.wide_table import print_table
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.planning.segments import describe_points
 from pushpressslide.selection.planner import gathered
@@ -38,7 +39,7 @@ def simple_table(*headings: str) -> Table:
 
 
 def _print(table: Table) -> None:
-    Console(markup=False, highlight=False).print(table)
+    print_table(table, Console(markup=False, highlight=False))
 
 
 def _number(value: object, scale: float = 1.0, digits: int = 2) -> str:
@@ -63,7 +64,9 @@ def mode_rows(modes: Iterable[Mode]) -> list[dict[str, Any]]:
 
 def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
     """Print the library of modes."""
-    table = simple_table("mode", "arms", "reduced model", "tracking point", "CoP steering")
+    table = simple_table(
+        "mode", "arms", "reduced model", "tracking point", "CoP steering"
+    )
     for row in rows:
         steering = "yes" if row["cop_steering"] else "no"
         texts = (row["mode"], str(row["arms"]), row["reduced_model"])
@@ -98,18 +101,26 @@ def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
     paths were looked at.
     """
     console = Console(markup=False, highlight=False)
+    console.print(*choice_lines(choices), sep="\n")
+    if not joints:
+        console.print(JOINT_PATHS)
+
+
+def choice_lines(choices: Sequence[Choice]) -> list[str | Padding]:
+    """Return the lines of ranked choices, each with its reason below it."""
     row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
-    console.print(row.format("mode", "verdict", "path m", "time s", "margin deg"))
+    lines: list[str | Padding] = [
+        row.format("mode", "verdict", "path m", "time s", "margin deg")
+    ]
     for choice, reason in gathered(choices):
         figures = (
             _number(choice.path_length, digits=3),
             _number(choice.time, digits=1),
             _number(choice.friction_margin, math.degrees(1.0), 1),
         )
-        console.print(row.format(choice.mode, choice.verdict, *figures))
-        console.print(Padding(reason, (0, 0, 0, 4)))
-    if not joints:
-        console.print(JOINT_PATHS)
+        lines.append(row.format(choice.mode, choice.verdict, *figures))
+        lines.append(Padding(reason, (0, 0, 0, 4)))
+    return lines
 
 
 def write_choices(

@@ -6,6 +6,11 @@ Every message is one line that says what is wrong, the value, and what is allowe
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pushpressslide.core.plan import Choice
 
 
 class PushPressSlideError(Exception):
@@ -66,6 +71,13 @@ class InfeasibleTaskError(PushPressSlideError):
     """No mode, path or joint path can do the task; the message holds the deciding
     number.
     """
+
+    def __init__(
+        self, message: str, brief: str = "", choices: Sequence[Choice] = ()
+    ) -> None:
+        super().__init__(message)
+        self.brief = brief or message  # the reason of one choice alone
+        self.choices = tuple(choices)  # that were judged; empty where none were
 
 
 class SimulationError(PushPressSlideError):
