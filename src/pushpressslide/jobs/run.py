@@ -14,7 +14,7 @@ from typing import Any
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.core.record import Record
+from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.goals import run_goals
@@ -135,13 +135,14 @@ def measured(record: Record, task: Task) -> Record:
     return replace(record, figures=measured_figures(record, task))
 
 
-def measured_figures(record: Record, task: Task | None = None) -> dict[str, Any]:
+def measured_figures(record: Record, task: Task | None = None) -> Figures:
     """Return what result.json holds for a record: SI units and radians, None where a
     figure does not apply; of a run of ``task``, by default that of its plan.
     """
     from pushpressslide.report.metrics import result
 
-    return result(task or record.plan.task, record.plan, record, versions())
+    measures = result(task or record.plan.task, record.plan, record, versions())
+    return Figures(measures)
 
 
 def run_task(
