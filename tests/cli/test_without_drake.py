@@ -95,3 +95,14 @@ except pps.PushPressSlideError as error:
     done = python(code, folder=tmp_path)
     assert done.stdout.startswith("True engine drake: "), done.stderr
     assert INSTALLS in done.stdout
+
+
+def test_a_benchmark_names_what_is_missing_and_goes_on(tmp_path: Path) -> None:
+    code = """
+from pushpressslide.studies.bench.contestants import press_contestants, push_contestants
+for contestants in (push_contestants(0), press_contestants(0)):
+    print(contestants["Drake"], len(contestants["closed form"]) > 100)
+"""
+    done = python(code, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [f"not installed: {INSTALLS} True"] * 2
