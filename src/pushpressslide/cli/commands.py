@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pushpressslide.cli.app import app, command, print_json, task_of
+from pushpressslide.cli.app import answer, app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
     Force,
@@ -214,14 +214,16 @@ def run(options: RunOptions) -> int:
             f"{', '.join(allowed)}"
         )
     result = _run(task, options, folder)
-    if options.as_json:
-        print_json(result)
-    elif not options.quiet:
+
+    def show() -> None:
+        """Print why its mode was taken, its figures, and where its pages are."""
         from pushpressslide.cli import tables
         from pushpressslide.cli.contest_table import print_contests
 
         print_contests(folder)
         tables.print_result(result, folder)
+
+    answer(result, options, show)
     return REACHED if result["success"] else MISSED
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from pushpressslide.cli import complete
-from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
+from pushpressslide.cli.app import answer, app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Drawing,
     Engine,
@@ -147,7 +147,15 @@ def sweep(options: SweepOptions) -> None:
         label = f"{options.attempts} attempts on {options.engine}"
     with progress_bar(label, not options.quiet) as progress:
         result = sweep_job.sweep(task, job, folder, progress)
-    print_outcome(result, folder, options.as_json, options.quiet)
+
+    def show() -> None:
+        """Print the figures, and where the results are."""
+        from pushpressslide.cli.tables import print_figures
+
+        print_figures(result)
+        typer.echo(folder)
+
+    answer(result, options, show)
 
 
 @app.command()
@@ -227,14 +235,16 @@ def identify(options: IdentifyOptions) -> None:
             splits=options.splits,
             fit_share=options.fit_share,
         )
-    if options.as_json:
-        print_json(result)
-    elif not options.quiet:
+
+    def show() -> None:
+        """Print the table, and where the page is."""
         from pushpressslide.cli.identification_table import lines
 
         text = [*lines(identifications, result), *result["notes"]]
         text.append(str(folder / "report.html"))
         typer.echo("\n".join(text))
+
+    answer(result, options, show)
 
 
 @app.command()
