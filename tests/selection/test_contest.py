@@ -25,7 +25,7 @@ def test_the_quickest_names_its_time_the_next_and_how_many_there_were() -> None:
     contest = Contest(BEST, (SLOWER, choice("parallel_push", 12.0), REFUSED))
     assert contest.sentence == (
         "press_slide is taken: of 3 modes that can do the task it is the quickest, "
-        "10.0 s by its plan; rear_push follows with 11.3 s."
+        "10.0 s expected with approach and release; rear_push follows with 11.3 s."
     )
     assert contest.verdict(SLOWER) == "1.3 s slower"
     assert contest.verdict(REFUSED) == "refused: here: it tips"

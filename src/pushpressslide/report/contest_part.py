@@ -9,7 +9,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.report.page_tables import table
 from pushpressslide.selection.contest import Contest, contests
 
-HEAD = ("Mode", "", "Planned time")
+HEAD = ("Mode", "", "Expected time")
 
 
 def contest_part(plan: Plan, choices: Sequence[Choice]) -> str:

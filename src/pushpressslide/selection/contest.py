@@ -33,8 +33,9 @@ class Contest:
         if lead is None or lead <= 0.0:
             return f"{mode} is taken of {count}: {self._equal(able[0], time)}."
         return (
-            f"{mode} is taken: of {count} it is the quickest, {time} by its plan; "
-            f"{able[0].mode} follows with {_seconds(able[0])}."
+            f"{mode} is taken: of {count} it is the quickest, {time} expected "
+            f"with approach and release; {able[0].mode} follows with "
+            f"{_seconds(able[0])}."
         )
 
     def lead(self, rival: Choice) -> float | None:
