@@ -30,18 +30,19 @@ def usable(
 
 
 def infeasible(
-    task: Task, choices: Sequence[Choice], searched: str = ""
+    task: Task, choices: Sequence[Choice], searched: str = "", lacking: str = ""
 ) -> InfeasibleTaskError:
-    """Return the error that says why no choice can do the task, nor several motions
-    where they were searched for, as ``searched`` tells.
+    """Return the error that says why no choice can do the task.
+
+    ``searched`` says that several motions cannot, where they were searched for, and
+    ``lacking`` what the last of them lack.
     """
     part, refused = _refused(task, choices)
-    brief = f"{part.name}: no mode can do this task"
-    if searched:
-        brief += ", nor can several motions"
+    brief = f"{part.name}: no mode can do this task{searched}"
     if refused:
         brief += f"; {refused[0].mode}: {refused[0].refusal}"
-    return InfeasibleTaskError(refusal(task, choices) + searched, brief, refused)
+    message = refusal(task, choices) + searched + lacking
+    return InfeasibleTaskError(message, brief, refused)
 
 
 def refusal(task: Task, choices: Sequence[Choice]) -> str:

@@ -242,9 +242,10 @@ def _infeasible(
         f"; nor do several motions by way of {len(search.poses) - 2} poses "
         f"({search.judged} judged)"
     )
+    last = ""
     if lacking:
-        searched += f", the last of {len(search.banned)} that might: {lacking}"
-    return infeasible(task, refused or choices, searched)
+        last = f", the last of {len(search.banned)} that might: {lacking}"
+    return infeasible(task, refused or choices, searched, last)
 
 
 class _Clock:
