@@ -4,8 +4,6 @@ everything that a user looks at.
 
 from __future__ import annotations
 
-import importlib.metadata
-import platform
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -27,17 +25,6 @@ from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import joined, solve
-
-
-def versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
-    out = {"python": platform.python_version()}
-    for name in ("pushpressslide", "drake", "numpy"):
-        try:
-            out[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            out[name] = "unknown"
-    return out
 
 
 def simulate(
@@ -141,7 +128,7 @@ def measured_figures(record: Record, task: Task | None = None) -> Figures:
     """
     from pushpressslide.report.metrics import result
 
-    measures = result(task or record.plan.task, record.plan, record, versions())
+    measures = result(task or record.plan.task, record.plan, record)
     return Figures(measures)
 
 
@@ -176,7 +163,7 @@ def run_task(
         monitor=replace(monitor or Monitor(), interrupt=interrupt),
     )
     with interrupt.held():
-        result = measure(task, plan, record, versions())
+        result = measure(task, plan, record)
         if out is not None:
             write_data(out.folder, plan, record, result, choices)
     if interrupt():
