@@ -15,10 +15,10 @@ QUICK := tests/core tests/mechanics tests/rom tests/tracking tests/allocation \
   tests/planning tests/taskfile tests/planar
 
 .PHONY: demo test test-long test-all test-newest quick search mutants lint results \
-  random-tasks picture figures docs lock clean
+  random-tasks picture figures docs size lock clean
 
 demo: $(READY)
-	$(BIN)/pps run rear-push-rear --out runs/demo --force
+	$(BIN)/pps run any-mode --out runs/demo --force
 
 test: $(READY) lint
 	$(PYTEST) -m "not long" --durations=20
@@ -84,6 +84,10 @@ $(READY): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $(READY)
+
+# Megabytes that an installation downloads and takes, without extras and with Drake.
+size:
+	$(PYTHON) tools/size.py
 
 # Needs uv; resolves for every Python from 3.11 on.
 lock:

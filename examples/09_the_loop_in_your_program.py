@@ -5,7 +5,7 @@ from pushpressslide.planar.plant import PlanarPlant
 
 task = pps.load_task("rear-push-left")
 plan = pps.plan(task)
-told = []
+told: list[tuple[float, float]] = []
 
 
 def progress(time: float, expected: float) -> None:

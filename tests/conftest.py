@@ -1,6 +1,22 @@
 """Settings of the whole suite."""
 
+from importlib.util import find_spec
+
+import pytest
 from hypothesis import settings
+
+WITH_DRAKE = ("drake", "report/test_replay.py")
+"""Files that import Drake at their top; without it they are left out."""
+
+collect_ignore = list(WITH_DRAKE) if find_spec("pydrake") is None else []
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say what is left out."""
+    if collect_ignore:
+        left_out = ", ".join(collect_ignore)
+        terminalreporter.write_line(f"Drake is not installed; left out: {left_out}")
+
 
 # No test asserts wall time: a deadline of an example would be one, red on a busy
 # machine. The examples are the same every time, so that a change is red for what it

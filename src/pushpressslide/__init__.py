@@ -2,13 +2,29 @@
 closed-form control.
 
     import pushpressslide as pps
-    task = pps.load_task("task.yaml")
-    choice = pps.select(task)[0]
-    plan = pps.plan(task, choice)
-    record = pps.run(plan, engine="drake")
-    record.success
+    task = pps.load_task("rear-push-rear")   # a shipped task, or the path of a YAML file
+    choices = pps.select(task)               # every mode and placement, ranked
+    plan = pps.plan(task, choices[0])        # pps.plan(task): the best, or several motions
+    record = pps.run(plan, engine="planar")  # "drake", with arms: the extra drake
+    record.success, record.figures["final_position_error"]
 
-Everything here is imported when it is first used. docs/python-api.md shows more.
+From a file and back
+    load_task, dump_task, check_task, load_run, report
+What a task consists of
+    Task, Object, Support, Obstacle, Robot, Motion, Limits, Sensing, Tolerance, Pose2;
+    shapes: Box, Cylinder, Prism, Compound, MeshSolid
+From a task to a result
+    select, Choice, plan, Plan, run, Record, result
+The loop in your own program
+    run_loop, RunLoop, RunOptions, Plant, Controller
+Does a flat finger keep what it pushes
+    push_sticks, FlatFinger
+Rooms: dir() lists their modules
+    modes, mechanics, allocation, batch, planar
+Errors, each with one line
+    PushPressSlideError, TaskError, InfeasibleTaskError, SimulationError
+
+Units are SI, angles are in radians. Everything here is imported when it is first used.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from pushpressslide.cli import app, shell
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.jobs.interrupt import Interrupted
 from pushpressslide.jobs.run import Monitor, Output
+from pushpressslide.modes import MODES
 
 
 def result_of(success: bool = True, code: str = "goal_reached") -> dict[str, Any]:
@@ -117,6 +118,19 @@ def test_the_table_has_units_and_the_report_as_its_last_line(run_with: Any) -> N
     assert "1.23" in result.stdout
     assert "mm" in result.stdout
     assert result.stdout.splitlines()[-1] == "here/report.html"
+
+
+def test_a_run_says_why_its_mode_was_taken_before_its_figures(tmp_path: Path) -> None:
+    out = str(tmp_path / "run")
+    result = invoke("run", "any-mode", "--engine", "planar", "--out", out)
+    assert result.exit_code == 0
+    why, figures, _ = result.stdout.partition("goal reached")
+    assert figures
+    sentence = " ".join(why.split())
+    assert "bimanual_press_slide is taken: of 5 modes that can do the task" in sentence
+    for mode in MODES:
+        assert mode in why
+    assert "refused: the goal is turned about" in sentence
 
 
 def test_a_missed_goal_says_why(run_with: Any) -> None:

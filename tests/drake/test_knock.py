@@ -12,7 +12,7 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
-from pushpressslide.jobs.run import simulate, versions
+from pushpressslide.jobs.run import simulate
 from pushpressslide.jobs.sweep import SweepOptions, sweep
 from pushpressslide.report.metrics import result
 
@@ -20,7 +20,7 @@ from pushpressslide.report.metrics import result
 def knocked(task: Task, knock: Knock) -> tuple[bool, Record]:
     """Return whether a run reached its goal all the same, and its record."""
     plan, record, _ = simulate(task, knock=knock)
-    return bool(result(task, plan, record, versions())["success"]), record
+    return bool(result(task, plan, record)["success"]), record
 
 
 @pytest.mark.long

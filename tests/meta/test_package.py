@@ -1,6 +1,7 @@
 """Rules about the package itself."""
 
 import ast
+import pydoc
 import re
 from dataclasses import fields
 from functools import cache
@@ -102,6 +103,17 @@ def test_everything_that_is_offered_at_the_top_is_there() -> None:
         assert getattr(pushpressslide, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = pushpressslide.nothing
+
+
+def test_the_help_of_the_package_begins_with_every_name_in_its_place() -> None:
+    text = pushpressslide.__doc__ or ""
+    overview = text.partition("From a file and back")[2]
+    named = re.findall(r"[A-Za-z_]\w*", overview)
+    missing = {*pushpressslide.__all__} - {"__version__"} - {*named}
+    assert not missing
+    manual = pydoc.plaintext.document(pushpressslide)
+    first = manual.index("From a file and back")
+    assert manual[:first].count("\n") < 20
 
 
 def test_importing_pydrake_all_is_nowhere_in_tests_either() -> None:

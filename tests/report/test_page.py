@@ -200,6 +200,16 @@ def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
     assert "Choice of mode" in write_report([again]).read_text()
 
 
+def test_the_page_says_why_the_mode_was_taken(run, tmp_path):
+    text = write_report([save(run, tmp_path)]).read_text()
+    part = text.partition("Why this mode")[2].partition("<h3>")[0]
+    assert "rear_push is taken: no other mode can do the task." in part
+    assert "<td class=n>5.0 s</td>" in part
+    # the better of the two that were refused, and that one only
+    assert part.count("press_slide") == 1
+    assert "refused: needs 60 N &amp; more, limits.normal_force is &lt;40&gt; N" in part
+
+
 def broken(run, tick):
     """Return a run whose state is NaN from a tick on, as of a simulator that failed."""
     arrays = {name: run.record.arrays[name].copy() for name in series.STATE[:3]}

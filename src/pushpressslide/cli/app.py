@@ -6,8 +6,7 @@ import functools
 import inspect
 import json
 from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
 import typer
 
@@ -22,7 +21,6 @@ Status = TypeVar("Status")
 app = typer.Typer(
     cls=Commands,
     help="Push, press and slide objects with robot arms. TASK: a shipped task's name, or a YAML file.",
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -85,14 +83,21 @@ def print_json(value: Any) -> None:
     typer.echo(to_json(value), nl=False)
 
 
-def print_outcome(
-    result: dict[str, Any], folder: Path, as_json: bool, quiet: bool = False
-) -> None:
-    """Print a result, as JSON or as a table with the folder as last line."""
-    if as_json:
-        print_json(result)
-    elif not quiet:
-        from pushpressslide.cli import tables
+class Answered(Protocol):
+    """Options that say how a command answers."""
 
-        tables.print_figures(result)
-        typer.echo(folder)
+    @property
+    def as_json(self) -> bool:
+        """As JSON and nothing else."""
+
+    @property
+    def quiet(self) -> bool:
+        """Not at all."""
+
+
+def answer(data: Any, options: Answered, show: Callable[[], None]) -> None:
+    """Answer with plain data as JSON, or as ``show`` prints it, or not at all."""
+    if options.as_json:
+        print_json(data)
+    elif not options.quiet:
+        show()

@@ -9,6 +9,8 @@ from rich import box
 from rich.console import Console, JustifyMethod
 from rich.table import Table
 
+from pushpressslide.cli.wide_table import print_table
+
 HEADINGS = {
     "median_us": "median us",
     "p99_us": "99th percentile us",
@@ -61,7 +63,7 @@ def print_benchmarks(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> N
             table.add_column(heading, justify=justify)
         for row in rows:
             table.add_row(*(_text(row.get(key)) for key in columns))
-        console.print(table)
+        print_table(table, console)
 
 
 def _shows(value: object) -> bool:

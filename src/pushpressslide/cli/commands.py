@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pushpressslide.cli.app import app, command, print_json, task_of
+from pushpressslide.cli.app import answer, app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Engine,
     Force,
@@ -22,6 +22,7 @@ from pushpressslide.cli.options import (
     Seed,
     Sets,
     TaskName,
+    Verbose,
 )
 from pushpressslide.cli.shell import (
     MISSED,
@@ -29,8 +30,10 @@ from pushpressslide.cli.shell import (
     WRONG_INPUT,
     Interruption,
     complain,
+    print_text,
     progress_bar,
     results_folder,
+    show_page,
 )
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
 from pushpressslide.jobs.engines import DEFAULT, ENGINES
@@ -60,7 +63,7 @@ def tasks(as_json: Json = False) -> None:
         return
     width = max(map(len, descriptions), default=0)
     for name, description in descriptions.items():
-        typer.echo(f"{name:<{width}}  {description}")
+        print_text(f"{name:<{width}}  {description}", width + 2)
 
 
 @app.command()
@@ -74,7 +77,7 @@ def select(
 ) -> int:
     """Rank the contact modes for a task, with reasons.
 
-    Joint paths are looked at with ``--joints``, as ``pps run`` does.
+    With --joints also by the arms' joint paths, as a run does.
     """
     from pushpressslide.cli import tables
     from pushpressslide.cli.goals import select_stages
@@ -92,7 +95,11 @@ def select(
         return REACHED
     choices = ranked(loaded, joints)
     rows = tables.write_choices(choices, loaded, joints, folder / "select.json")
-    print_json(rows) if as_json else tables.print_choices(choices, joints)
+    if as_json:
+        print_json(rows)
+    else:
+        tables.print_choices(choices, joints)
+        typer.echo(folder / "select.json")
     if any(choice.feasible for choice in choices):
         return REACHED
     return _legs_instead(loaded, as_json)
@@ -106,7 +113,7 @@ def _legs_instead(task: Task, as_json: bool) -> int:
     try:
         found = make_plan(task)
     except InfeasibleTaskError as error:
-        complain(str(error))
+        complain(error.brief)
         return WRONG_INPUT
     if not as_json:
         tables.print_legs(found)
@@ -120,6 +127,7 @@ def plan(
     sets: Sets = None,
     out: Out = None,
     as_json: Json = False,
+    verbose: Verbose = False,
     force: Force = False,
 ) -> None:
     """Plan only; writes plan.json and plan.png.
@@ -146,7 +154,7 @@ def plan(
         print_json(plan_to_dict(made, choices))
         return
     for choice in made.chosen(choices):
-        typer.echo(f"{choice.mode}: {choice.reason}")
+        print_text(f"{choice.mode}: {choice.reason}", 4)
     if made.task.searched or made.task.pushes:
         print_legs(made)
     length = sum(segment.path.length for segment in made.segments)
@@ -167,9 +175,13 @@ class RunOptions:
     sets: Sets = None
     as_json: Json = False
     quiet: Quiet = False
+    verbose: Verbose = False
     live: Annotated[
         bool,
-        typer.Option("--live", help="Watch in Meshcat while it runs, in real time."),
+        typer.Option(
+            "--live",
+            help="Watch in Meshcat while it runs, in real time; opens a browser.",
+        ),
     ] = False
     video: Annotated[bool, typer.Option("--video", help="Also write an animation.")] = (
         False
@@ -202,12 +214,16 @@ def run(options: RunOptions) -> int:
             f"{', '.join(allowed)}"
         )
     result = _run(task, options, folder)
-    if options.as_json:
-        print_json(result)
-    elif not options.quiet:
-        from pushpressslide.cli import tables
 
+    def show() -> None:
+        """Print why its mode was taken, its figures, and where its pages are."""
+        from pushpressslide.cli import tables
+        from pushpressslide.cli.contest_table import print_contests
+
+        print_contests(folder)
         tables.print_result(result, folder)
+
+    answer(result, options, show)
     return REACHED if result["success"] else MISSED
 
 
@@ -217,7 +233,7 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
     from pushpressslide.jobs.run import Monitor, Output, run_task
 
     engine = options.engine
-    live = _say_where_to_watch if options.live else None
+    live = show_page if options.live else None
     try:
         with progress_bar(
             f"{task.name} on {engine.value}", not options.quiet
@@ -233,10 +249,6 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
             )
     except Interrupted as stopped:
         raise Interruption(str(stopped)) from None
-
-
-def _say_where_to_watch(address: str) -> None:
-    complain(f"watch at {address}")
 
 
 @app.command()

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pushpressslide.cli.app import app, print_json
+from pushpressslide.cli.options import TaskName
 
 
 @app.command()
@@ -36,9 +37,7 @@ def new(
 
 @app.command()
 def show(
-    task: Annotated[
-        str, typer.Argument(help="Name of a shipped task, or path of a YAML file.")
-    ],
+    task: TaskName,
     full: Annotated[
         bool, typer.Option("--full", help="With every field, defaults too.")
     ] = False,

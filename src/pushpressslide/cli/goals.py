@@ -39,6 +39,7 @@ def select_stages(task: Task, folder: Path, as_json: bool) -> None:
     for number, one in enumerate(planned, start=1):
         typer.echo(stage_text(number, one.stage))
         print_choices(one.solution.choices)
+    typer.echo(folder / "select.json")
 
 
 def plan_stages_into(task: Task, folder: Path, as_json: bool) -> None:
@@ -72,6 +73,7 @@ def plan_stages_into(task: Task, folder: Path, as_json: bool) -> None:
         print_json(data)
         return
     typer.echo(JOINT_PATHS)
+    typer.echo(folder / "plan.json")
 
 
 def stage_text(number: int, stage: Stage) -> str:

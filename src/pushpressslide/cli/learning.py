@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import command, print_json, task_of
+from pushpressslide.cli.app import answer, command, task_of
 from pushpressslide.cli.options import Force, Json, Quiet, Sets, TaskName
 from pushpressslide.cli.shell import progress_bar, results_folder
 from pushpressslide.core.errors import PushPressSlideError
@@ -75,24 +75,18 @@ def demonstrate(options: DemonstrateOptions) -> None:
     if options.lerobot is not None:
         write_lerobot(shown, options.lerobot, push.task.description or push.task.name)
     reached = int(shown.success.sum())
-    if options.as_json:
-        print_json(
-            {
-                "schema": 1,
-                "task": push.task.name,
-                "episodes": options.episodes,
-                "first_seed": options.seed,
-                "successes": reached,
-                "frames": len(shown.actions),
-                "file": str(path),
-            }
-        )
-    elif not options.quiet:
-        typer.echo(
-            f"{reached} of {options.episodes} episodes reach the goal, "
-            f"{len(shown.actions)} frames"
-        )
-        typer.echo(path)
+    frames = len(shown.actions)
+    data = {
+        "schema": 1,
+        "task": push.task.name,
+        "episodes": options.episodes,
+        "first_seed": options.seed,
+        "successes": reached,
+        "frames": frames,
+        "file": str(path),
+    }
+    text = f"{reached} of {options.episodes} episodes reach the goal, {frames} frames"
+    answer(data, options, lambda: typer.echo(f"{text}\n{path}"))
 
 
 def _file(options: DemonstrateOptions, name: str) -> Path:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pushpressslide.cli import complete
 from pushpressslide.jobs.engines import EngineName
 
 
@@ -45,21 +46,34 @@ class Models(StrEnum):
 TaskName = Annotated[
     str,
     typer.Argument(
-        metavar="TASK", help="Name of a shipped task, or path of a YAML file."
+        metavar="TASK",
+        help="Name of a shipped task, as `pps tasks` lists them, or path of a YAML file.",
+        autocompletion=complete.tasks,
     ),
 ]
 Sets = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="A.B=C", help="Override a field of the task; repeatable."
+        "--set",
+        metavar="A.B=C",
+        help="Override a field of the task, as motion.speed=0.03; repeatable. "
+        "`pps show TASK --full` lists the fields.",
     ),
 ]
 ModeName = Annotated[
     str | None,
-    typer.Option("--mode", metavar="NAME", help="Use this contact mode only."),
+    typer.Option(
+        "--mode",
+        metavar="NAME",
+        help=f"Use this contact mode only: {', '.join(complete.mode_names())}.",
+        autocompletion=complete.modes,
+    ),
 ]
 Engine = Annotated[EngineName, typer.Option("--engine", help="Physics engine.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seeds everything random.")]
+Seed = Annotated[
+    int,
+    typer.Option("--seed", metavar="N", min=0, help="Seeds everything random."),
+]
 Out = Annotated[
     Path | None,
     typer.Option(
@@ -77,6 +91,12 @@ Joints = Annotated[
     bool,
     typer.Option(
         "--joints", help="Look for the arms' joint paths, too; takes seconds."
+    ),
+]
+Verbose = Annotated[
+    bool,
+    typer.Option(
+        "--verbose", help="Where no mode can do the task, a table of all reasons."
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]

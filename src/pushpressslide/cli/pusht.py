@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import command, print_json
+from pushpressslide.cli.app import answer, command
 from pushpressslide.cli.options import Force, Json, Out, Quiet
 from pushpressslide.cli.shell import progress_bar, results_folder
 
@@ -67,12 +67,12 @@ def gym_pusht(options: PushTOptions) -> None:
         figures = benchmark(seeds, folder, options.noise, options.jobs, progress)
     if options.video is not None:
         film(seeds[:FILMED], options.video)
-    if options.as_json:
-        from dataclasses import asdict
 
-        print_json(asdict(figures))
-    elif not options.quiet:
+    def show() -> None:
+        """Print the table, and where the rows are."""
         from pushpressslide.cli.pusht_table import print_figures
 
         print_figures(figures)
         typer.echo(folder / ROWS)
+
+    answer(asdict(figures), options, show)

@@ -7,19 +7,25 @@ import os
 import signal
 import sys
 import threading
+import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import datetime
 from functools import partial
 from itertools import count
 from pathlib import Path
+from textwrap import wrap
 from types import FrameType
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-from pushpressslide.core.errors import PushPressSlideError, SimulationError
+from pushpressslide.core.errors import (
+    InfeasibleTaskError,
+    PushPressSlideError,
+    SimulationError,
+)
 
 REACHED = 0
 MISSED = 1
@@ -27,6 +33,9 @@ WRONG_INPUT = 2
 INTERNAL_ERROR = 3
 INTERRUPTED = 130
 """Exit statuses."""
+
+SHIPPED = Path(__file__).parents[1] / "tasks"
+"""Folder of the shipped tasks."""
 
 _made: list[Path] = []  # folders of this command, which are removed if left empty
 
@@ -60,7 +69,7 @@ class Commands(TyperGroup):
         )
         presses: list[int] = []
         restore = _note_interrupts(presses)
-        status = _status_of(call, presses, "--json" in words)
+        status = _status_of(call, presses, "--json" in words, "--verbose" in words)
         _remove_empty_folders()
         restore()
         if not standalone_mode:
@@ -68,7 +77,9 @@ class Commands(TyperGroup):
         sys.exit(status)
 
 
-def _status_of(call: Callable[[], Any], presses: list[int], as_json: bool) -> int:
+def _status_of(
+    call: Callable[[], Any], presses: list[int], as_json: bool, verbose: bool
+) -> int:
     """Call a command and return its exit status; a failure is told in one line."""
     try:
         answer = call()
@@ -83,6 +94,8 @@ def _status_of(call: Callable[[], Any], presses: list[int], as_json: bool) -> in
         if presses:
             complain("interrupted")
             return INTERRUPTED
+        if isinstance(error, InfeasibleTaskError):
+            return refuse(error, verbose)
         return explain(error, as_json)
     if answer == INTERRUPTED:
         complain("interrupted")
@@ -104,8 +117,59 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
 
 
 def complain(line: str) -> None:
-    """Write one line on stderr."""
-    typer.echo(f"pps: {' '.join(line.split())}", err=True)
+    """Write one line on stderr; shipped tasks go by the name of their file."""
+    short = line.replace(f"{SHIPPED}{os.sep}", "")
+    typer.echo(f"pps: {' '.join(short.split())}", err=True)
+
+
+def print_text(text: str, indent: int = 0) -> None:
+    """Print a text: on a terminal without cutting words, its further lines indented;
+    elsewhere as one line.
+    """
+    from rich.console import Console
+
+    console = Console(markup=False, highlight=False)
+    if not console.is_terminal:
+        console.print(text, soft_wrap=True)
+        return
+    lines = wrap(
+        text,
+        console.width,
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    console.print(*lines, sep="\n")
+
+
+def show_page(address: str) -> None:
+    """Say where a page is, and open it in a browser where there is a screen."""
+    complain(f"watch at {address}")
+    screens = ("DISPLAY", "WAYLAND_DISPLAY")
+    headless = sys.platform == "linux" and not any(map(os.environ.get, screens))
+    if not headless:
+        webbrowser.open(address)
+
+
+def refuse(error: InfeasibleTaskError, verbose: bool) -> int:
+    """Say in one line on stderr why a task cannot be done, below a table of all that was
+    judged if that is wanted; return the exit status.
+    """
+    if not error.choices:
+        complain(str(error))
+        return WRONG_INPUT
+    if not verbose:
+        complain(f"{error.brief} (--verbose shows all)")
+        return WRONG_INPUT
+    from rich.console import Console
+
+    from pushpressslide.cli.tables import choice_lines
+
+    Console(stderr=True, markup=False, highlight=False).print(
+        *choice_lines(error.choices), sep="\n"
+    )
+    complain(error.brief)
+    return WRONG_INPUT
 
 
 def explain(error: Exception, as_json: bool) -> int:

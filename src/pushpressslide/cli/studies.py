@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import app, command, print_json, print_outcome, task_of
+from pushpressslide.cli import complete
+from pushpressslide.cli.app import answer, app, command, print_json, task_of
 from pushpressslide.cli.options import (
     Drawing,
     Engine,
@@ -146,14 +147,27 @@ def sweep(options: SweepOptions) -> None:
         label = f"{options.attempts} attempts on {options.engine}"
     with progress_bar(label, not options.quiet) as progress:
         result = sweep_job.sweep(task, job, folder, progress)
-    print_outcome(result, folder, options.as_json, options.quiet)
+
+    def show() -> None:
+        """Print the figures, and where the results are."""
+        from pushpressslide.cli.tables import print_figures
+
+        print_figures(result)
+        typer.echo(folder)
+
+    answer(result, options, show)
 
 
 @app.command()
 def reproduce(
     only: Annotated[
         list[str] | None,
-        typer.Option("--only", metavar="NAME", help="This experiment; repeatable."),
+        typer.Option(
+            "--only",
+            metavar="NAME",
+            help=f"This experiment; repeatable: {', '.join(complete.EXPERIMENTS)}.",
+            autocompletion=complete.experiments,
+        ),
     ] = None,
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")] = 2,
     seed: Seed = 0,
@@ -221,21 +235,27 @@ def identify(options: IdentifyOptions) -> None:
             splits=options.splits,
             fit_share=options.fit_share,
         )
-    if options.as_json:
-        print_json(result)
-    elif not options.quiet:
+
+    def show() -> None:
+        """Print the table, and where the page is."""
         from pushpressslide.cli.identification_table import lines
 
         text = [*lines(identifications, result), *result["notes"]]
         text.append(str(folder / "report.html"))
         typer.echo("\n".join(text))
 
+    answer(result, options, show)
+
 
 @app.command()
 def bench(
     names: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME...]", help="Benchmarks; default: all."),
+        typer.Argument(
+            metavar="[NAME...]",
+            help=f"Of {', '.join(complete.BENCHMARKS)}; default: all.",
+            autocompletion=complete.benchmarks,
+        ),
     ] = None,
     seed: Seed = 0,
     out: Out = None,
@@ -243,11 +263,7 @@ def bench(
     quiet: Quiet = False,
     force: Force = False,
 ) -> None:
-    """Run the benchmarks beside the alternatives, as ratios.
-
-    Names: pushes, presses, tick, agreement, coverage, turning, sticking,
-    select, batches, dubins, engines, mpc, runs, start, scaling.
-    """
+    """Run the benchmarks beside the alternatives, as ratios."""
     from pushpressslide.studies.bench.bench import bench as run_benchmarks
 
     folder = results_folder(out, "bench", force)

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from pushpressslide.cli.wide_table import print_table
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.planning.segments import describe_points
 from pushpressslide.selection.planner import gathered
@@ -29,7 +30,8 @@ MISSING = "-"
 """Shown for a figure that does not apply."""
 
 
-def _table(*headings: str) -> Table:
+def simple_table(*headings: str) -> Table:
+    """Return an empty table of named columns, the first one never wrapped."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for i, heading in enumerate(headings):
         table.add_column(heading, overflow="fold", no_wrap=i == 0)
@@ -37,7 +39,7 @@ def _table(*headings: str) -> Table:
 
 
 def _print(table: Table) -> None:
-    Console(markup=False, highlight=False).print(table)
+    print_table(table, Console(markup=False, highlight=False))
 
 
 def _number(value: object, scale: float = 1.0, digits: int = 2) -> str:
@@ -62,7 +64,9 @@ def mode_rows(modes: Iterable[Mode]) -> list[dict[str, Any]]:
 
 def print_modes(rows: Iterable[Mapping[str, Any]]) -> None:
     """Print the library of modes."""
-    table = _table("mode", "arms", "reduced model", "tracking point", "CoP steering")
+    table = simple_table(
+        "mode", "arms", "reduced model", "tracking point", "CoP steering"
+    )
     for row in rows:
         steering = "yes" if row["cop_steering"] else "no"
         texts = (row["mode"], str(row["arms"]), row["reduced_model"])
@@ -97,18 +101,26 @@ def print_choices(choices: Sequence[Choice], joints: bool = False) -> None:
     paths were looked at.
     """
     console = Console(markup=False, highlight=False)
+    console.print(*choice_lines(choices), sep="\n")
+    if not joints:
+        console.print(JOINT_PATHS)
+
+
+def choice_lines(choices: Sequence[Choice]) -> list[str | Padding]:
+    """Return the lines of ranked choices, each with its reason below it."""
     row = "{:<22}{:<12}{:>8}{:>8}{:>11}"
-    console.print(row.format("mode", "verdict", "path m", "time s", "margin deg"))
+    lines: list[str | Padding] = [
+        row.format("mode", "verdict", "path m", "time s", "margin deg")
+    ]
     for choice, reason in gathered(choices):
         figures = (
             _number(choice.path_length, digits=3),
             _number(choice.time, digits=1),
             _number(choice.friction_margin, math.degrees(1.0), 1),
         )
-        console.print(row.format(choice.mode, choice.verdict, *figures))
-        console.print(Padding(reason, (0, 0, 0, 4)))
-    if not joints:
-        console.print(JOINT_PATHS)
+        lines.append(row.format(choice.mode, choice.verdict, *figures))
+        lines.append(Padding(reason, (0, 0, 0, 4)))
+    return lines
 
 
 def write_choices(
@@ -155,7 +167,7 @@ def print_legs(plan: Plan) -> None:
 
 def print_result(result: Mapping[str, Any], folder: Path) -> None:
     """Print the figures of a run, and where its pages are."""
-    table = _table("figure", "value", "unit")
+    table = simple_table("figure", "value", "unit")
     reason = result["reason"]
     modes = ", ".join(result["modes"])
     reached = "yes" if result["success"] else "no"
@@ -201,7 +213,7 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
 
 def print_figures(result: Mapping[str, Any]) -> None:
     """Print the single figures of any result by their names."""
-    table = _table("figure", "value")
+    table = simple_table("figure", "value")
     for name, value in result.items():
         if isinstance(value, float):
             table.add_row(name, f"{value:.4g}")

@@ -6,6 +6,11 @@ Every message is one line that says what is wrong, the value, and what is allowe
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pushpressslide.core.plan import Choice
 
 
 class PushPressSlideError(Exception):
@@ -38,6 +43,12 @@ class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 
 
+class MissingPackageError(PushPressSlideError, ImportError):
+    """A package of an extra that is not installed; the message holds the command that
+    installs it.
+    """
+
+
 class Shown(str):
     """A value that is put in a message as it is, without quotes: numbers with their
     units.
@@ -60,6 +71,13 @@ class InfeasibleTaskError(PushPressSlideError):
     """No mode, path or joint path can do the task; the message holds the deciding
     number.
     """
+
+    def __init__(
+        self, message: str, brief: str = "", choices: Sequence[Choice] = ()
+    ) -> None:
+        super().__init__(message)
+        self.brief = brief or message  # the reason of one choice alone
+        self.choices = tuple(choices)  # that were judged; empty where none were
 
 
 class SimulationError(PushPressSlideError):

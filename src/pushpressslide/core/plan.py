@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.drive import Drive
+from pushpressslide.core.notebook import html_of
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
@@ -236,6 +237,10 @@ class Plan:
         """Return one line."""
         modes = ", ".join(segment.mode for segment in self.segments)
         return f"Plan({self.task.name!r}: {modes}; {self.duration:.1f} s)"
+
+    def _repr_html_(self) -> str:
+        """Return its picture, for a notebook."""
+        return html_of(self, "plan_html")
 
 
 def lasting_arms(before: Sequence[Segment], after: Sequence[Segment]) -> frozenset[int]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from pushpressslide.core.notebook import html_of
 from pushpressslide.core.plan import Plan
 
 if TYPE_CHECKING:
@@ -96,3 +97,15 @@ class Record:
             f"Record({self.reason}: {modes} on {self.engine}, {ticks} ticks, seed "
             f"{self.seed})"
         )
+
+    def _repr_html_(self) -> str:
+        """Return its outcome, replay and figures, for a notebook."""
+        return html_of(self, "record_html")
+
+
+class Figures(dict[str, Any]):
+    """What result.json holds; a notebook shows it as a table."""
+
+    def _repr_html_(self) -> str:
+        """Return the outcome and a table of the figures, for a notebook."""
+        return html_of(self, "result_html")

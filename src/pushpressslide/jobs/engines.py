@@ -5,6 +5,7 @@ An engine's modules are imported when they are first used.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -143,9 +144,15 @@ ENGINES: Mapping[str, Engine] = {
 
 
 def engine_named(name: str) -> Engine:
-    """Return the engine of that name; raises PushPressSlideError for an unknown one."""
+    """Return the engine of that name.
+
+    Raises PushPressSlideError for an unknown one, and MissingPackageError for one that
+    is not installed.
+    """
     if name not in ENGINES:
         raise PushPressSlideError(
             f"engine: {name!r} is not allowed; allowed: {', '.join(ENGINES)}"
         )
+    if name == EngineName.drake:
+        importlib.import_module("pushpressslide.sim")
     return ENGINES[name]

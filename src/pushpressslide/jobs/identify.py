@@ -13,10 +13,10 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.identification.pairs import LENGTH
 from pushpressslide.identification.push_sets import load_sets
 from pushpressslide.identification.scoring import Identification, identified
-from pushpressslide.jobs.run import versions
 from pushpressslide.mechanics.rho import rho_pole
 from pushpressslide.report.identification import predicted_rho, write_identification
 from pushpressslide.report.json_text import to_json
+from pushpressslide.report.metrics import installed_versions
 
 SCHEMA = 1
 Progress = Callable[[float, float], None]
@@ -53,7 +53,7 @@ def identify(
         "sets": {each.push_set.name: _figures(each) for each in identifications},
         "mean_error_reduction": _reductions(identifications),
         "notes": notes,
-        "versions": versions(),
+        "versions": installed_versions(),
     }
     # of an older run: a folder that has one is complete
     (out / "result.json").unlink(missing_ok=True)

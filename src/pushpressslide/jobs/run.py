@@ -4,8 +4,6 @@ everything that a user looks at.
 
 from __future__ import annotations
 
-import importlib.metadata
-import platform
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +12,7 @@ from typing import Any
 from pushpressslide.control.run_loop import RunOptions
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
-from pushpressslide.core.record import Record
+from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.goals import run_goals
@@ -27,17 +25,6 @@ from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.planner import plan_of
 from pushpressslide.selection.select import MANY, select
 from pushpressslide.selection.solve import joined, solve
-
-
-def versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
-    out = {"python": platform.python_version()}
-    for name in ("pushpressslide", "drake", "numpy"):
-        try:
-            out[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            out[name] = "unknown"
-    return out
 
 
 def simulate(
@@ -135,13 +122,14 @@ def measured(record: Record, task: Task) -> Record:
     return replace(record, figures=measured_figures(record, task))
 
 
-def measured_figures(record: Record, task: Task | None = None) -> dict[str, Any]:
+def measured_figures(record: Record, task: Task | None = None) -> Figures:
     """Return what result.json holds for a record: SI units and radians, None where a
     figure does not apply; of a run of ``task``, by default that of its plan.
     """
     from pushpressslide.report.metrics import result
 
-    return result(task or record.plan.task, record.plan, record, versions())
+    measures = result(task or record.plan.task, record.plan, record)
+    return Figures(measures)
 
 
 def run_task(
@@ -175,7 +163,7 @@ def run_task(
         monitor=replace(monitor or Monitor(), interrupt=interrupt),
     )
     with interrupt.held():
-        result = measure(task, plan, record, versions())
+        result = measure(task, plan, record)
         if out is not None:
             write_data(out.folder, plan, record, result, choices)
     if interrupt():

@@ -19,7 +19,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.cluttered import cluttered_task, started_task
 from pushpressslide.jobs.rows import Row
-from pushpressslide.jobs.run import forced_choices, run_choice, simulate, versions
+from pushpressslide.jobs.run import forced_choices, run_choice, simulate
 from pushpressslide.jobs.sampling import random_task, uncertain_task, varied_task
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _figures(sample: Task, plan: Plan, record: Record) -> dict[str, Any]:
     """Return what a row holds of a run."""
     from pushpressslide.report.metrics import result as measure
 
-    measured = measure(sample, plan, record, versions())
+    measured = measure(sample, plan, record)
     return {
         "status": "reached" if measured["success"] else "missed",
         "code": measured["reason"]["code"],

@@ -24,10 +24,10 @@ from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.jobs.interrupt import blocked_for_children, terminated_as_interrupt
 from pushpressslide.jobs.parallel import worker_pool
 from pushpressslide.jobs.rows import Row, Rows, key_of, source_hash
-from pushpressslide.jobs.run import versions
 from pushpressslide.jobs.sample import FORCED, run_forced, run_sample, sample_task
 from pushpressslide.jobs.sampling import Draw
 from pushpressslide.jobs.summary import ATTEMPTED, summarise, write_table
+from pushpressslide.report.metrics import installed_versions
 
 Vary = Literal["truth", "tasks", "start", "knocks"]
 World = Literal["known", "uncertain"]
@@ -72,7 +72,7 @@ class SweepOptions:
             "vary": self.vary,
             "draw": self.draw,
             "world": self.world,
-            "versions": versions(),
+            "versions": installed_versions(),
             "source": source_hash(),
         }
 
@@ -98,6 +98,8 @@ def sweep(
         raise TaskError(task.source or task.name, "goals", bodies, reason)
     if options.batched:
         _check_batched(options)
+    else:
+        engine_named(options.engine)
     sample_task(task, options, 0)
     path = out / "rows.jsonl"
     if options.force:
@@ -262,7 +264,7 @@ def _write_results(
         "world": options.world,
         **summarise(rows.read(drawn), rows.read_forced(drawn)),
         "source": source_hash(),
-        "versions": versions(),
+        "versions": installed_versions(),
     }
     write_table(out / "table.md", rows.read(drawn), rows.read_forced(drawn))
     write_whole(out / "result.json", json.dumps(summary, indent=1).encode())

@@ -6,8 +6,17 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from typing import TYPE_CHECKING
 
 from pushpressslide.modes.base import Mode
+
+if TYPE_CHECKING:  # so that type checkers, too, find them as attributes
+    from pushpressslide.modes import bimanual_press_slide as bimanual_press_slide
+    from pushpressslide.modes import orthogonal_push as orthogonal_push
+    from pushpressslide.modes import parallel_push as parallel_push
+    from pushpressslide.modes import press_and_push as press_and_push
+    from pushpressslide.modes import press_slide as press_slide
+    from pushpressslide.modes import rear_push as rear_push
 
 
 def discovered() -> dict[str, Mode]:

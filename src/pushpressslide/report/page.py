@@ -16,6 +16,7 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
+from pushpressslide.report.contest_part import contest_part
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.filmstrip import filmstrip, motions
 from pushpressslide.report.page_tables import (
@@ -135,6 +136,7 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         f'<p class="links">{_links(run, page)}</p>',
         "<h3>Task</h3>",
         task_table(run.task, run.result),
+        contest_part(run.plan, run.choices),
         _choice_part(run),
         search_part(run.result.get("search")),
         image(plan, "plan", "The plan, made before anything moves."),

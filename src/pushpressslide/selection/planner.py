@@ -25,12 +25,39 @@ def usable(
     """
     able = [c for c in choices if c.segments and (c.feasible or force)]
     if not able:
-        raise InfeasibleTaskError(refusal(task, choices))
+        raise infeasible(task, choices)
     return able
 
 
+def infeasible(
+    task: Task, choices: Sequence[Choice], searched: str = "", lacking: str = ""
+) -> InfeasibleTaskError:
+    """Return the error that says why no choice can do the task.
+
+    ``searched`` says that several motions cannot, where they were searched for, and
+    ``lacking`` what the last of them lack.
+    """
+    part, refused = _refused(task, choices)
+    brief = f"{part.name}: no mode can do this task{searched}"
+    if refused:
+        brief += f"; {refused[0].mode}: {refused[0].refusal}"
+    message = refusal(task, choices) + searched + lacking
+    return InfeasibleTaskError(message, brief, refused)
+
+
 def refusal(task: Task, choices: Sequence[Choice]) -> str:
-    """Return one line that says why no choice can do the task."""
+    """Return one line that says why no choice can do the task, all reasons in it."""
+    part, refused = _refused(task, choices)
+    reasons = "; ".join(
+        f"{choice.mode}: {reason}" for choice, reason in gathered(refused)
+    )
+    return f"{part.source or part.name}: no mode can do this task: {reasons}"
+
+
+def _refused(task: Task, choices: Sequence[Choice]) -> tuple[Task, list[Choice]]:
+    """Return the leg that no choice does, and what stands against those that have as
+    many arms as they need.
+    """
     by_leg: dict[int, list[Choice]] = {}
     for choice in choices:
         by_leg.setdefault(choice.leg, []).append(choice)
@@ -42,12 +69,7 @@ def refusal(task: Task, choices: Sequence[Choice]) -> str:
     part = task.parts[refused[0].leg]
     arms = len(part.scene.arms)
     fitting = [c for c in refused if MODES[c.mode].arms <= arms] or refused
-    reasons = "; ".join(
-        f"{choice.mode}: {reason}"
-        for choice, reason in gathered(fitting)
-        if not choice.feasible
-    )
-    return f"{part.source or part.name}: no mode can do this task: {reasons}"
+    return part, [choice for choice in fitting if not choice.feasible]
 
 
 def gathered(choices: Sequence[Choice]) -> list[tuple[Choice, str]]:

@@ -12,7 +12,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Contact, Plan
 from pushpressslide.core.refusal import Refusal, literal
 from pushpressslide.core.task import Task
-from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.planner import infeasible, plan_of, usable
 from pushpressslide.selection.select import MANY, placements
 
 Problems = dict[tuple[str, tuple[Contact, ...], str, str], InfeasibleTaskError]
@@ -92,7 +92,7 @@ def prepared(
             continue
         if len(problems) == 1:
             raise next(iter(problems.values()))
-        raise InfeasibleTaskError(refusal(task, list(chain.from_iterable(groups))))
+        raise infeasible(task, list(chain.from_iterable(groups)))
     return list(chain.from_iterable(groups))
 
 

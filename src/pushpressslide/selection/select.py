@@ -129,11 +129,11 @@ def _ranked(choices: list[Choice]) -> list[Choice]:
     """
     squeeze: dict[str, float] = {}
     for choice in choices:
-        squeeze.setdefault(choice.mode, _squeeze(choice))
+        squeeze.setdefault(choice.mode, contact_squeeze(choice))
     return sorted(choices, key=lambda c: (*promptness(c), squeeze[c.mode]))
 
 
-def _squeeze(choice: Choice) -> float:
+def contact_squeeze(choice: Choice) -> float:
     """Return the share of equal pushes of its contacts that cancel each other."""
     normals = [contact.normal for contact in choice.contacts if contact.kind == "side"]
     if not normals:

@@ -15,7 +15,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Choice, Plan, Segment
 from pushpressslide.core.task import Leg, Restart, Task
 from pushpressslide.selection.leg_search import LegSearch, Step
-from pushpressslide.selection.planner import plan_of, refusal, usable
+from pushpressslide.selection.planner import infeasible, plan_of, usable
 from pushpressslide.selection.preparation import (
     PlansAlone,
     Preparation,
@@ -188,7 +188,7 @@ def _searched(
         if failed is None:
             return plan, search.tried
         search.ban(steps, failed[0], failed[-1], lacking)
-    raise InfeasibleTaskError(_refusal(task, choices, search, lacking))
+    raise _infeasible(task, choices, search, lacking)
 
 
 def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
@@ -233,19 +233,19 @@ def joined(preparation: Preparation, task: Task, begin: Restart | None = None) -
     return Plan(task, tuple(segments), begin)
 
 
-def _refusal(
+def _infeasible(
     task: Task, choices: Sequence[Choice], search: LegSearch, lacking: str
-) -> str:
-    """Return one line that says why neither one motion nor several do the task."""
+) -> InfeasibleTaskError:
+    """Return the error that says why neither one motion nor several do the task."""
     refused = [choice for choice in choices if not choice.feasible]
-    text = refusal(task, refused or choices)
-    text += (
+    searched = (
         f"; nor do several motions by way of {len(search.poses) - 2} poses "
         f"({search.judged} judged)"
     )
+    last = ""
     if lacking:
-        text += f", the last of {len(search.banned)} that might: {lacking}"
-    return text
+        last = f", the last of {len(search.banned)} that might: {lacking}"
+    return infeasible(task, refused or choices, searched, last)
 
 
 class _Clock:

@@ -43,7 +43,12 @@ from pushpressslide.mechanics.limit_surface import (
 )
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.planning.dubins import shortest_path
-from pushpressslide.studies.bench.compared import Contestants, Row, compared
+from pushpressslide.studies.bench.compared import (
+    Contestants,
+    Row,
+    compared,
+    not_installed,
+)
 from pushpressslide.tracking import rear_stanley as stanley
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
@@ -51,8 +56,8 @@ Call = Callable[[], object]
 SIZES = (10_000, 300_000)  # rows of a batch
 ALONE = 200  # rows that are done one by one
 PATHS = 2_000  # Dubins paths that others find one by one
-NO_NUMBA = "not installed: pip install 'pushpressslide[fast]'"
-NO_OMPL = "not installed: pip install 'pushpressslide[bench]'"
+NO_NUMBA = not_installed("fast")
+NO_OMPL = not_installed("bench")
 COPY = "copy"
 COMPILED = "compiled"
 NUMPY = "NumPy"

@@ -5,10 +5,11 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+Outcome = TypeVar("Outcome")
 Row = dict[str, Any]
 Call = tuple[Callable[..., object], tuple[Any, ...]]
 """A function, and what to call it with."""
@@ -72,6 +73,38 @@ def measured(what: str, median: float, first: float, **figures: float) -> Row:
     return {"what": what, **times, **figures, "note": ""}
 
 
+def not_installed(extra: str) -> str:
+    """Return the note on a contestant whose package an extra of ours brings."""
+    return f"not installed: pip install 'pushpressslide[{extra}]'"
+
+
 def missing(what: str, note: str) -> Row:
     """Return the row of a contestant that is not there, and why."""
     return {"what": what, "median_us": None, "ratio": None, "note": note}
+
+
+def rows_of_runs(
+    runs: Mapping[str, Callable[[], Outcome | str]],
+    rounds: int,
+    seconds: Callable[[Outcome], float],
+    figures: Callable[[Outcome, float], Mapping[str, float]],
+) -> list[Row]:
+    """Return the row of each contestant that is run whole, so many times: its median
+    time over that of the first.
+
+    ``seconds`` is the time [s] of an outcome, ``figures`` are what else its row holds,
+    from the first outcome and the median [s]. A text in place of an outcome says why
+    there is none.
+    """
+    rows: list[Row] = []
+    first: float | None = None
+    for name, run in runs.items():
+        found = [run() for _ in range(rounds)]
+        outcomes = [one for one in found if not isinstance(one, str)]
+        if not outcomes:
+            rows.append(missing(name, str(found[0])))
+            continue
+        median = float(np.median([seconds(one) for one in outcomes]))
+        first = first or median
+        rows.append(measured(name, median, first, **figures(outcomes[0], median)))
+    return rows

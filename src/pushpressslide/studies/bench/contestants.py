@@ -6,7 +6,7 @@ presses change, and once with all of it kept but the numbers that change.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,9 +16,10 @@ from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.errors import MissingPackageError
 from pushpressslide.core.pose import Point
 from pushpressslide.studies.bench import solvers
-from pushpressslide.studies.bench.compared import Call, Contestants
+from pushpressslide.studies.bench.compared import Call, Contestants, not_installed
 
 Make = Callable[..., Callable[..., object]]
 """From a problem to what solves it."""
@@ -36,7 +37,8 @@ PUSHES: tuple[tuple[Pair, Pair], ...] = (
 )
 # points [m]
 PRESSES: tuple[Pair, ...] = (((0.0, 0.3), (0.0, -0.3)), ((-0.1, 0.2), (0.15, -0.2)))
-ABSENT = "not installed: pip install 'pushpressslide[bench]'"
+ABSENT = not_installed("bench")
+NO_DRAKE = not_installed("drake")
 
 
 def push_contestants(seed: int) -> Contestants:
@@ -45,8 +47,6 @@ def push_contestants(seed: int) -> Contestants:
     Ours also by what it has to do: nothing but the split that is wanted, or go to the
     edge of a cone, or move a wrench that is not possible.
     """
-    from pushpressslide.sim.bench_solvers import PUSH_SOLVERS, drake_pushes
-
     rng = np.random.default_rng(seed)
     cases: list[Case] = []
     for points, normals in PUSHES:
@@ -57,8 +57,34 @@ def push_contestants(seed: int) -> Contestants:
     for name, reuse in (("DAQP", False), ("DAQP, workspace kept", True)):
         make: Make = partial(solvers.daqp_pushes, friction=FRICTION, reuse=reuse)
         out[name] = _calls_if_installed(make, cases)
-    for name in PUSH_SOLVERS:
-        make = partial(_drake_push, partial(drake_pushes, name))
+    return out | _drakes(_push_solvers, _drake_push, cases)
+
+
+def _push_solvers() -> tuple[Iterable[str], Make]:
+    from pushpressslide.sim.bench_solvers import PUSH_SOLVERS, drake_pushes
+
+    return PUSH_SOLVERS, drake_pushes
+
+
+def _press_solvers() -> tuple[Iterable[str], Make]:
+    from pushpressslide.sim.bench_solvers import PRESS_SOLVERS, drake_presses
+
+    return PRESS_SOLVERS, drake_presses
+
+
+def _drakes(
+    find: Callable[[], tuple[Iterable[str], Make]],
+    problem: Callable[..., Callable[..., object]],
+    cases: Sequence[Case],
+) -> Contestants:
+    """Return Drake's solvers, each with its program built anew and kept."""
+    try:
+        names, solver = find()
+    except MissingPackageError:
+        return {"Drake": NO_DRAKE}
+    out: Contestants = {}
+    for name in names:
+        make = partial(problem, partial(solver, name))
         out[f"Drake {name}"] = _calls(partial(_rebuilt, make), cases)
         out[f"Drake {name}, program kept"] = _calls(make, cases)
     return out
@@ -115,8 +141,6 @@ def _closed_form_pushes(cases: Sequence[Case]) -> Contestants:
 
 def press_contestants(seed: int) -> Contestants:
     """Return us, Clarabel and Drake's solvers, on possible wrenches of two presses."""
-    from pushpressslide.sim.bench_solvers import PRESS_SOLVERS, drake_presses
-
     rng = np.random.default_rng(seed)
     ours: list[Call] = []
     cases: list[Case] = []
@@ -132,11 +156,7 @@ def press_contestants(seed: int) -> Contestants:
     for name, reuse in (("Clarabel", False), ("Clarabel, solver kept", True)):
         make: Make = partial(solvers.clarabel_presses, friction=FRICTION, reuse=reuse)
         out[name] = _calls_if_installed(make, cases)
-    for name in PRESS_SOLVERS:
-        make = partial(_drake_press, partial(drake_presses, name))
-        out[f"Drake {name}"] = _calls(partial(_rebuilt, make), cases)
-        out[f"Drake {name}, program kept"] = _calls(make, cases)
-    return out
+    return out | _drakes(_press_solvers, _drake_press, cases)
 
 
 def _possible_presses(

@@ -17,9 +17,10 @@ import numpy as np
 from pushpressslide.batch.loops import by_numpy, installed
 from pushpressslide.batch.pushed_bodies import PushedBodies
 from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.errors import MissingPackageError
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit
-from pushpressslide.studies.bench.compared import Row, measured, missing
+from pushpressslide.studies.bench.compared import Row, not_installed, rows_of_runs
 
 SIZE = (0.2, 0.12, 0.06)  # [m]
 MASS = 1.0  # [kg]
@@ -34,8 +35,9 @@ BODIES = 10_000  # in the batch
 ROUNDS = 5
 PHYSICS_STEP = 0.002  # [s] of MuJoCo and Drake
 STIFF = 2_000.0  # [N s/m] of the ball's velocity servo
-NO_MUJOCO = "not installed: pip install 'pushpressslide[bench]'"
-NO_NUMBA = "not installed: pip install 'pushpressslide[fast]'"
+NO_DRAKE = not_installed("drake")
+NO_MUJOCO = not_installed("bench")
+NO_NUMBA = not_installed("fast")
 
 
 class Pushed(NamedTuple):
@@ -58,21 +60,16 @@ def engines() -> list[Row]:
         "MuJoCo": _mujoco,
         "Drake, hydroelastic": _drake,
     }
-    rows: list[Row] = []
-    first: float | None = None
-    for name, run in makers.items():
-        found = [run() for _ in range(ROUNDS)]
-        pushes = [push for push in found if isinstance(push, Pushed)]
-        if not pushes:
-            rows.append(missing(name, str(found[0])))
-            continue
-        median = float(np.median([push.wall_time for push in pushes]))
-        first = first or median
-        push = pushes[0]
-        place = {"x_mm": 1e3 * push.x, "y_mm": 1e3 * push.y}
-        turned = math.degrees(push.yaw)
-        rows.append(measured(name, median, first, **place, yaw_deg=turned))
-    return rows
+    return rows_of_runs(
+        makers,
+        ROUNDS,
+        seconds=lambda push: push.wall_time,
+        figures=lambda push, _: {
+            "x_mm": 1e3 * push.x,
+            "y_mm": 1e3 * push.y,
+            "yaw_deg": math.degrees(push.yaw),
+        },
+    )
 
 
 def _rho() -> float:
@@ -176,8 +173,10 @@ def _mujoco() -> Pushed | str:
     return Pushed(spent, x, y, 2.0 * math.atan2(z, w))
 
 
-def _drake() -> Pushed:
-    from pushpressslide.sim.bench_push import BoxPush, pushed_box
-
+def _drake() -> Pushed | str:
+    try:
+        from pushpressslide.sim.bench_push import BoxPush, pushed_box
+    except MissingPackageError:
+        return NO_DRAKE
     push = BoxPush(SIZE, MASS, FRICTION, TIP_FRICTION, RADIUS, OFF, SPEED)
     return Pushed(*pushed_box(push, TIME, PHYSICS_STEP, STIFF))

@@ -28,7 +28,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
-from pushpressslide.studies.bench.compared import Row, measured, missing
+from pushpressslide.studies.bench.compared import Row, measured, missing, not_installed
 
 TASKS = ("rear-push-rear", "rear-push-left")
 PERIOD = 0.02  # [s] of control
@@ -43,7 +43,7 @@ FORCE = 0.02  # [m/s] of the force's size, which is a velocity here
 FINE = 0.0005  # [m] between the poses of a path that are looked at
 LONGEST = 1.5  # times the path that a push may take
 OFF = 0.25  # of rho and friction, that the plant differs from what is believed
-ABSENT = "not installed: pip install 'pushpressslide[bench]'"
+ABSENT = not_installed("bench")
 
 Controller = Callable[[Pose2, float], Point | None]
 """From X_WB and the way [m] that the reference has done to the pusher's velocity [m/s] in

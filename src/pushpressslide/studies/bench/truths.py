@@ -8,12 +8,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 
-import numpy as np
-
 from pushpressslide.batch.loops import by_numpy, installed
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.task import Task
-from pushpressslide.studies.bench.compared import Row, measured, missing
+from pushpressslide.studies.bench.compared import Row, rows_of_runs
 from pushpressslide.studies.bench.engines import NO_NUMBA
 
 TASK = "rear-push-rear"
@@ -42,18 +40,12 @@ def truths(seed: int) -> list[Row]:
     }
     if installed():
         _batch(plan, task, seed, 1)  # compiled at the first use
-    rows: list[Row] = []
-    first: float | None = None
-    for name, run in makers.items():
-        found = [run() for _ in range(ROUNDS)]
-        times = [time for time in found if isinstance(time, float)]
-        if not times:
-            rows.append(missing(name, str(found[0])))
-            continue
-        median = float(np.median(times))
-        first = first or median
-        rows.append(measured(name, median, first, samples_s=SAMPLES * median))
-    return rows
+    return rows_of_runs(
+        makers,
+        ROUNDS,
+        seconds=lambda time: time,
+        figures=lambda _, median: {"samples_s": SAMPLES * median},
+    )
 
 
 def _batch(plan: Plan, task: Task, seed: int, count: int | None = None) -> float:

@@ -17,8 +17,9 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.engines import DEFAULT, engine_named
 from pushpressslide.jobs.parallel import Progress, in_parallel
-from pushpressslide.jobs.run import Output, run_task, versions
+from pushpressslide.jobs.run import Output, run_task
 from pushpressslide.report.files import load_run
+from pushpressslide.report.metrics import installed_versions
 from pushpressslide.studies.paper.claims import claims
 from pushpressslide.studies.paper.corrections import corrections
 from pushpressslide.studies.paper.evidence import Evidence, Outcome
@@ -97,8 +98,9 @@ def _write(
     axle = evidence.axle
     judged = claims(experiments, evidence)
     corrected = corrections()
-    made_by = versions()
-    programs = ", ".join(f"{name} {version}" for name, version in made_by.items())
+    made_by = installed_versions()
+    found = (f"{name} {version}" for name, version in made_by.items() if version)
+    programs = ", ".join(found)
     footer = f"Engine {engine}, seed {seed}; {programs}."
     page = write_page(experiments, evidence, judged, corrected, out, footer)
     write_table(experiments, evidence, judged, out / "table.md")

@@ -20,10 +20,10 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.task import Box, Task
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.parallel import Progress, in_parallel
-from pushpressslide.jobs.run import versions
 from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
+from pushpressslide.report.metrics import installed_versions
 from pushpressslide.taskfile.load import load_task
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def result_of(task: Task, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "curves": [_curve(pressed(task, load, height)) for height, load in settings],
         "paper_figures": paper_figures(task),
         "summary": summarise(table),
-        "versions": versions(),
+        "versions": installed_versions(),
     }
 
 

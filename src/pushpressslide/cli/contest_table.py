@@ -1,0 +1,40 @@
+"""Why the mode of a run was taken, on the terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from pushpressslide.cli.tables import simple_table
+from pushpressslide.core.plan import Choice
+from pushpressslide.report.files import PLAN, load_run
+from pushpressslide.report.stage_files import is_staged
+from pushpressslide.selection.contest import Contest, contests
+
+
+def print_contests(folder: Path) -> None:
+    """Print why each mode of the run in ``folder`` was taken, beside its rivals; nothing
+    where its motions were found by a search, or where there is no plan of one task.
+    """
+    if is_staged(folder) or not (folder / PLAN).is_file():
+        return
+    run = load_run(folder)
+    console = Console(markup=False, highlight=False)
+    for contest in contests(run.plan, run.choices):
+        console.print(contest.sentence)
+        if contest.rivals:
+            console.print(_table(contest))
+
+
+def _table(contest: Contest) -> Table:
+    table = simple_table("mode", "time s", "verdict")
+    table.add_row(contest.winner.mode, _time(contest.winner), "taken")
+    for rival in contest.rivals:
+        table.add_row(rival.mode, _time(rival), contest.verdict(rival))
+    return table
+
+
+def _time(choice: Choice) -> str:
+    return "-" if choice.time is None else f"{choice.time:.1f}"

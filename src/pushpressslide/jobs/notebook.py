@@ -1,0 +1,58 @@
+"""Plans, records and results as HTML in a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.record import Record
+from pushpressslide.planar.replay import write_replay
+from pushpressslide.report import style
+from pushpressslide.report.page import image, verdict
+from pushpressslide.report.page_tables import figures_table
+from pushpressslide.report.plane import plan_figure
+from pushpressslide.report.series import finite_part, ticks
+
+HEIGHT = 560  # [pixels] of a replay
+
+
+def plan_html(plan: Plan) -> str:
+    """Return the picture of a plan."""
+    return image(style.png(plan_figure(plan)), "plan", repr(plan))
+
+
+def result_html(result: Mapping[str, Any]) -> str:
+    """Return the outcome and the table of figures of a run."""
+    return verdict(result) + figures_table(result)
+
+
+def record_html(record: Record) -> str:
+    """Return how a run ended, its replay from above, and its figures where it was
+    measured.
+    """
+    ending = f"<p>{escape(repr(record))}</p>"
+    figures = ""
+    if record.figures:
+        ending = verdict(record.figures)
+        table = figures_table(record.figures)
+        figures = f"<details><summary>Figures</summary>{table}</details>"
+    return ending + _replay(record) + figures
+
+
+def _replay(record: Record) -> str:
+    """Return the replay as a page inside the page; empty where nothing was recorded, and
+    of a run in stages, whose other bodies the view from above does not move.
+    """
+    if not ticks(record) or "stage" in record.arrays:
+        return ""
+    shown = finite_part(record)
+    with TemporaryDirectory() as folder:
+        page = write_replay(record.plan, shown, Path(folder)).read_text("utf-8")
+    return (
+        f'<iframe srcdoc="{escape(page)}" width="100%" height="{HEIGHT}" '
+        'title="replay" style="border: 0"></iframe>'
+    )

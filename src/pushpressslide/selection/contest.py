@@ -1,0 +1,79 @@
+"""Why a mode was taken: the chosen placement beside the best one of every other mode."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pushpressslide.core.plan import Choice, Plan
+from pushpressslide.selection.select import contact_squeeze
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """The choice of one placement that a plan took, and what it was taken from."""
+
+    winner: Choice
+    rivals: tuple[Choice, ...]  # the best of every other mode, in the order of ranking
+
+    @property
+    def sentence(self) -> str:
+        """One line: why the winner was taken. Times are selection's estimates."""
+        mode = self.winner.mode
+        if not self.winner.feasible:
+            return f"{mode} was asked for, although it is refused: {self.winner.reason}"
+        if not self.rivals:
+            return f"{mode} is the only mode that the task allows."
+        able = [rival for rival in self.rivals if rival.feasible]
+        if not able:
+            return f"{mode} is taken: no other mode can do the task."
+        count = f"{len(able) + 1} modes that can do the task"
+        time = _seconds(self.winner)
+        lead = self.lead(able[0])
+        if lead is None or lead <= 0.0:
+            return f"{mode} is taken of {count}: {self._equal(able[0], time)}."
+        return (
+            f"{mode} is taken: of {count} it is the quickest, {time} expected "
+            f"with approach and release; {able[0].mode} follows with "
+            f"{_seconds(able[0])}."
+        )
+
+    def lead(self, rival: Choice) -> float | None:
+        """Return how much slower [s] a rival is; None where a time is not known."""
+        if self.winner.time is None or rival.time is None:
+            return None
+        return round(rival.time - self.winner.time, 3)
+
+    def verdict(self, rival: Choice) -> str:
+        """Say in a few words why a rival was not taken."""
+        if not rival.feasible:
+            return f"refused: {rival.reason}"
+        lead = self.lead(rival)
+        if lead is None or lead <= 0.0:
+            return "as quick"
+        return f"{lead:.1f} s slower"
+
+    def _equal(self, rival: Choice, time: str) -> str:
+        """Say what decides between equally quick modes."""
+        text = f"as quick as {rival.mode}, {time}"
+        if contact_squeeze(self.winner) < contact_squeeze(rival):
+            text += ", and its contacts push less against each other"
+        return text
+
+
+def contests(plan: Plan, choices: Sequence[Choice]) -> list[Contest]:
+    """Return one contest for each choice that ``plan`` took of ``choices``, the ranked
+    ones of its task; none where its motions were found by a search.
+    """
+    found = []
+    for winner in plan.chosen(choices):
+        best: dict[str, Choice] = {}
+        for choice in choices:
+            if choice.leg == winner.leg and choice.mode != winner.mode:
+                best.setdefault(choice.mode, choice)
+        found.append(Contest(winner, tuple(best.values())))
+    return found
+
+
+def _seconds(choice: Choice) -> str:
+    return "unknown time" if choice.time is None else f"{choice.time:.1f} s"

@@ -1,0 +1,110 @@
+"""What is printed fits 80 columns, names what was written, and opens pages only where
+there is a screen.
+"""
+
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from pushpressslide.cli import app, shell
+from pushpressslide.cli.bench_table import print_benchmarks
+
+Refusal = Callable[..., str]
+SLIPPERY = ("any-mode", "--set", "contact.friction=0.05", "--set", "limits.legs=1")
+
+
+def invoke(*args: str) -> Result:
+    return CliRunner().invoke(app, list(args), env={"COLUMNS": "80"})
+
+
+@pytest.mark.parametrize("command", ["run", "plan"])
+def test_a_refusal_is_one_short_line_that_names_one_reason(
+    command: str, refusal: Refusal, tmp_path: Path
+) -> None:
+    line = refusal(command, *SLIPPERY, "--out", str(tmp_path))
+    assert line == (
+        "pps: any-mode: no mode can do this task; bimanual_press_slide: contact "
+        "friction 0.05 must exceed the support's, 0.3: no press drags (--verbose shows "
+        "all)"
+    )
+
+
+@pytest.mark.parametrize("command", ["run", "plan"])
+def test_verbose_shows_the_reasons_of_every_mode_as_a_table(
+    command: str, tmp_path: Path
+) -> None:
+    result = invoke(command, *SLIPPERY, "--verbose", "--out", str(tmp_path))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    *table, line = result.stderr.splitlines()
+    assert "no mode can do this task" in line
+    assert "--verbose" not in line
+    assert table[0].split()[:2] == ["mode", "verdict"]
+    assert all(len(row.rstrip()) <= 80 for row in table)
+    named = {row.split()[0] for row in table[1:] if not row.startswith(" ")}
+    assert named == {
+        "bimanual_press_slide",
+        "orthogonal_push",
+        "parallel_push",
+        "press_and_push",
+        "press_slide",
+        "rear_push",
+    }
+
+
+def test_a_shipped_task_goes_by_its_file_s_name(refusal: Refusal) -> None:
+    line = refusal("run", "rear-push-rear", "--set", "goal.x=2")
+    assert line.startswith("pps: rear-push-rear.yaml: goal: ")
+
+
+@pytest.mark.parametrize("task", ["rear-push-rear", "swap"])
+@pytest.mark.parametrize("command", ["select", "plan"])
+def test_what_was_written_is_named_last(
+    command: str, task: str, tmp_path: Path
+) -> None:
+    written = Path(invoke(command, task, "--out", str(tmp_path)).stdout.split()[-1])
+    assert written.is_file()
+    assert written.parent == tmp_path
+
+
+ROW = {
+    "task": "bimanual-slide",
+    "tick_us": 12.3,
+    "p99_us": 33.1,
+    "longest_us": 900.0,
+    "run_over_played_back": 1.25,
+    "wall_per_simulated": 0.38,
+    "apart_mm": 0.02,
+}
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_a_table_that_is_too_wide_cuts_no_word(
+    columns: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    print_benchmarks({"runs": [ROW]})
+    lines = capsys.readouterr().out.splitlines()
+    words = [word for line in lines for word in line.split()]
+    for expected in ("bimanual-slide", "percentile", "torques", "simulated", "1.25"):
+        assert expected in words
+    assert all(len(line) <= columns for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("platform", "screen", "opened"),
+    [("linux", "", False), ("linux", ":0", True), ("darwin", "", True)],
+)
+def test_a_page_is_opened_only_where_there_is_a_screen(
+    platform: str, screen: str, opened: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pages: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", pages.append)
+    monkeypatch.setattr(shell.sys, "platform", platform)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setenv("DISPLAY", screen)
+    shell.show_page("http://localhost:7000")
+    assert pages == ["http://localhost:7000"] * opened
