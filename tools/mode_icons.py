@@ -110,11 +110,11 @@ def _forces(task: pps.Task, segment: Segment) -> list[tuple[float, float]]:
 
 def _axle(axes: Any, X_BV: Pose2, radius: float) -> None:
     """Draw the virtual axle, across the vehicle's heading."""
-    x, y = X_BV.x / radius, X_BV.y / radius
+    place = np.array(X_BV.position) / radius
     across = np.array(X_BV.rotate((0.0, 0.55)))
-    ends = np.array([(x, y) - across, (x, y) + across])
+    ends = np.array([place - across, place + across])
     axes.plot(*ends.T, "--", color=style.GREEN, lw=1.6)
-    axes.plot(x, y, ".", color=style.GREEN, ms=7)
+    axes.plot(*place, ".", color=style.GREEN, ms=7)
 
 
 if __name__ == "__main__":
