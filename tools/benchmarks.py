@@ -76,12 +76,27 @@ def write() -> None:
     ]
     _renew(PAGE, "bench", "\n".join(parts))
     _renew(README, "speed", "\n".join(_speed(result["benchmarks"])))
+    _renew(README, "fast", _fact(result["benchmarks"]))
 
 
 def _renew(page: Path, mark: str, text: str) -> None:
     """Write ``text`` between the marks of a page."""
     before = page.read_text(encoding="utf-8")
     page.write_text(renewed(before, mark, text), encoding="utf-8")
+
+
+def _fact(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
+    """Return the README's second fact: how long a tick takes, beside solvers."""
+    pushes = {row["what"]: row for row in benchmarks["pushes"]}
+    one = pushes["closed form"]["median_us"]
+    quickest = min(row["ratio"] for name, row in pushes.items() if name != "closed form")
+    ours, _, hpipm = benchmarks["mpc"][:3]
+    return (
+        f"- **It is quick.** Contact forces inside their cones take {one:.2g} us, the "
+        f"quickest solver {quickest:.1f} times as long; tracking and allocation "
+        f"together {ours['median_us']:.2g} us, one step of a model-predictive "
+        f"controller {hpipm['ratio']:.0f} times ([benchmarks](docs/benchmarks.md))."
+    )
 
 
 def _speed(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
