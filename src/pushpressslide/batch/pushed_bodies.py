@@ -168,7 +168,7 @@ def advanced(
     passed = (time <= 0.0) & (until < pusher.dt)  # beside the face, at its level
     gap = where(passed, math.inf, gap)
     gap = where(on & (into > 0.0), 0.0, gap)
-    return (*after, place + rest, gap)
+    return after.x, after.y, after.yaw, place + rest, gap
 
 
 def moved(pose: PoseColumns, twist: TwistColumns, time: Column) -> PoseColumns:

@@ -45,7 +45,7 @@ class TipForce(NamedTuple):
     ft: Column
     touches: Column  # truth value
     sticks: Column  # truth value
-    side: Column  # ft over fn while it slips
+    left: Column  # truth value: a slip is to the left
 
 
 class Slope(NamedTuple):
@@ -70,13 +70,14 @@ def tip_force(twist: TwistColumns, tip: SideTip) -> TipForce:
     ft = tip.ft - tip.bt * along
     touches = fn > 0.0
     sticks = np.abs(ft) <= tip.friction * fn
-    side = where(ft > 0.0, tip.friction, -tip.friction)
+    left = ft > 0.0
+    slips = where(left, tip.friction, -tip.friction) * fn
     return TipForce(
         where(touches, fn, 0.0),
-        where(touches, where(sticks, ft, side * fn), 0.0),
+        where(touches, where(sticks, ft, slips), 0.0),
         touches,
         sticks & touches,
-        side,
+        left,
     )
 
 
@@ -95,9 +96,10 @@ def tip_slope(tip: SideTip, force: TipForce) -> Slope:
     nx = bn * tip.nx
     ny = bn * tip.ny
     nw = bn * tip.arm_n
-    tx = where(force.sticks, -tip.bt * tip.ny, force.side * nx)
-    ty = where(force.sticks, tip.bt * tip.nx, force.side * ny)
-    tw = where(force.sticks, tip.bt * tip.centre_t, force.side * nw)
+    side = where(force.left, tip.friction, -tip.friction)
+    tx = where(force.sticks, -tip.bt * tip.ny, side * nx)
+    ty = where(force.sticks, tip.bt * tip.nx, side * ny)
+    tw = where(force.sticks, tip.bt * tip.centre_t, side * nw)
     x = tip_wrench(tip, nx, tx)
     y = tip_wrench(tip, ny, ty)
     w = tip_wrench(tip, nw, tw)

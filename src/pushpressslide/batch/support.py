@@ -83,15 +83,16 @@ def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
     """Return bodies on the exact surface of one pressure, for ``friction`` (...) of the
     pair object/support.
 
-    Raises ValueError for friction <= 0 and for a pressure without extent.
+    Raises ValueError for friction <= 0, and for a pressure with pins: about one of
+    them a body turns with no drag that could be found.
     """
     (mu,) = figures(friction)
     check_positive(mu, "friction", "")
+    check_positive(samples.radii[samples.loads > 0.0], "radius of a sample", "m")
     arms = samples.points - np.array(samples.cop)
     shares = samples.loads / samples.total_load
     square = (arms**2).sum(axis=1) + samples.radii**2
     rho = np.sqrt(shares @ square)
-    check_positive(rho, "extent of the pressure", "m")
     return Support(
         arms / rho, samples.radii / rho, shares, rho, mu * samples.total_load
     )
