@@ -31,6 +31,7 @@ from pushpressslide.batch.elementwise import (
 )
 from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.batch.pushing import Contact, Vector, pushed
+from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
 
 SMALL = 1e-4  # [rad] turns below which the chord is taken from its series
@@ -161,22 +162,28 @@ def advanced(
     )
     _, _, _, ux, uy, w, slip = pushed(Vector(vx, vy), contact)
     time = where(on, time, 0.0)
-    turn = w * time
-    small = np.abs(turn) < SMALL
-    angle = where(small, 1.0, turn)
-    ahead = where(small, 1.0 - turn * turn / 6.0, sin(angle) / angle)
-    aside = where(small, 0.5 * turn, (1.0 - cos(angle)) / angle)
-    dx = (ahead * ux - aside * uy) * time
-    dy = (aside * ux + ahead * uy) * time
+    after = moved(pose, TwistColumns(ux, uy, w), time)
     rest = where(on, slip * time, along * (pusher.dt - free))
     gap = pusher.gap - into * pusher.dt
     passed = (time <= 0.0) & (until < pusher.dt)  # beside the face, at its level
     gap = where(passed, math.inf, gap)
     gap = where(on & (into > 0.0), 0.0, gap)
-    return (
-        pose.x + c * dx - s * dy,
-        pose.y + s * dx + c * dy,
-        pose.yaw + turn,
-        place + rest,
-        gap,
+    return after.x, after.y, after.yaw, place + rest, gap
+
+
+def moved(pose: PoseColumns, twist: TwistColumns, time: Column) -> PoseColumns:
+    """Return the pose after a time [s] of a constant twist of the body's origin, in the
+    body's own frame.
+    """
+    turn = twist.w * time
+    small = np.abs(turn) < SMALL
+    angle = where(small, 1.0, turn)
+    ahead = where(small, 1.0 - turn * turn / 6.0, sin(angle) / angle)
+    aside = where(small, 0.5 * turn, (1.0 - cos(angle)) / angle)
+    dx = (ahead * twist.vx - aside * twist.vy) * time
+    dy = (aside * twist.vx + ahead * twist.vy) * time
+    c = cos(pose.yaw)
+    s = sin(pose.yaw)
+    return PoseColumns(
+        pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, pose.yaw + turn
     )

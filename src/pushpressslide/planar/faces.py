@@ -16,10 +16,10 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.shapes import Shape
 from pushpressslide.core.sides import Side
 from pushpressslide.core.task import ObjectModel
+from pushpressslide.mechanics.balance import PASSED
 
 NEAR = 2e-3  # [m] a wall that is farther off is not met within a tick
 NO_WALL = (math.inf, (1.0, 0.0))  # far off
-PASSED = 1e-3  # [m] behind a face: a tip there came round its end, not through it
 
 
 class Face(Protocol):

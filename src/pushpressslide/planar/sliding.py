@@ -12,18 +12,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from pushpressslide.mechanics.balance import (
+    BALANCE,
+    CREEP,
+    DRAG_SPEED,
+    HALVINGS,
+    SOFTENING,
+    STEPS,
+    TRIALS,
+)
 from pushpressslide.planar.contact import Contact
-from pushpressslide.planar.support import CREEP, Matrix, SupportFriction, Vector
+from pushpressslide.planar.support import Matrix, SupportFriction, Vector
 
 REST: Vector = (0.0, 0.0, 0.0)
-BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
-STEPS = 25  # of Newton's method
-HALVINGS = 40  # of one step that goes too far
-# of the friction over the speed, added to its slope: it has none along the motion
-SOFTENING = 1e-6
-# [m/s] of which the drag is mu N, when balance is looked for by letting the object go
-DRAG_SPEED = 0.01
-TRIALS = 60
 
 
 def slide(

@@ -12,12 +12,12 @@ import numpy as np
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.shapes import Shape
+from pushpressslide.mechanics.balance import CREEP
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 
 Vector = tuple[float, float, float]
 Matrix = list[list[float]]
 
-CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
 RESOLUTION = 6  # of the pressure: torsion is right to 0.2 %
 # of the base's inner radius: spacing of the CoPs for which pressures are made
 GRID = 0.005

@@ -11,6 +11,7 @@ from pushpressslide.studies.bench import engines
 def quick(monkeypatch):
     monkeypatch.setattr(engines, "ROUNDS", 1)
     monkeypatch.setattr(engines, "BODIES", 20)
+    monkeypatch.setattr(engines, "EXACT_BODIES", 2)
 
 
 def test_the_box_comes_to_about_the_same_place():
@@ -19,6 +20,13 @@ def test_the_box_comes_to_about_the_same_place():
     batch = rows["batch, NumPy"]
     assert batch["y_mm"] == pytest.approx(alone["y_mm"], abs=1e-6)
     assert batch["yaw_deg"] == pytest.approx(alone["yaw_deg"], abs=1e-6)
+    planar = rows["planar engine, one by one"]
+    exact = rows["batch, exact surface, NumPy"]
+    for figure in ("x_mm", "y_mm", "yaw_deg"):
+        assert exact[figure] == pytest.approx(planar[figure], abs=1e-6)
+    # the tip gives way, by friction over damping: 1.5 mm in a second
+    assert exact["x_mm"] == pytest.approx(alone["x_mm"], abs=1.6)
+    assert exact["yaw_deg"] == pytest.approx(alone["yaw_deg"], abs=0.6)
     drake = rows["Drake, hydroelastic"]
     assert drake["y_mm"] == pytest.approx(alone["y_mm"], abs=1.0)
     assert drake["yaw_deg"] == pytest.approx(alone["yaw_deg"], abs=0.5)

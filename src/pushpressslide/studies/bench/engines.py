@@ -1,7 +1,7 @@
 """One push of a box by a ball, in several engines: the time for a second of it.
 
-The ball goes straight at a given velocity, beside the centre of the face. The batch
-does many such pushes at once; its time is that of one of them.
+The ball goes straight at a given velocity, beside the centre of the face. The batches
+do many such pushes at once; their time is that of one of them.
 """
 
 from __future__ import annotations
@@ -15,11 +15,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pushpressslide.batch.loops import by_numpy, installed
+from pushpressslide.batch.planar_world import Faces, PlanarWorld, Tips
 from pushpressslide.batch.pushed_bodies import PushedBodies
+from pushpressslide.batch.support import exact_support
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import MissingPackageError
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit
+from pushpressslide.planar.support import RESOLUTION
 from pushpressslide.studies.bench.compared import Row, not_installed, rows_of_runs
 
 SIZE = (0.2, 0.12, 0.06)  # [m]
@@ -32,9 +35,10 @@ SPEED = 0.05  # [m/s]
 TIME = 1.0  # [s]
 STEPS = 250  # of the quasi-static engines
 BODIES = 10_000  # in the batch
+EXACT_BODIES = 300  # on the exact surface
 ROUNDS = 5
 PHYSICS_STEP = 0.002  # [s] of MuJoCo and Drake
-STIFF = 2_000.0  # [N s/m] of the ball's velocity servo
+STIFF = 2_000.0  # [N s/m] of the ball's velocity servo, and of the compliant tip
 NO_DRAKE = not_installed("drake")
 NO_MUJOCO = not_installed("bench")
 NO_NUMBA = not_installed("fast")
@@ -57,6 +61,9 @@ def engines() -> list[Row]:
         "batch, compiled": lambda: _batch() if installed() else NO_NUMBA,
         "batch, NumPy": _numpy_batch,
         "one by one, closed form": _alone,
+        "batch, exact surface, compiled": lambda: _exact() if installed() else NO_NUMBA,
+        "batch, exact surface, NumPy": _numpy_exact,
+        "planar engine, one by one": _planar,
         "MuJoCo": _mujoco,
         "Drake, hydroelastic": _drake,
     }
@@ -115,6 +122,64 @@ def _alone() -> Pushed:
         out = push_outcome(surface, contact, (1.0, 0.0), TIP_FRICTION, velocity)
         X = moved(X, (out.twist.vx, out.twist.vy, out.twist.w), dt)
         place += out.slip_velocity * dt
+    return Pushed(perf_counter() - began, X.x, X.y, X.yaw)
+
+
+def _exact() -> Pushed:
+    """Return the push by a compliant tip on the exact surface, on arrays."""
+    half, width, _ = (0.5 * edge for edge in SIZE)
+    pressure = rectangle_pressure(*SIZE[:2], MASS * GRAVITY, (0.0, 0.0), RESOLUTION)
+    world = PlanarWorld(
+        exact_support(pressure, FRICTION),
+        Faces([(-half, 0.0)], [(1.0, 0.0)], [(-width, width)]),
+        Tips(RADIUS, TIP_FRICTION, STIFF),
+        TIME / STEPS,
+    )
+    states = world.begin(np.zeros((EXACT_BODIES, 3)), [(-half - RADIUS, OFF)])
+    velocities = [(SPEED, 0.0)]
+    world.step(states, velocities)  # compiled at the first use
+    began = perf_counter()
+    for _ in range(STEPS):
+        states = world.step(states, velocities)
+    spent = (perf_counter() - began) / EXACT_BODIES
+    return Pushed(spent, *states.poses[0].tolist())
+
+
+def _numpy_exact() -> Pushed:
+    with by_numpy():
+        return _exact()
+
+
+def _planar() -> Pushed:
+    """Return the same push on the planar engine; at no height, so that the centre of
+    pressure stays.
+    """
+    from pushpressslide.core.control import TipCommand
+    from pushpressslide.core.plan import Contact
+    from pushpressslide.core.pose import Pose2
+    from pushpressslide.core.task import Box, ObjectModel, Robot, Support, Task
+    from pushpressslide.planar.world import World
+
+    none = (0.0, 0.0, 0.0)
+    task = Task(
+        "bench",
+        ObjectModel(Box(SIZE), MASS, (0.0, 0.0)),
+        Pose2(),
+        Pose2(),
+        (Robot("hand", none, tip_radius=RADIUS),),
+        Support("table", FRICTION),
+        contact_friction=TIP_FRICTION,
+    )
+    contact = Contact(0, "side", (-0.5 * SIZE[0], OFF), (1.0, 0.0), 0.0)
+    world = World(task, (contact,), TIME / STEPS)
+    dampings = (STIFF, STIFF, STIFF)
+    ahead = (SPEED, 0.0, 0.0)
+    command = TipCommand(none, none, ahead, none, dampings, 0.0, 0.0, 0.0, 0.0, 0.0)
+    state = world.start(Pose2(), Pose2(), 0.0)
+    began = perf_counter()
+    for _ in range(STEPS):
+        state = world.step(state, [command])
+    X = state.X_WB
     return Pushed(perf_counter() - began, X.x, X.y, X.yaw)
 
 
