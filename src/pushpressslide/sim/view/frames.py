@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,9 +25,10 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
-from pushpressslide.sim.view.playback import ASPECT, STEEP, Placed, Playback, View
+from pushpressslide.sim.view.camera import FIELD, View, axes
+from pushpressslide.sim.view.playback import Placed, Playback
+from pushpressslide.sim.view.views import contact_view
 
-FIELD = math.radians(40.0)  # vertical field of view
 RENDERER = "frames"
 BACKGROUND = [0.93, 0.95, 0.97]
 VIDEO_FORMATS = (".webp", ".gif")
@@ -74,8 +74,7 @@ class FrameRenderer:
             RigidTransform(),
         )
         self._camera = ColorRenderCamera(core, False)
-        narrow = min(1.0, width / height / ASPECT)
-        self._X_WC = look_at(self.playback.view(FIELD * narrow))
+        self._X_WC = look_at(contact_view(self.playback, FIELD, width / height))
 
     def image(self, time: float) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3) at ``time`` [s] of the run."""
@@ -171,18 +170,14 @@ def _light(support: Support) -> list[float]:
     above.
     """
     frame = support.frame
-    along = STEEP_LIGHT if frame.normal[2] < STEEP else LIGHT
+    along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
 
 
 def look_at(view: View) -> RigidTransform:
     """Return X_WC of a camera (z ahead, x right, y down) with an upright picture."""
-    z = (view.target - view.position) / np.linalg.norm(view.target - view.position)
-    x = np.cross(z, [0.0, 0.0, 1.0])
-    x /= np.linalg.norm(x)
-    return RigidTransform(
-        RotationMatrix(np.column_stack([x, np.cross(z, x), z])), view.position
-    )
+    x, y, z = axes(view.position - view.target)
+    return RigidTransform(RotationMatrix(np.column_stack([x, y, z])), view.position)
 
 
 def egl_problem() -> str | None:
