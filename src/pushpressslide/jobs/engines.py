@@ -134,7 +134,7 @@ class _Planar:
         """Write the replay page of a run."""
         from pushpressslide.planar.replay import write_replay
 
-        write_replay(plan, record, out)
+        write_replay(plan, record, out, arms.goals)
 
 
 ENGINES: Mapping[str, Engine] = {

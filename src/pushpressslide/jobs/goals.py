@@ -89,8 +89,8 @@ def _write_replays(
     of its stages.
     """
     engine = engine_named(record.engine)
-    last = {goal.body: goal.pose for goal in task.goals}
-    goals = [(body_shape(task, body), goal) for body, goal in last.items()]
+    wanted = dict.fromkeys((goal.body, goal.pose) for goal in task.goals)
+    goals = [(body_shape(task, body), pose) for body, pose in wanted]
     if engine.has_arms:
         arms = ArmOptions(models, video=out.video, goals=goals)
         shown = finite_part(replayed_record(runs, record))
@@ -98,4 +98,5 @@ def _write_replays(
         return
     for index, run in enumerate(runs):
         folder = stage_folder(out.folder, index)
-        engine.write_replay(run.plan, finite_part(run.record), folder, ArmOptions())
+        arms = ArmOptions(video=out.video, goals=goals)
+        engine.write_replay(run.plan, finite_part(run.record), folder, arms)
