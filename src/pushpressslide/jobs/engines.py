@@ -135,6 +135,10 @@ class _Planar:
         from pushpressslide.planar.replay import write_replay
 
         write_replay(plan, record, out, arms.goals)
+        if arms.video and len(record.arrays["time"]):
+            from pushpressslide.planar.video import write_video
+
+            write_video(plan, record, out, arms.goals)
 
 
 ENGINES: Mapping[str, Engine] = {

@@ -165,6 +165,7 @@ def run_task(
     with interrupt.held():
         result = measure(task, plan, record)
         if out is not None:
+            result["command"] = out.command
             write_data(out.folder, plan, record, result, choices)
     if interrupt():
         raise interrupted(out)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.control import PHASES
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -32,6 +33,10 @@ REFERENCE = "#8a8a8a"
 FORCE = "#a8387d"
 CONE = "#e69f00"
 PRESS = "#cc79a7"
+OBJECT = "#d98c40"
+OBJECT_EDGE = "#8a5a1e"
+EDGE = "#6b7280"
+CONE_LENGTH = 0.12  # [m] of a friction cone
 
 Placed = tuple[Shape, Pose2]
 """A shape at a pose X_WG."""
@@ -42,7 +47,7 @@ def write_replay(
 ) -> Path:
     """Write the page to the file ``out``, whole or not at all, and return its path.
 
-    In a folder ``out`` it is replay.html. ``goals`` are drawn in place of the object's
+    In a folder ``out`` it is replay.html. ``goals`` are drawn in place of the task's
     own, if there are any.
     """
     page = filled(
@@ -59,6 +64,11 @@ def write_replay(
         },
     )
     return write_whole(out / "replay.html" if out.is_dir() else out, page)
+
+
+def task_goals(task: Task) -> list[Placed]:
+    """Return every goal of a task."""
+    return [(shape, X_WG) for _, shape, X_WG in goal_places(task)]
 
 
 def legend(plan: Plan) -> list[tuple[str, str, bool]]:
@@ -100,7 +110,7 @@ def replay_data(
     tips = np.moveaxis(arrays["tip_position"][ticks][:, :, :2], 1, 0)
     forces = np.nan_to_num(np.moveaxis(arrays["measured_force"][ticks], 1, 0))
     return {
-        **_scene_data(task, goals or [(task.object.shape, task.goal)]),
+        **_scene_data(task, goals or task_goals(task)),
         "moving": (arrays["phase"][ticks] == PHASES.index("move")).tolist(),
         "pose": _degrees(arrays["object_pose"][ticks]),
         "reference": _degrees(arrays["reference_pose"][ticks]),

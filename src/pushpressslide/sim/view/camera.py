@@ -22,6 +22,9 @@ LEAST_SLOPE = math.radians(24.0)
 SIDE_SLOPE = math.radians(12.0)
 TURNS = 24  # directions all round that are compared
 HEIGHTS = tuple(math.radians(a) for a in (0.0, 12.0, 25.0, 38.0, 52.0))
+# [rad] to each side, from where the contact is to be seen too: a near camera sees parts
+# of a scene from other directions
+SWAY = math.radians(12.0)
 # what a share of hidden contacts is weighed against: a far camera, a slope that is not
 # the best one, and a line of sight along the push, which shortens the force
 FAR_COST = 0.4
@@ -55,15 +58,29 @@ def best_direction(
     compared = candidates(frame, least)
     spreads = np.array([_spread(points, direction) for direction in compared])
     nearest = spreads.min()
-    costs = []
+    costs: list[float] = []
     for direction, spread in zip(compared, spreads, strict=True):
         own = np.array(frame.components(tuple(direction.tolist())))
-        hidden = 1.0 - np.mean([seen_share(moment, own) for moment in moments] or [1.0])
+        hidden = _hidden(moments, own)
         off = abs(math.asin(min(1.0, own[2])) - slope)
         far = float(spread / nearest) - 1.0
         along = float(np.mean(np.abs(pushes @ own[:2]))) if len(pushes) else 0.0
         costs.append(hidden + FAR_COST * far + SLOPE_COST * off + ALONG_COST * along)
     return compared[int(np.argmin(costs))]
+
+
+def _hidden(moments: Sequence[Moment], direction: Array) -> float:
+    """Return the share of contacts that a camera about ``direction`` (3,) does not see;
+    both in the support's frame.
+    """
+    x, y, z = direction
+    shares = []
+    for angle in (-SWAY, 0.0, SWAY):
+        c = math.cos(angle)
+        s = math.sin(angle)
+        turned = np.array([c * x - s * y, s * x + c * y, z])
+        shares += [seen_share(moment, turned) for moment in moments]
+    return 1.0 - float(np.mean(shares)) if shares else 0.0
 
 
 def candidates(frame: SupportFrame, least: float) -> list[Array]:

@@ -17,6 +17,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
@@ -62,7 +63,7 @@ class Playback:
     ) -> None:
         """Build the scene.
 
-        ``goals`` are drawn in place of the object's own, if there are any. Raises
+        ``goals`` are drawn in place of the task's own, if there are any. Raises
         SimulationError for a record without joint positions.
         """
         for i in range(len(plan.task.robots)):
@@ -76,7 +77,8 @@ class Playback:
         self.record = record
         self.scene = build_scene(plan, models=models)
         task = plan.task
-        self.goals = tuple(goals) or ((task.object.shape, task.goal),)
+        own = tuple((shape, X_WG) for _, shape, X_WG in goal_places(task))
+        self.goals = tuple(goals) or own
         self.placements = plan.by_placement
         self._draw_plan()
 

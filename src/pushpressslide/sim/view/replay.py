@@ -25,8 +25,9 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.replay.bar import filled, json_in_page, part
 from pushpressslide.replay.course import course, frames
+from pushpressslide.replay.film import Entry
 from pushpressslide.sim.view.camera import FIELD, FILL
-from pushpressslide.sim.view.legend import Entry, entries
+from pushpressslide.sim.view.contact_marks import ContactMarks
 from pushpressslide.sim.view.marks import Marks
 from pushpressslide.sim.view.playback import Placed, Playback
 from pushpressslide.sim.view.saved_page import small_page
@@ -63,7 +64,8 @@ def write_replay(
     views = page_views(playback, ticks)
     meshcat = quiet_meshcat()
     look(meshcat)
-    marks = _animate(meshcat, playback, ticks, np.array(views[0].direction))
+    contacts = ContactMarks(playback, np.array(views[0].direction))
+    _animate(meshcat, contacts, ticks)
     title = f"{plan.task.name}: {', '.join(record.modes)}, "
     title += record.reason.replace("_", " ")
     parts = filled(
@@ -72,7 +74,7 @@ def write_replay(
             "STYLE": part("replay.css", ROOM),
             "SCRIPT": part("replay.js", ROOM),
             "TITLE": escape(title),
-            "LEGEND": "".join(map(_item, entries(playback, marks))),
+            "LEGEND": "".join(map(_item, contacts.entries())),
             "COURSE": json_in_page(course(plan, record, ticks).plain()),
             "VIEWS": json_in_page([view.plain() for view in views]),
             "LOOK": json_in_page(_look(playback, np.array(views[0].points))),
@@ -110,13 +112,9 @@ def _arm_paths(playback: Playback) -> list[list[str]]:
     return [["drake", "visualizer", *name.split("::")] for name in names]
 
 
-def _animate(
-    meshcat: Meshcat,
-    playback: Playback,
-    ticks: NDArray[np.intp],
-    towards: NDArray[np.float64],
-) -> Marks:
-    """Record the run at ``ticks`` as an animation; return the marks drawn in it."""
+def _animate(meshcat: Meshcat, contacts: ContactMarks, ticks: NDArray[np.intp]) -> None:
+    """Record the run at ``ticks`` as an animation, with its marks."""
+    playback = contacts.playback
     parameters = MeshcatVisualizerParams()
     parameters.role = Role.kIllustration
     parameters.publish_period = KEY_STEP
@@ -126,7 +124,7 @@ def _animate(
     )
     diagram = scene.builder.Build()
     context = diagram.CreateDefaultContext()
-    marks = Marks(meshcat, playback, ticks, towards)
+    marks = Marks(meshcat, contacts, ticks)
     recording = visualizer.StartRecording(set_transforms_while_recording=False)
     recording.set_autoplay(False)
     time = playback.record.arrays["time"]
@@ -139,7 +137,6 @@ def _animate(
         marks.show(frame, tick, t)
     visualizer.StopRecording()
     visualizer.PublishRecording()
-    return marks
 
 
 def quiet_meshcat() -> Meshcat:

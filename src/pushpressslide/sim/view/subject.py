@@ -52,7 +52,9 @@ def subject(playback: Playback) -> Subject:
         limbs = arm_limbs(playback, context)
         moments.append(
             Moment(
-                tuple(_marks(playback, tick, contacts)), _blocks(playback, tick), limbs
+                tuple(_marks(playback, tick, contacts)),
+                blocks_at(playback, tick),
+                limbs,
             )
         )
         near += object_points(playback, tick) + _tip_points(playback, tick, contacts)
@@ -112,7 +114,7 @@ def _marks(
     return out
 
 
-def _blocks(playback: Playback, tick: int) -> tuple[Block, ...]:
+def blocks_at(playback: Playback, tick: int) -> tuple[Block, ...]:
     """Return the bodies on the support at ``tick``."""
     task = playback.task
     frame = task.support.frame
@@ -183,7 +185,7 @@ def _tip_points(
 def other_points(playback: Playback) -> list[Vector3]:
     """Return the corners of all other bodies, first and last [m]."""
     last = len(playback.record.arrays["time"]) - 1
-    blocks = _blocks(playback, 0)[1:] + _blocks(playback, last)[1:]
+    blocks = blocks_at(playback, 0)[1:] + blocks_at(playback, last)[1:]
     return [
         (*corner, height)
         for block in blocks
