@@ -79,6 +79,23 @@ def write_video(
     return film.write_film(len(ticks), picture, out, frames_per_second)
 
 
+def write_pictures(
+    plan: Plan, record: Record, out: Path, goals: Sequence[Placed] = ()
+) -> list[Path]:
+    """Write pictures of start, contact and end of a run into ``out``; return their
+    paths.
+    """
+    width, height = film.STILL_SIZE
+    drawing = _Drawing(plan, record, goals, film.STILL_SIZE)
+
+    def picture(tick: int) -> Any:
+        canvas = Canvas(np.full((height, width, 3), 255, dtype=np.uint8))
+        drawing.draw(canvas, tick)
+        return canvas.image()
+
+    return film.write_stills(record.arrays["phase"], picture, out)
+
+
 class _Drawing:
     """One run in the plane, at any tick."""
 

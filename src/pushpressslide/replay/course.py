@@ -72,6 +72,19 @@ def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
     return np.unique(np.clip(np.searchsorted(time, grid), 0, len(time) - 1))
 
 
+def still_ticks(phase: Array) -> dict[str, int]:
+    """Return the ticks at which a run is pictured, by name: start, contact, end;
+    ``phase`` (N,) by tick.
+    """
+    if not len(phase):
+        return {}
+    (moves,) = np.nonzero(phase == PHASES.index("move"))
+    named = {"start": 0, "contact": len(phase) - 1, "end": len(phase) - 1}
+    if len(moves):
+        named["contact"] = int(moves[len(moves) // 2])
+    return named
+
+
 def course(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> Course:
     """Return the course of a run at ``ticks`` (F,) of its record."""
     arrays = record.arrays

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,17 @@ from PIL import Image
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.replay.canvas import Canvas, rgba
-from pushpressslide.replay.course import Course
+from pushpressslide.replay.course import Course, still_ticks
 
 SIZE = (1280, 720)  # [pixels] width and height
 FRAMES_PER_SECOND = 15.0
 FORMATS = (".webp", ".gif")
 NAME = "run.webp"
+PICTURES = "pictures"
+"""Folder of the pictures of a run: start.webp, contact.webp and end.webp."""
+STILL_SIZE = (960, 540)  # [pixels] of these
 QUALITY = 75  # of a .webp, up to 100
 LINE = 21.0  # [pixels] between lines of the legend
 ROOM = 12.0  # [pixels] about words
@@ -104,6 +109,22 @@ def write_film(
     finally:
         temporary.unlink(missing_ok=True)
     return out
+
+
+def write_stills(
+    phase: Array, draw: Callable[[int], Image.Image], out: Path
+) -> list[Path]:
+    """Write the picture that ``draw`` makes of a tick for start, contact and end of a
+    run into the folder pictures of ``out``; return their paths. ``phase`` (N,) is that
+    of each tick.
+    """
+    paths = []
+    for name, tick in still_ticks(phase).items():
+        buffer = BytesIO()
+        draw(tick).save(buffer, "webp", quality=QUALITY)
+        path = out / PICTURES / f"{name}.webp"
+        paths.append(write_whole(path, buffer.getvalue()))
+    return paths
 
 
 def caption(canvas: Canvas, title: str, course: Course, frame: int) -> None:

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import PHASES, Phase
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.replay.film import Entry
 from pushpressslide.sim.view.playback import Playback
 from pushpressslide.sim.view.subject import CLEARANCE, body_pose, contacts_at
 
+TOUCHING: tuple[Phase, ...] = ("touch", "move", "release")
 FORCE_SCALE = 0.02  # [m/N] largest
 LONGEST_ARROW = 0.15  # [m] of a force in the plane
 LONGEST_PRESS = 0.10  # [m]
@@ -151,7 +153,12 @@ class ContactMarks:
         return out
 
     def _force(self, arm: int, tick: int) -> Any:
-        """Return the measured force (3,) [N] of an arm."""
+        """Return the measured force (3,) [N] of an arm; before and after the contact,
+        where the sensor feels the arm's own motion, 0 N.
+        """
+        phase = PHASES[int(self.playback.record.arrays["phase"][tick])]
+        if phase not in TOUCHING:
+            return np.zeros(3)
         return np.nan_to_num(self.playback.record.arrays["measured_force"][tick, arm])
 
     def _above(self, arm: int, tick: int) -> Any:

@@ -29,11 +29,13 @@ from pushpressslide.replay.canvas import Canvas
 from pushpressslide.replay.course import course
 from pushpressslide.replay.film import (
     FRAMES_PER_SECOND,
+    STILL_SIZE,
     caption,
     film_path,
     film_ticks,
     legend,
     write_film,
+    write_stills,
 )
 from pushpressslide.replay.film import SIZE as FILM_SIZE
 from pushpressslide.sim.view.camera import FIELD, View, axes
@@ -128,6 +130,27 @@ def render_frames(
         _pillow().fromarray(renderer.image(time)).save(path)
         paths.append(path)
     return paths
+
+
+def write_pictures(
+    plan: Plan,
+    record: Record,
+    out: Path,
+    models: str = "generated",
+    goals: Sequence[Placed] = (),
+) -> list[Path]:
+    """Write pictures of start, contact and end of a run into ``out``; return their
+    paths. Raises SimulationError where this machine cannot render.
+    """
+    renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
+    overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE)
+
+    def picture(tick: int) -> Any:
+        canvas = Canvas(renderer.image_at(tick))
+        overlay.draw(canvas, tick)
+        return canvas.image()
+
+    return write_stills(record.arrays["phase"], picture, out)
 
 
 def write_video(
