@@ -51,12 +51,21 @@ function playBar(course, show) {
     phases.append(made);
     return made;
   }
+  const names = [];
   for (const p of course.phases) {
     const made = span("phase " + p.name, p.name, p.begin);
     made.style.width = 100 * (p.end - p.begin) / (end || 1) + "%";
-    if (p.end - p.begin > 0.08 * end) made.textContent = p.name;
+    names.push([made, p.name]);
+  }
+  function nameThese() {  // where a name fits
+    for (const [made, name] of names) {
+      made.textContent = name;
+      if (made.scrollWidth > made.clientWidth) made.textContent = "";
+    }
   }
   for (const m of course.marks) span("mark", m.name, m.time);
+  nameThese();
+  window.addEventListener("resize", nameThese);
   seek.max = end;
   play.onclick = () => setRunning(!running);
   seek.oninput = () => goTo(Number(seek.value));

@@ -104,7 +104,8 @@ def _bodies_table(result: Mapping[str, Any]) -> str:
                 _cell(body.get("yaw_error"), math.degrees(1.0), "°", 2),
             ]
         )
-    return table(("Body", "Goal", "Ended at", "Off by", "Turned by"), rows)
+    head = ("Body", "Goal", "Ended at", "Off by", "Turned by")
+    return table(head, rows, numbers=4)
 
 
 def _stages_table(result: Mapping[str, Any]) -> str:
@@ -118,17 +119,18 @@ def _stages_table(result: Mapping[str, Any]) -> str:
                 f"<td class=n>{number}</td>",
                 f"<td>{escape(stage['body'])}</td>",
                 f"<td>{purpose}</td>",
-                _pose_cell(stage["goal"]),
                 f"<td>{escape(', '.join(stage['modes']))}</td>",
+                f"<td>{reached}</td>",
+                _pose_cell(stage["goal"]),
                 _cell(times[0], 1.0, " s", 1),
                 _cell(times[1], 1.0, " s", 1),
                 _cell(stage["position_error"], 1e3, " mm", 1),
                 _cell(stage["yaw_error"], math.degrees(1.0), "°", 2),
-                f"<td>{reached}</td>",
             ]
         )
-    head = ("", "Body", "To", "Pose", "Modes", "From", "Until", "Off by", "Turned by")
-    return table((*head, "Reached"), rows)
+    words = ("", "Body", "To", "Modes", "Reached")
+    figures = ("Pose", "From", "Until", "Off by", "Turned by")
+    return table((*words, *figures), rows, numbers=len(figures))
 
 
 def _pose_cell(pose: list[float] | None) -> str:
