@@ -79,16 +79,22 @@ def plan_figure(plan: Plan) -> Figure:
     )
     corners = [c for pose in [*poses, task.start, goal] for c in outline(shape, pose)]
     corners += others
+    frame(ax, task.scene, corners)
+    style.title(ax, _plan_title(plan))
+    style.legend(ax)
+    return made
+
+
+def _plan_title(plan: Plan) -> str:
+    """Return modes, length of the paths, and time."""
+    segments = plan.segments
     length = sum(series.path_length(segment.path) for segment in segments)
     seconds = sum(segment.profile.duration for segment in segments)
     modes = ", ".join(placement.segments[0].mode for placement in plan.by_placement)
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
     if len(segments) > 1:
         title += f", {len(segments)} segments"
-    frame(ax, task.scene, corners)
-    style.title(ax, title)
-    style.legend(ax)
-    return made
+    return title
 
 
 def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:

@@ -24,14 +24,14 @@ from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.replay.bar import filled, json_in_page, part
-from pushpressslide.replay.course import course, frames
+from pushpressslide.replay.course import Course, course, frames
 from pushpressslide.replay.film import Entry
 from pushpressslide.sim.view.camera import FIELD, FILL
 from pushpressslide.sim.view.contact_marks import ContactMarks
 from pushpressslide.sim.view.marks import Marks
 from pushpressslide.sim.view.playback import Placed, Playback
 from pushpressslide.sim.view.saved_page import small_page
-from pushpressslide.sim.view.views import page_views
+from pushpressslide.sim.view.views import PageView, page_views
 
 ROOM = "pushpressslide.sim.view"
 KEY_STEP = 1e-3  # [s] to which times in the animation are rounded
@@ -66,22 +66,28 @@ def write_replay(
     look(meshcat)
     contacts = ContactMarks(playback, np.array(views[0].direction))
     _animate(meshcat, contacts, ticks)
-    title = f"{plan.task.name}: {', '.join(record.modes)}, "
-    title += record.reason.replace("_", " ")
-    parts = filled(
+    body = _body(contacts, course(plan, record, ticks), views)
+    page = small_page(meshcat.StaticHtml(), part("replay_head.html", ROOM), body)
+    return write_whole(out / "replay.html" if out.is_dir() else out, page)
+
+
+def _body(contacts: ContactMarks, told: Course, views: Sequence[PageView]) -> str:
+    """Return what the page has around Meshcat's scene."""
+    playback = contacts.playback
+    modes = ", ".join(playback.record.modes)
+    title = f"{playback.task.name}: {modes}, {told.ending}"
+    return filled(
         part("replay.html", ROOM),
         {
             "STYLE": part("replay.css", ROOM),
             "SCRIPT": part("replay.js", ROOM),
             "TITLE": escape(title),
             "LEGEND": "".join(map(_item, contacts.entries())),
-            "COURSE": json_in_page(course(plan, record, ticks).plain()),
+            "COURSE": json_in_page(told.plain()),
             "VIEWS": json_in_page([view.plain() for view in views]),
             "LOOK": json_in_page(_look(playback, np.array(views[0].points))),
         },
     )
-    page = small_page(meshcat.StaticHtml(), part("replay_head.html", ROOM), parts)
-    return write_whole(out / "replay.html" if out.is_dir() else out, page)
 
 
 def _item(entry: Entry) -> str:
