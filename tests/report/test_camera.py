@@ -9,7 +9,7 @@ from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.sim.view.camera import (
     BEST_SLOPE,
     LEAST_SLOPE,
-    best_direction,
+    Directions,
     candidates,
     top_direction,
 )
@@ -18,9 +18,11 @@ from pushpressslide.sim.view.sight import (
     Block,
     Limb,
     Moment,
+    are_seen,
     is_seen,
     seen_share,
     segment_distance,
+    shown_share,
 )
 from pushpressslide.sim.view.views import page_views
 
@@ -76,20 +78,20 @@ def test_the_camera_is_on_the_side_of_the_contact_whatever_the_heading(yaw):
     x, y = turn @ BEHIND[:2]
     moment = Moment(((x, y, BEHIND[2]),), (block,), ())
     push = np.array([(c, s)])
-    chosen = best_direction(TABLE, [moment], push, AROUND)
+    chosen = Directions(TABLE, [moment], push, AROUND).best()
     assert is_seen(moment, moment.contacts[0], chosen)
     assert chosen[:2] @ push[0] < 0.3
 
 
 def test_the_camera_goes_round_an_arm():
     moment = Moment((BEHIND,), (BOX,), ())
-    free = best_direction(TABLE, [moment], ALONG_X, AROUND)
+    free = Directions(TABLE, [moment], ALONG_X, AROUND).best()
     begin = np.array(BEHIND) + 0.25 * free
     up = np.array([0.0, 0.0, 0.1])
     link = Limb(tuple(begin - up), tuple(begin + up), 0.1)
     blocked = Moment((BEHIND,), (BOX,), (link,))
     assert seen_share(blocked, free) == 0.0
-    chosen = best_direction(TABLE, [blocked], ALONG_X, AROUND)
+    chosen = Directions(TABLE, [blocked], ALONG_X, AROUND).best()
     assert seen_share(blocked, chosen) == 1.0
 
 
@@ -130,4 +132,37 @@ def test_a_page_has_views_of_the_contact_from_above_from_the_side_and_at_the_tip
     assert np.array(views["Tip"].follow) == pytest.approx(tips, abs=1e-4)
     poses = arm_run.record.arrays["object_pose"][ticks, :2]
     assert np.array(views["Follow"].follow)[:, :2] == pytest.approx(poses, abs=1e-4)
+    # behind the tip that pushes along the object's x axis, wherever the object turns
+    yaws = arm_run.record.arrays["object_pose"][ticks, 2]
+    assert np.array(views["Tip"].turn) == pytest.approx(yaws, abs=1e-4)
+    assert views["Tip"].direction[0] < 0.0
+    assert not views["Follow"].turn
     assert len(views["All"].points) > len(views["Contact"].points)
+
+
+def test_the_camera_shows_the_object_with_no_body_in_front():
+    corners = tuple((x, y, 0.151) for x, y in BOX.outline)
+    on_top = (0.0, 0.0, 0.17)
+    posts = [
+        Block(((x, -0.4), (x + 0.3, -0.4), (x + 0.3, -0.2), (x, -0.2)), 0.6)
+        for x in (-0.45, -0.15, 0.15)
+    ]
+    moment = Moment((on_top,), (BOX, *posts), (), corners)
+    assert shown_share(moment, towards(-0.5 * math.pi)) == 0.0
+    chosen = Directions(TABLE, [moment], np.zeros((0, 2)), AROUND).best()
+    assert shown_share(moment, chosen) == 1.0
+    assert seen_share(moment, chosen) == 1.0
+
+
+def test_many_points_are_judged_as_each_alone():
+    rng = np.random.default_rng(5)
+    limbs = tuple(
+        Limb(tuple(a), tuple(b), 0.05)
+        for a, b in rng.uniform(-0.4, 0.4, (6, 2, 3)).tolist()
+    )
+    points = rng.uniform(-0.3, 0.3, (40, 3))
+    moment = Moment((), (BOX,), limbs)
+    together = are_seen(moment, points, towards(0.7))
+    alone = [is_seen(moment, tuple(p), towards(0.7)) for p in points.tolist()]
+    assert together.tolist() == alone
+    assert 0 < together.sum() < len(points)

@@ -11,7 +11,7 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.sim.view.sight import Moment, seen_share
+from pushpressslide.sim.view.sight import Moment, seen_share, shown_share
 
 FIELD = math.radians(45.0)  # vertical field of view
 FILL = 0.82  # largest share of a picture that its points fill
@@ -25,6 +25,7 @@ HEIGHTS = tuple(math.radians(a) for a in (0.0, 12.0, 25.0, 38.0, 52.0))
 # [rad] to each side, from where the contact is to be seen too: a near camera sees parts
 # of a scene from other directions
 SWAY = math.radians(12.0)
+BEHIND_COST = 0.5  # of an object behind something, beside a hidden contact
 # what a share of hidden contacts is weighed against: a far camera, a slope that is not
 # the best one, and a line of sight along the push, which shortens the force
 FAR_COST = 0.4
@@ -40,47 +41,55 @@ class View:
     target: Any  # (3,)
 
 
-def best_direction(
-    frame: SupportFrame,
-    moments: Sequence[Moment],
-    pushes: Array,
-    points: Array,
-    slope: float = BEST_SLOPE,
-) -> Array:
-    """Return the unit vector (3,), in the world, towards the camera that sees the
-    contacts of ``moments`` best.
+class Directions:
+    """Directions of a camera that are compared, and what is hidden from each."""
 
-    ``pushes`` (K, 2) are directions of pushes along the support, ``points`` (N, 3) [m],
-    in the world, are to be in the picture. ``slope`` [rad] between line of sight and
-    support is preferred.
-    """
-    least = min(LEAST_SLOPE, 0.8 * slope)
-    compared = candidates(frame, least)
-    spreads = np.array([_spread(points, direction) for direction in compared])
-    nearest = spreads.min()
-    costs: list[float] = []
-    for direction, spread in zip(compared, spreads, strict=True):
-        own = np.array(frame.components(tuple(direction.tolist())))
-        hidden = _hidden(moments, own)
-        off = abs(math.asin(min(1.0, own[2])) - slope)
-        far = float(spread / nearest) - 1.0
-        along = float(np.mean(np.abs(pushes @ own[:2]))) if len(pushes) else 0.0
-        costs.append(hidden + FAR_COST * far + SLOPE_COST * off + ALONG_COST * along)
-    return compared[int(np.argmin(costs))]
+    def __init__(
+        self,
+        frame: SupportFrame,
+        moments: Sequence[Moment],
+        pushes: Array,
+        points: Array,
+    ) -> None:
+        """Judge all directions in front of a support.
+
+        ``pushes`` (K, 2) are directions of pushes along the support, ``points`` (N, 3)
+        [m], in the world, are to be in the picture.
+        """
+        self._directions = candidates(frame, SIDE_SLOPE)
+        own = [np.array(frame.components(tuple(d.tolist()))) for d in self._directions]
+        self._slopes = np.array([math.asin(min(1.0, float(d[2]))) for d in own])
+        spreads = np.array([_spread(points, d) for d in self._directions])
+        self._costs = np.array([_hidden(moments, d) for d in own])
+        self._costs += FAR_COST * (spreads / spreads.min() - 1.0)
+        if len(pushes):
+            along = [float(np.mean(np.abs(pushes @ d[:2]))) for d in own]
+            self._costs += ALONG_COST * np.array(along)
+
+    def best(self, slope: float = BEST_SLOPE) -> Array:
+        """Return the unit vector (3,), in the world, towards the camera that sees the
+        contacts best, preferably at ``slope`` [rad] between line of sight and support.
+        """
+        costs = self._costs + SLOPE_COST * np.abs(self._slopes - slope)
+        costs[self._slopes < min(LEAST_SLOPE, slope) - 1e-9] = math.inf
+        return self._directions[int(np.argmin(costs))]
 
 
 def _hidden(moments: Sequence[Moment], direction: Array) -> float:
-    """Return the share of contacts that a camera about ``direction`` (3,) does not see;
-    both in the support's frame.
+    """Return the share of contacts that a camera about ``direction`` (3,) does not see,
+    and that of the object's corners, weighed; all in the support's frame.
     """
     x, y, z = direction
-    shares = []
+    costs = []
     for angle in (-SWAY, 0.0, SWAY):
         c = math.cos(angle)
         s = math.sin(angle)
         turned = np.array([c * x - s * y, s * x + c * y, z])
-        shares += [seen_share(moment, turned) for moment in moments]
-    return 1.0 - float(np.mean(shares)) if shares else 0.0
+        for moment in moments:
+            unseen = 1.0 - seen_share(moment, turned)
+            behind = 1.0 - shown_share(moment, turned)
+            costs.append(unseen + BEHIND_COST * behind)
+    return float(np.mean(costs)) if costs else 0.0
 
 
 def candidates(frame: SupportFrame, least: float) -> list[Array]:

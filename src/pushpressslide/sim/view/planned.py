@@ -8,7 +8,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Robot
-from pushpressslide.sim.view.camera import FIELD, View, best_direction, fit_view
+from pushpressslide.sim.view.camera import FIELD, Directions, View, fit_view
 from pushpressslide.sim.view.sight import Block, Limb, Moment
 from pushpressslide.sim.view.subject import LINK_RADIUS, WRIST, corners
 
@@ -41,7 +41,8 @@ def planned_view(plan: Plan, field: float = FIELD, aspect: float = 16 / 9) -> Vi
     ]
     along = np.array(pushes).reshape(-1, 2)
     whole = np.array(held)
-    return fit_view(whole, best_direction(frame, moments, along, whole), field, aspect)
+    towards = Directions(frame, moments, along, whole).best()
+    return fit_view(whole, towards, field, aspect)
 
 
 def _start(placement: Plan) -> Pose2:

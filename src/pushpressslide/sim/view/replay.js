@@ -1,6 +1,8 @@
 // Drives a saved Meshcat page: its animation from the play bar, and its camera from
 // the views. Meshcat's world is z-up, the camera's own axes are three.js's, y-up.
 const toCamera = p => [p[0], p[2], -p[1]];
+const fromCamera = p => [p[0], -p[2], p[1]];
+const turned = (p, a) => [Math.cos(a) * p[0] - Math.sin(a) * p[1], Math.sin(a) * p[0] + Math.cos(a) * p[1], p[2]];
 const minus = (a, b) => a.map((v, i) => v - b[i]);
 const plus = (a, b, s = 1) => a.map((v, i) => v + s * b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
@@ -58,17 +60,18 @@ function whenLoaded(viewer, start) {
 function startReplay(viewer, course, views, look) {
   const pane = document.getElementById("meshcat-pane"), bar = document.getElementById("views");
   const animator = viewer.animator, camera = viewer.camera, controls = viewer.controls;
-  let view = views[0], frame = 0, moved = false, before = null;
+  let view = views[0], frame = 0, moved = false, before = null, yaw = 0;
   animator.play(); animator.pause();  // its actions are active, and only seek moves them
   viewer.gui.domElement.style.display = "none";
   camera.fov = look.field;
 
+  const turn = at => view.turn.length ? view.turn[Math.min(at, view.turn.length - 1)] : 0;
   const place = at => view.follow.length ? view.follow[Math.min(at, view.follow.length - 1)] : [0, 0, 0];
   function aim() {
     const aspect = pane.offsetWidth / Math.max(1, pane.offsetHeight);
-    before = place(frame);
+    before = place(frame); yaw = turn(frame);
     const points = view.points.map(p => plus(p, before));
-    const fit = fitCamera(points, view.direction, look.field * Math.PI / 180, aspect, look.fill);
+    const fit = fitCamera(points, turned(view.direction, yaw), look.field * Math.PI / 180, aspect, look.fill);
     camera.position.set(...toCamera(fit.position)); controls.target.set(...toCamera(fit.target));
     controls.update(); moved = false; viewer.set_dirty();
   }
@@ -76,9 +79,11 @@ function startReplay(viewer, course, views, look) {
     frame = at;
     animator.seek(time);
     if (view.follow.length) {
-      const now = place(at), step = toCamera(minus(now, before));
-      camera.position.set(...plus(camera.position.toArray(), step)); controls.target.set(...plus(controls.target.toArray(), step));
-      before = now;
+      const now = place(at), step = toCamera(minus(now, before)), angle = turn(at) - yaw;
+      const target = controls.target.toArray(), away = fromCamera(minus(camera.position.toArray(), target));
+      const moved = plus(target, step);
+      controls.target.set(...moved); camera.position.set(...plus(moved, toCamera(turned(away, angle))));
+      before = now; yaw = turn(at);
     }
     viewer.set_dirty();
   }

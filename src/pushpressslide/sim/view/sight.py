@@ -6,9 +6,12 @@ All points and directions are along x, y and height of the support's frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
@@ -17,6 +20,7 @@ from pushpressslide.core.pose import Point
 REACH = 3.0  # [m] of a line of sight
 # [m] of a line of sight from a contact on, in which the tip's own rod does not count
 OWN = 0.05
+TINY = 1e-12  # [m2] a shorter line is a point
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,68 +40,101 @@ class Limb:
     radius: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Moment:
     """What there is to see, and what may hide it, at one time of a run."""
 
     contacts: tuple[Vector3, ...]  # [m] points that are to be seen
     blocks: tuple[Block, ...]
     limbs: tuple[Limb, ...]
+    corners: tuple[Vector3, ...] = ()  # [m] of the object's top, to be seen if possible
+
+    @cached_property
+    def polygons(self) -> tuple[tuple[Any, float], ...]:
+        """Outlines of the blocks, and their heights [m]."""
+        outlines = [(shapely.Polygon(b.outline), b.height) for b in self.blocks]
+        for polygon, _ in outlines:
+            shapely.prepare(polygon)
+        return tuple(outlines)
+
+    @cached_property
+    def links(self) -> tuple[Array, Array, Array]:
+        """Begin and end (L, 3) and radius (L,) of the limbs [m]."""
+        begins = np.array([limb.begin for limb in self.limbs]).reshape(-1, 3)
+        ends = np.array([limb.end for limb in self.limbs]).reshape(-1, 3)
+        return begins, ends, np.array([limb.radius for limb in self.limbs])
 
 
 def seen_share(moment: Moment, direction: Array) -> float:
     """Return the share of the contacts that a far camera in ``direction`` (3,) sees;
     ``direction`` is a unit vector towards it.
     """
-    if not moment.contacts:
+    return _share(moment, moment.contacts, direction)
+
+
+def shown_share(moment: Moment, direction: Array) -> float:
+    """Return the share of the object's corners that the camera sees."""
+    return _share(moment, moment.corners, direction)
+
+
+def _share(moment: Moment, points: tuple[Vector3, ...], direction: Array) -> float:
+    if not points:
         return 1.0
-    seen = [is_seen(moment, point, direction) for point in moment.contacts]
-    return float(np.mean(seen))
+    return float(np.mean(are_seen(moment, np.array(points), direction)))
 
 
 def is_seen(moment: Moment, point: Vector3, direction: Array) -> bool:
     """Return whether nothing is between ``point`` and the camera."""
-    if any(_behind_block(block, point, direction) for block in moment.blocks):
-        return False
-    return not any(_behind_limb(limb, point, direction) for limb in moment.limbs)
+    return bool(are_seen(moment, np.array([point]), direction)[0])
 
 
-def _behind_block(block: Block, point: Vector3, direction: Array) -> bool:
-    x, y, z = point
-    if z >= block.height:
-        return False
-    length = REACH
+def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:
+    """Return whether nothing is between each of ``points`` (P, 3) and the camera."""
+    hidden = np.zeros(len(points), dtype=bool)
+    for polygon, height in moment.polygons:
+        hidden |= _behind_block(polygon, height, points, direction)
+    if moment.limbs:
+        begins, ends, radii = moment.links
+        near = (points + OWN * direction)[:, None]
+        far = (points + REACH * direction)[:, None]
+        gaps = segment_distance(near, far, begins[None], ends[None])
+        hidden |= (gaps < radii).any(axis=1)
+    return ~hidden
+
+
+def _behind_block(
+    polygon: Any, height: float, points: Array, direction: Array
+) -> NDArray[np.bool_]:
+    """Return which of ``points`` (P, 3) a block of a ``height`` [m] hides."""
+    under = height - points[:, 2]
+    lengths = np.full(len(points), REACH)
     rise = float(direction[2])
     if rise > 0.0:
-        length = min(REACH, (block.height - z) / rise)
-    end = (x + length * direction[0], y + length * direction[1])
-    line = shapely.LineString([(x, y), end])
-    return bool(line.intersects(shapely.Polygon(block.outline)))
+        lengths = np.minimum(REACH, np.maximum(under, 0.0) / rise)
+    ends = points[:, :2] + lengths[:, None] * direction[:2]
+    lines = shapely.linestrings(np.stack([points[:, :2], ends], axis=1))
+    return np.asarray((under > 0.0) & shapely.intersects(polygon, lines))
 
 
-def _behind_limb(limb: Limb, point: Vector3, direction: Array) -> bool:
-    begin = np.array(point) + OWN * direction
-    end = np.array(point) + REACH * direction
-    gap = segment_distance(begin, end, np.array(limb.begin), np.array(limb.end))
-    return gap < limb.radius
-
-
-def segment_distance(a: Array, b: Array, c: Array, d: Array) -> float:
+def segment_distance(a: Array, b: Array, c: Array, d: Array) -> Array:
     """Return the least distance [m] between the lines from ``a`` to ``b`` and from ``c``
-    to ``d``, (3,) each.
+    to ``d``, (..., 3) each.
     """
     u = b - a
     v = d - c
     w = a - c
-    uu, uv, vv = float(u @ u), float(u @ v), float(v @ v)
-    uw, vw = float(u @ w), float(v @ w)
-    least = uu * vv - uv * uv
-    s = 0.0
-    if least > 1e-12:
-        s = min(1.0, max(0.0, (uv * vw - vv * uw) / least))
-    t = 0.0
-    if vv > 1e-12:
-        t = min(1.0, max(0.0, (uv * s + vw) / vv))
-    if uu > 1e-12:
-        s = min(1.0, max(0.0, (uv * t - uw) / uu))
-    return float(np.linalg.norm(w + s * u - t * v))
+    uu = np.maximum(_dot(u, u), TINY)
+    vv = np.maximum(_dot(v, v), TINY)
+    uv = _dot(u, v)
+    uw = _dot(u, w)
+    vw = _dot(v, w)
+    least = np.maximum(uu * vv - uv * uv, TINY)
+    s = np.clip((uv * vw - vv * uw) / least, 0.0, 1.0)
+    t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
+    s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
+    gap = w + s[..., None] * u - t[..., None] * v
+    return np.asarray(np.linalg.norm(gap, axis=-1))
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.sum(a * b, axis=-1))

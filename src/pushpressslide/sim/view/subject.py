@@ -18,7 +18,8 @@ from pushpressslide.sim.convert import planar_pose, transform_from_positions
 from pushpressslide.sim.view.playback import Playback
 from pushpressslide.sim.view.sight import Block, Limb, Moment
 
-MOMENTS = 12  # at which the contacts are looked at
+MOMENTS = 10  # at which the contacts are looked at
+OVER = 1e-3  # [m] over a body, so that it does not hide its own corners
 CLEARANCE = 0.012  # [m] from object and tip to what is drawn of a contact
 LINK_RADIUS = 0.065  # [m] of an arm's links
 ROD_RADIUS = 0.015  # [m] of the rod that holds the tip
@@ -31,6 +32,7 @@ class Subject:
     """What is to be seen in a run; points and the moments' frame differ."""
 
     moments: tuple[Moment, ...]  # along x, y and height of the support
+    yaws: tuple[float, ...]  # [rad] of the object at these
     pushes: Array  # (K, 2) directions of the pushes along the support
     near: Array  # (N, 3) [m] in the world: object, goals, tips
     whole: Array  # (M, 3) [m] in the world: also the arms and all bodies
@@ -41,6 +43,7 @@ def subject(playback: Playback) -> Subject:
     plant = playback.scene.plant
     context = plant.CreateDefaultContext()
     moments = []
+    yaws = []
     pushes: list[tuple[float, float]] = []
     near = goal_points(playback)
     whole: list[Vector3] = []
@@ -48,6 +51,7 @@ def subject(playback: Playback) -> Subject:
         playback.set_plant(context, tick)
         contacts = contacts_at(playback, tick)
         X_WB = body_pose(playback, tick)
+        yaws.append(X_WB.yaw)
         pushes += [X_WB.rotate(c.normal) for c in contacts if c.kind == "side"]
         limbs = arm_limbs(playback, context)
         moments.append(
@@ -55,6 +59,7 @@ def subject(playback: Playback) -> Subject:
                 tuple(_marks(playback, tick, contacts)),
                 blocks_at(playback, tick),
                 limbs,
+                top_corners(playback, tick),
             )
         )
         near += object_points(playback, tick) + _tip_points(playback, tick, contacts)
@@ -65,6 +70,7 @@ def subject(playback: Playback) -> Subject:
     everything += [frame.point(point) for point in other_points(playback)]
     return Subject(
         tuple(moments),
+        tuple(yaws),
         np.array(pushes).reshape(-1, 2),
         np.array(held),
         np.array(everything),
@@ -168,6 +174,13 @@ def object_points(playback: Playback, tick: int) -> list[Vector3]:
     """Return the corners of the object at ``tick`` [m]."""
     pose = planar_pose(playback.object_pose(tick), playback.task.support.frame)
     return corners(playback.task.object.shape, pose)
+
+
+def top_corners(playback: Playback, tick: int) -> tuple[Vector3, ...]:
+    """Return corners of the object's top at ``tick``, and a little over it [m]."""
+    height = playback.task.object.shape.height
+    points = object_points(playback, tick)
+    return tuple((x, y, z + OVER) for x, y, z in points if z == height)
 
 
 def _tip_points(
