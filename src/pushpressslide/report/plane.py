@@ -341,8 +341,10 @@ def surroundings(ax: Axes, scene: Scene) -> None:
             continue
         _base(ax, robot, "" if i else "robot base")
         if len(scene.robots) > 1:
-            place = (robot.base[0], robot.base[1] - 0.5 * BASE_RADIUS)
-            _name(ax, arm_title(i), place, fontsize=7.5)
+            x, y, _ = robot.base
+            below = (x - BASE_RADIUS, y - 1.1 * BASE_RADIUS)
+            words = {"ha": "left", "va": "top", "color": style.BLACK}
+            ax.annotate(arm_title(i), below, fontsize=7.5, **words)
 
 
 def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
@@ -358,7 +360,7 @@ def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
         return
     below = (0.5 * (min(xs) + max(xs)), min(ys))
     words |= {"xytext": (0, -4), "textcoords": "offset points"}
-    ax.annotate(obstacle.name, below, ha="center", va="top", **words)
+    _name(ax, obstacle.name, below, va="top", **words)
 
 
 def _base(ax: Axes, robot: Robot, label: str) -> None:
@@ -374,8 +376,8 @@ def _base(ax: Axes, robot: Robot, label: str) -> None:
     _line(ax, (x, y), front, color=EDGE, lw=1.5)
 
 
-def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
-    ax.annotate(text, place, ha="center", va="center", color=style.BLACK, **look)
+def _name(ax: Axes, text: str, place: Point, va: str = "center", **look: Any) -> None:
+    ax.annotate(text, place, ha="center", va=va, color=style.BLACK, **look)
 
 
 def frame(ax: Axes, scene: Scene, corners: Sequence[Point]) -> None:
