@@ -223,10 +223,13 @@ def group_row(text: str, columns: int) -> list[str]:
     return [f'<th colspan="{columns}" scope="rowgroup">{escape(text)}</th>']
 
 
+def figures_table(result: Mapping[str, Any]) -> str:
+    """Return the figures of one run: measured, beside what was asked or planned."""
+    return _figures(result, GROUPS)
+
+
 def figures_tables(result: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the figures of one run in two tables: measured, beside what was asked or
-    planned.
-    """
+    """Return the figures of one run as two tables, for two columns."""
     return _figures(result, GROUPS[:SPLIT]), _figures(result, GROUPS[SPLIT:])
 
 
