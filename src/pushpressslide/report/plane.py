@@ -70,7 +70,7 @@ def plan_figure(plan: Plan) -> Figure:
     center = task.start.apply(task.X_GB.position)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
-    contacts(
+    others += contacts(
         ax,
         [
             (placement, placement.task.start.compose(placement.task.X_GB))
@@ -134,7 +134,7 @@ def path_figure(plan: Plan, record: Record) -> Figure:
         (placement, _first_pose(part).compose(placement.task.X_GB))
         for placement, part in series.by_placement(plan, record)
     ]
-    contacts(ax, placements)
+    others += contacts(ax, placements)
     _force_key(ax, plan, largest)
     corners = [c for p in [*poses, last, task.goal] for c in outline(shape, p)]
     corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]] + others
@@ -237,11 +237,13 @@ def _first_pose(record: Record) -> Pose2:
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
-def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
-    """Draw where the tips of each placement touch the object at its X_WB.
+def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> list[Point]:
+    """Draw where the tips of each placement touch the object at its X_WB; return the
+    ends of what is drawn [m].
 
     A press is a dot, a push a short arrow into the side.
     """
+    ends: list[Point] = []
     touched = [
         (contact, X_WB)
         for placement, X_WB in placements
@@ -254,13 +256,16 @@ def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
             ax.plot(x, y, "o", color=style.ORANGE, ms=8, zorder=6)
         else:
             n = X_WB.rotate(contact.normal)
-            _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
+            tail = (x - ARROW * n[0], y - ARROW * n[1])
+            _arrow(ax, tail, (x, y), style.ORANGE)
+            ends.append(tail)
     for kind, label, marker in (
         ("top", "press on top", "o"),
         ("side", "push on a side", ">"),
     ):
         if kind in kinds:
             ax.plot([], [], marker, color=style.ORANGE, ms=7, label=label)
+    return ends
 
 
 def _arrow(ax: Axes, tail: Point, head: Point, color: str) -> None:
