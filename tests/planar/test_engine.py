@@ -84,7 +84,8 @@ def test_the_page_shows_every_tip_and_the_load_of_presses(idle, tmp_path):
     force[:, 1, 2] = -5.0
     record = replace(record, arrays={**record.arrays, "measured_force": force})
     data = replay_data(plan, record)
-    assert data["pressing"] == [False, True]
+    assert set(data["contacts"][1]) == {"top"}
+    assert "top" not in data["contacts"][0]
     assert set(data["loads"][1]) == {5.0}
     assert set(data["loads"][0]) == {0.0}
     assert len(data["tips"]) == len(data["forces"]) == 2

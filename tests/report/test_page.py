@@ -10,13 +10,17 @@ import pytest
 
 from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.plan import Choice
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import SKIPPED, Refusal
+from pushpressslide.core.task import Box, Obstacle, ToolUse
 from pushpressslide.jobs.run import Output, write_pages
 from pushpressslide.planar.replay import write_replay
+from pushpressslide.planar.video import write_pictures
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
-from pushpressslide.report.page import search_part, write_report
+from pushpressslide.report.page import again, search_part, write_report
+from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
 
@@ -63,7 +67,7 @@ def test_the_page_loads_nothing_from_elsewhere(run, tmp_path):
     text = write_report([save(run, tmp_path / "run")]).read_text()
     assert not re.search(r"https?://", text)
     assert all(
-        source.startswith("data:image/png;base64,")
+        re.match(r"data:image/(png|webp);base64,", source)
         for source in re.findall(r'src="([^"]*)"', text)
     )
 
@@ -95,6 +99,11 @@ def test_a_report_of_nothing_is_refused(tmp_path):
 
 def test_every_figure_is_made_where_the_record_has_the_data(run, arm_run):
     common = ["path", "errors", "tracking", "forces"]
+    off_path = {
+        "tracking_error": np.full_like(run.record.arrays["tracking_error"], 1.0)
+    }
+    run = run.with_arrays(**off_path)
+    arm_run = arm_run.with_arrays(**off_path)
     assert list(figures(run.plan, run.record)) == [*common, "speeds"]
     assert list(figures(arm_run.plan, arm_run.record)) == [
         *common,
@@ -281,3 +290,69 @@ def test_what_a_search_dropped_is_told():
     ):
         assert cell in text
     assert search_part(None) == ""
+
+
+def test_a_curve_that_is_zero_throughout_has_no_panel(run):
+    assert "tracking" not in figures(run.plan, run.record)
+    errors = np.zeros_like(run.record.arrays["tracking_error"])
+    errors[:, 1] = 0.002
+    sideways = run.with_arrays(tracking_error=errors).record
+    (panel,) = figures(run.plan, sideways)["tracking"].axes
+    assert panel.get_ylabel() == "left of the path [mm]"
+    twist = run.record.arrays["object_twist"].copy()
+    assert len(figures(run.plan, run.record)["speeds"].axes) == 2
+    twist[:, 2] = 0.0
+    straight = run.with_arrays(object_twist=twist).record
+    assert len(figures(run.plan, straight)["speeds"].axes) == 1
+
+
+def test_the_page_shows_the_scene_and_links_every_file_that_is_there(run, tmp_path):
+    folder = save(run, tmp_path / "run")
+    without = write_report([folder]).read_text()
+    assert "run.webp" not in without
+    assert "At the start." not in without
+    paths = write_pictures(run.plan, run.record, folder)
+    assert [path.name for path in paths] == ["start.webp", "contact.webp", "end.webp"]
+    (folder / "run.webp").write_bytes(b"RIFF")
+    text = write_report([folder]).read_text()
+    for file in ("run.webp", "plan.json", "record.npz", "result.json", "task.yaml"):
+        assert f'href="{file}"' in text
+    assert text.count("data:image/webp;base64,") == 3
+    words = [text.index(w) for w in ("At the start.", "Half-way", "At the end.")]
+    assert words == sorted(words)
+
+
+def test_the_page_gives_the_command_and_the_versions(run, tmp_path):
+    folder = save(run, tmp_path / "run")
+    text = write_report([folder]).read_text()
+    assert "<code>pps run task.yaml --engine planar --seed 7</code>" in text
+    assert f"numpy {np.__version__}" in text
+    told = again({"command": "pps run a <b>", "versions": {"python": "3"}})
+    assert "Made by <code>pps run a &lt;b&gt;</code>" in told
+    assert "with python 3" in told
+
+
+def test_times_of_a_tick_are_in_ms_beside_the_period(run, tmp_path):
+    text = write_report([save(run, tmp_path / "run")]).read_text()
+    total = text[text.index("All of a tick, median") :][:200]
+    assert "0.030 ms" in total
+    assert "period 10 ms" in total
+
+
+def test_bodies_that_move_and_their_goals_are_in_view_and_not_drawn_as_lines(run):
+    cube = Obstacle("cube", Box((0.08, 0.08, 0.08)), Pose2(0.5, 0.3), movable=True)
+    tool = ToolUse("cube", Pose2(0.2, 0.9, 0.0), 1, 0.1)
+    task = replace(run.task, obstacles=(cube,), tool=tool)
+    plan = replace(run.plan, task=task)
+    n = len(run.record.arrays["time"])
+    places = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 0.3, 0.04], (n, 1))
+    places[-1, 4:6] = (0.6, 1.0)
+    record = run.with_arrays(body_cube=places).record
+    for figure in (plan_figure(plan), path_figure(plan, record)):
+        (ax,) = figure.axes
+        assert ax.get_ylim()[1] > 0.94
+        assert "goal of cube" in ax.get_legend_handles_labels()[1]
+        lines = [line.get_label() for line in ax.get_lines()]
+        assert not any("cube" in str(label) or "body" in str(label) for label in lines)
+    assert ax.get_ylim()[1] > 1.04
+    assert "moved body, end" in ax.get_legend_handles_labels()[1]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.support_frame import SupportFrame
@@ -15,10 +16,17 @@ from pushpressslide.core.task import (
     Obstacle,
     Prism,
     Support,
+    ToolUse,
 )
-from pushpressslide.sim.view import frames, replay
+from pushpressslide.planar.replay import replay_data
+from pushpressslide.sim.view import frames, marks
+from pushpressslide.sim.view.camera import FIELD, fit_view
+from pushpressslide.sim.view.contact_marks import ContactMarks
 from pushpressslide.sim.view.frames import look_at, render_frames, write_video
-from pushpressslide.sim.view.playback import Playback, camera_view, fit_view, ribbon
+from pushpressslide.sim.view.lines import ribbon
+from pushpressslide.sim.view.overlay import Overlay
+from pushpressslide.sim.view.planned import planned_view
+from pushpressslide.sim.view.playback import Playback
 from pushpressslide.sim.view.replay import write_replay
 
 PRISM = Prism(((-0.06, -0.05), (0.08, -0.05), (0.0, 0.09)), 0.06)
@@ -51,8 +59,9 @@ def with_shape(run, shape):
 def test_the_replay_is_one_page_of_a_few_megabytes_without_a_server(arm_run, tmp_path):
     page = write_replay(arm_run.plan, arm_run.record, tmp_path / "replay.html")
     text = page.read_text()
-    assert 1e6 < len(text) < 6e6
+    assert 1e6 < len(text) < 5e6
     assert "by-hand: rear_push, goal reached" in text
+    assert "@" not in text.rpartition('<div class="over">')[2]
     assert "localhost" not in text.split("</script>")[-1]
     assert "<script src=" not in text
     assert [p.name for p in tmp_path.iterdir()] == ["replay.html"]
@@ -96,15 +105,17 @@ def test_a_planar_record_with_an_arm_is_refused_in_one_line(arm_run, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_the_camera_holds_every_point_in_its_picture():
+@pytest.mark.parametrize("aspect", [9 / 16, 1.0, 16 / 9])
+def test_the_camera_holds_every_point_and_fills_its_picture(aspect):
     points = np.random.default_rng(3).uniform(-0.5, 0.7, (50, 3))
-    field = 0.7
-    view = fit_view(points, np.array([0.6, -0.8, 0.6]), field)
+    view = fit_view(points, np.array([0.6, -0.8, 0.6]), FIELD, aspect)
     seen = (look_at(view).inverse() @ points.T).T
     assert np.all(seen[:, 2] > 0.0)
-    assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * field)
-    assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * field) * 4.0 / 3.0
-    assert np.abs(seen[:, :2] / seen[:, 2:]).max() > 0.6 * np.tan(0.5 * field)
+    edge = np.tan(0.5 * FIELD)
+    across = np.abs(seen[:, 0] / seen[:, 2]).max() / (edge * aspect)
+    down = np.abs(seen[:, 1] / seen[:, 2]).max() / edge
+    assert max(across, down) < 1.0
+    assert max(across, down) > 0.75
 
 
 def test_a_ribbon_has_the_width_that_was_asked_for():
@@ -169,7 +180,8 @@ def test_a_video_is_written_whole(arm_run, tmp_path):
         pytest.skip(str(error))
     from PIL import Image
 
-    assert Image.open(out).n_frames == 9
+    assert Image.open(out).n_frames == 10
+    assert Image.open(out).size == (80, 60)
     assert [p.name for p in tmp_path.iterdir()] == ["run.webp"]
 
 
@@ -190,10 +202,10 @@ def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
     made = two_arms(pressed, arm_run)
     drawn = {}
 
-    def show(self, name, tail, force, scale, *_):
-        drawn.setdefault(name, []).append((tail, force, scale))
+    def show(self, name, arrow, t):
+        drawn.setdefault(name, []).append(arrow)
 
-    monkeypatch.setattr(replay._Marks, "_show_arrow", show)
+    monkeypatch.setattr(marks.Marks, "_show_arrow", show)
     text = write_replay(made.plan, made.record, tmp_path).read_text()
     assert "press, beside its tip, 10 mm a newton" in text
     assert sorted(drawn) == [
@@ -202,17 +214,16 @@ def test_both_arms_are_drawn_with_their_forces_in_the_plane_and_presses(
         "marks/press_0",
         "marks/press_1",
     ]
-    tail, force, scale = drawn["marks/press_1"][60]
-    assert force == pytest.approx([0.0, 0.0, -10.0])
-    assert (tail + scale * force)[2] == pytest.approx(0.08)  # ends on the object's top
-    assert np.linalg.norm(drawn["marks/force_1"][60][1]) == pytest.approx(np.sqrt(5.0))
+    press = drawn["marks/press_1"][60]
+    assert press.force == pytest.approx([0.0, 0.0, -10.0])
+    assert press.head[2] == pytest.approx(0.08)  # ends on the object's top
+    assert drawn["marks/force_1"][60].size == pytest.approx(np.sqrt(5.0))
 
 
-@pytest.mark.parametrize("field", [0.6, 1.3])
-def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
+def test_the_live_camera_sees_the_whole_object_at_start_and_goal(run):
     bar = replace(run.task, object=ObjectModel(Box((0.6, 0.1, 0.05)), 1.0, (0.0, 0.0)))
     plan = replace(run.plan, task=bar)
-    view = camera_view(plan, run.record.arrays["object_pose"], field)
+    view = planned_view(plan, aspect=1.0)
     corners = [
         (*X_WG.apply(c), z)
         for X_WG in (bar.start, bar.goal)
@@ -220,8 +231,8 @@ def test_the_camera_sees_the_whole_object_at_start_and_goal(run, field):
         for z in (0.0, 0.05)
     ]
     seen = (look_at(view).inverse() @ np.array(corners).T).T
-    assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * field)
-    assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * field) * 4.0 / 3.0
+    assert np.abs(seen[:, 1] / seen[:, 2]).max() < np.tan(0.5 * FIELD)
+    assert np.abs(seen[:, 0] / seen[:, 2]).max() < np.tan(0.5 * FIELD)
 
 
 @pytest.mark.parametrize("kind", ["table", "wall"])
@@ -232,3 +243,54 @@ def test_light_falls_on_the_face_of_the_support_from_above(kind):
     out = support.frame.direction((0.0, 0.0, 1.0))
     assert -light @ out > 0.5 * np.linalg.norm(light)
     assert light[2] < -0.5 * np.linalg.norm(light)
+
+
+def test_marks_over_a_picture_are_where_the_scene_has_them(arm_run):
+    playback = Playback(arm_run.plan, arm_run.record)
+    view = fit_view(np.array([(0.2, -0.3, 0.0), (0.8, 0.3, 0.2)]), np.array([1, 1, 1]))
+    overlay = Overlay(playback, view, (1280, 720))
+    assert overlay.pixel(tuple(view.target.tolist())) == pytest.approx((640.0, 360.0))
+    above = view.target + np.array([0.0, 0.0, 0.05])
+    right, down = overlay.pixel(tuple(above.tolist()))
+    assert right == pytest.approx(640.0)
+    assert down < 350.0
+
+
+def test_the_goal_of_the_body_that_a_tool_pushes_is_drawn_too(run):
+    cube = Obstacle("cube", Box((0.08, 0.08, 0.08)), Pose2(0.5, 0.2), movable=True)
+    tool = ToolUse("cube", Pose2(0.6, 0.3, 0.0), 1, 0.1)
+    task = replace(run.task, obstacles=(cube,), tool=tool)
+    assert [(name, X) for name, _, X in goal_places(task)] == [
+        ("object", task.goal),
+        ("cube", tool.goal),
+    ]
+    plan = replace(run.plan, task=task)
+    assert len(replay_data(plan, run.record)["goals"]) == 2
+
+
+def test_the_force_of_a_push_begins_at_its_contact_and_stays_in_its_cone(arm_run):
+    marks = ContactMarks(
+        Playback(arm_run.plan, arm_run.record), np.array([1.0, 0.0, 1.0])
+    )
+    tick = 200
+    arrow = marks.push(0, tick)
+    apex, height = marks.cone(0, tick)
+    assert arrow.tail[:2] == pytest.approx(apex.position)
+    assert arrow.tail[2] > height > marks.height  # over the object, where it is seen
+    tip = arm_run.record.arrays["tip_position"][tick, 0, :2]
+    radius = arm_run.task.robots[0].tip_radius
+    assert np.linalg.norm(arrow.tail[:2] - tip) == pytest.approx(radius)
+    x, y = apex.inverse().rotate(tuple(arrow.force[:2]))
+    assert abs(y) < marks.friction * x
+    assert marks.cone(0, 0) is None  # no force yet
+    assert marks.disc(0, tick) is None
+
+
+def test_the_shear_of_a_press_ends_in_its_friction_disc(pressed, arm_run):
+    made = two_arms(pressed, arm_run)
+    marks = ContactMarks(Playback(made.plan, made.record), np.array([1.0, 0.0, 1.0]))
+    for arm in (0, 1):
+        disc = marks.disc(arm, 200)
+        head = marks.push(arm, 200).head
+        assert np.hypot(head[0] - disc.x, head[1] - disc.y) < disc.radius
+        assert marks.cone(arm, 200) is None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -183,9 +185,9 @@ class RunOptions:
             help="Watch in Meshcat while it runs, in real time; opens a browser.",
         ),
     ] = False
-    video: Annotated[bool, typer.Option("--video", help="Also write an animation.")] = (
-        False
-    )
+    video: Annotated[
+        bool, typer.Option("--video", help="Also write an animation, run.webp.")
+    ] = False
     models: Annotated[
         Models, typer.Option("--models", help="Robot models on Drake.")
     ] = Models.generated
@@ -206,11 +208,10 @@ def run(options: RunOptions) -> int:
     task = task_of(options.task, options.sets, options.mode)
     folder = results_folder(options.out, task.name, options.force)
     engine = options.engine
-    if (options.live or options.video) and not ENGINES[engine].has_arms:
-        option = "--live" if options.live else "--video"
+    if options.live and not ENGINES[engine].has_arms:
         allowed = [name for name, other in ENGINES.items() if other.has_arms]
         raise PushPressSlideError(
-            f"{option} is not allowed with --engine {engine}; allowed: --engine "
+            f"--live is not allowed with --engine {engine}; allowed: --engine "
             f"{', '.join(allowed)}"
         )
     result = _run(task, options, folder)
@@ -244,11 +245,16 @@ def _run(task: Task, options: RunOptions, folder: Path) -> dict[str, Any]:
                 seed=options.seed,
                 force=options.anyway,
                 models=options.models.value,
-                out=Output(folder, options.video),
+                out=Output(folder, options.video, command_line()),
                 monitor=Monitor(progress, live),
             )
     except Interrupted as stopped:
         raise Interruption(str(stopped)) from None
+
+
+def command_line() -> str:
+    """Return how this process was called, as it can be typed again."""
+    return shlex.join(["pps", *sys.argv[1:]])
 
 
 @app.command()

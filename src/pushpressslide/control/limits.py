@@ -48,8 +48,10 @@ class ArmReading:
 
     q: Array  # (n,) [rad]
     v: Array  # (n,) [rad/s]
-    torque_share: float = 0.0  # largest demanded torque over its limit
-    rate_share: float = 0.0  # largest demanded change of a torque over its limit
+    torque_share: float = 0.0  # largest demanded torque as a share of its limit
+    rate_share: float = (
+        0.0  # largest demanded change of a torque as a share of its limit
+    )
 
 
 @dataclass(slots=True)

@@ -63,6 +63,18 @@ def obstacle_name(body: str, moved: str) -> str:
     return SET_DOWN if body == OBJECT else body
 
 
+def goal_places(task: Task) -> tuple[tuple[str, Shape, Pose2], ...]:
+    """Return every goal of a task: the body's name, its shape, and X_WG there."""
+    if task.goals:
+        wanted = dict.fromkeys((goal.body, goal.pose) for goal in task.goals)
+        return tuple((body, body_shape(task, body), X) for body, X in wanted)
+    own = (OBJECT, task.object.shape, task.goal)
+    tool = task.tool
+    if tool is None:
+        return (own,)
+    return own, (tool.body, body_shape(task, tool.body), tool.goal)
+
+
 def stage_task(task: Task, stage: Stage, begin: State) -> Task:
     """Return the ordinary task of a stage that begins in a state.
 

@@ -32,8 +32,8 @@ class LimitedTorque(NamedTuple):
     """Joint torques inside their limits, and what was asked for."""
 
     torque: Array  # (n,) [N m]
-    share: float  # largest demanded torque over its limit
-    rate_share: float  # largest demanded change of a torque over its limit
+    share: float  # largest demanded torque as a share of its limit
+    rate_share: float  # largest demanded change of a torque as a share of its limit
 
 
 def task_torque(

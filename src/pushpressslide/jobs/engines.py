@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -71,7 +72,9 @@ class Engine(Protocol):
     def write_replay(
         self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
-        """Write the replay, and an animation if asked, into the folder ``out``."""
+        """Write the replay, pictures, and an animation if asked, into the folder
+        ``out``.
+        """
 
 
 class _Drake:
@@ -104,12 +107,15 @@ class _Drake:
         self, plan: Plan, record: Record, out: Path, arms: ArmOptions
     ) -> None:
         """Write the replay page of a run."""
+        from pushpressslide.core.errors import SimulationError
+        from pushpressslide.sim.view.frames import write_pictures, write_video
         from pushpressslide.sim.view.replay import write_replay
 
         write_replay(plan, record, out, arms.models, arms.goals)
+        # the replay needs no renderer of this machine; an animation is asked for
+        with suppress(SimulationError):
+            write_pictures(plan, record, out, arms.models, arms.goals)
         if arms.video:
-            from pushpressslide.sim.view.frames import write_video
-
             write_video(plan, record, out, models=arms.models, goals=arms.goals)
 
 
@@ -133,8 +139,14 @@ class _Planar:
     ) -> None:
         """Write the replay page of a run."""
         from pushpressslide.planar.replay import write_replay
+        from pushpressslide.planar.video import write_pictures, write_video
 
-        write_replay(plan, record, out)
+        write_replay(plan, record, out, arms.goals)
+        if not len(record.arrays["time"]):
+            return
+        write_pictures(plan, record, out, arms.goals)
+        if arms.video:
+            write_video(plan, record, out, arms.goals)
 
 
 ENGINES: Mapping[str, Engine] = {

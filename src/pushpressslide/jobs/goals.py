@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from pushpressslide.core.bodies import body_shape
+from pushpressslide.core.bodies import goal_places
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.engines import ArmOptions, engine_named
@@ -56,6 +56,7 @@ def run_goals(
         ending = Ending(reason["code"], reason["text"])
         record = joined_record(runs, ending, options.seed)
         if out is not None:
+            result["command"] = out.command
             save_stages(out.folder, task, stages, runs, record, result)
     if interrupt():
         raise interrupted(out)
@@ -89,8 +90,7 @@ def _write_replays(
     of its stages.
     """
     engine = engine_named(record.engine)
-    last = {goal.body: goal.pose for goal in task.goals}
-    goals = [(body_shape(task, body), goal) for body, goal in last.items()]
+    goals = [(shape, pose) for _, shape, pose in goal_places(task)]
     if engine.has_arms:
         arms = ArmOptions(models, video=out.video, goals=goals)
         shown = finite_part(replayed_record(runs, record))
@@ -98,4 +98,5 @@ def _write_replays(
         return
     for index, run in enumerate(runs):
         folder = stage_folder(out.folder, index)
-        engine.write_replay(run.plan, finite_part(run.record), folder, ArmOptions())
+        arms = ArmOptions(video=out.video, goals=goals)
+        engine.write_replay(run.plan, finite_part(run.record), folder, arms)

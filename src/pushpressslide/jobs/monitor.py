@@ -31,7 +31,8 @@ class Output:
     """Where the files of a run go."""
 
     folder: Path
-    video: bool = False  # also write an animation; engines with arms only
+    video: bool = False  # also write an animation
+    command: str | None = None  # that made them
 
 
 def interrupted(out: Output | None) -> Interrupted:

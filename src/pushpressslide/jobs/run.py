@@ -165,6 +165,7 @@ def run_task(
     with interrupt.held():
         result = measure(task, plan, record)
         if out is not None:
+            result["command"] = out.command
             write_data(out.folder, plan, record, result, choices)
     if interrupt():
         raise interrupted(out)
@@ -191,8 +192,8 @@ def write_data(
     out.mkdir(parents=True, exist_ok=True)
     for name in PAGES:
         (out / name).unlink(missing_ok=True)
-    for plot in (out / "plots").glob("*.png"):
-        plot.unlink()
+    for picture in (*out.glob("plots/*.png"), *out.glob("pictures/*.webp")):
+        picture.unlink()
     save_run(out, plan, record, result, choices)
 
 

@@ -48,7 +48,7 @@ def torque_figures(robots: Sequence[Robot], record: Record) -> dict[str, float |
 
 
 def speed_share(robots: Sequence[Robot], record: Record) -> float | None:
-    """Return the largest speed of any joint over its limit; None without joints."""
+    """Return the largest speed of any joint as a share of its limit; None without joints."""
     shares = []
     for i, robot in enumerate(robots):
         v = record.arrays.get(f"joint_velocity_{i}")

@@ -54,7 +54,9 @@ def filmstrip(plan: Plan) -> Figure:
 def _what(
     plan: Plan, motion: tuple[Segment, ...], before: tuple[Segment, ...] | None
 ) -> str:
-    """Return mode, arms, time, and whether the arms keep their contacts."""
+    """Return mode and arms, and in a second line time, and whether the arms keep their
+    contacts.
+    """
     first = motion[0]
     robots = len(plan.task.robots)
     arms = ""
@@ -64,7 +66,7 @@ def _what(
     kept = ""
     if before is not None and same_places(first.contacts, before[-1].contacts):
         kept = ", contacts kept"
-    return f"{first.mode}{arms}, {seconds:.1f} s{kept}"
+    return f"{first.mode}{arms}\n{seconds:.1f} s{kept}"
 
 
 def _picture(ax: Axes, plan: Plan, motion: tuple[Segment, ...], start: Pose2) -> None:

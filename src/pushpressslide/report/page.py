@@ -22,7 +22,7 @@ from pushpressslide.report.filmstrip import filmstrip, motions
 from pushpressslide.report.page_tables import (
     comparison_table,
     contacts_table,
-    figures_table,
+    figures_tables,
     segments_table,
     table,
 )
@@ -31,6 +31,20 @@ from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.task_table import task_table
 from pushpressslide.selection.planner import gathered
 
+LINKS = {
+    "replay.html": "Watch the replay",
+    "run.webp": "Video",
+    "result.json": "result.json",
+    "plan.json": "plan.json",
+    "record.npz": "record.npz",
+    "task.yaml": "task.yaml",
+}
+PICTURES = {
+    "start": "At the start.",
+    "contact": "Half-way, with the contact forces.",
+    "end": "At the end.",
+}
+NARROW = 2  # contacts whose table fits a column
 CAPTIONS = {
     "path": "What happened: footprints at even steps of the contact phase, with the force at each.",
     "errors": "Object against the reference at the same time, in the contact phase.",
@@ -87,11 +101,13 @@ def document(title: str, body: str) -> str:
     )
 
 
-def image(data: bytes, alt: str, caption: str = "") -> str:
-    """Return a PNG as an HTML figure with the picture inside."""
+def image(data: bytes, alt: str, caption: str = "", kind: str = "png") -> str:
+    """Return a picture as an HTML figure with the picture inside; ``kind`` is the format
+    of ``data``.
+    """
     text = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     source = base64.b64encode(data).decode("ascii")
-    return f'<figure><img alt="{escape(alt)}" src="data:image/png;base64,{source}">{text}</figure>'
+    return f'<figure><img alt="{escape(alt)}" src="data:image/{kind};base64,{source}">{text}</figure>'
 
 
 def _labels(runs: Sequence[Run]) -> list[str]:
@@ -133,23 +149,66 @@ def _run_section(run: Run, page: Path, name: str) -> str:
         events(run.result),
         _warning(run.record),
         f"<p>{escape(text)}</p>" if text else "",
-        f'<p class="links">{_links(run, page)}</p>',
-        "<h3>Task</h3>",
-        task_table(run.task, run.result),
+        f'<p class="links">{links(run.folder, page)}</p>',
+        pictures(run.folder),
+        columns(
+            f"<h3>Task</h3>{task_table(run.task, run.result)}{again(run.result)}",
+            image(plan, "plan", "The plan, made before anything moves."),
+        ),
         contest_part(run.plan, run.choices),
         _choice_part(run),
         search_part(run.result.get("search")),
-        image(plan, "plan", "The plan, made before anything moves."),
         _filmstrip(run.plan),
         segments_table(run.plan),
         "<h3>Figures</h3>",
-        figures_table(run.result),
-        "<h3>Contacts</h3>",
-        contacts_table(run.plan, run.result),
+        _figures_part(run),
         "<h3>Plots</h3>",
-        *plots,
+        columns(*plots),
     ]
     return f"<section>{''.join(parts)}</section>"
+
+
+def _figures_part(run: Run) -> str:
+    """Return the tables of figures and of contacts, these in the shorter column if they
+    fit there.
+    """
+    first, second = figures_tables(run.result)
+    contacts = f"<h3>Contacts</h3>{contacts_table(run.plan, run.result)}"
+    count = sum(len(placement.contacts) for placement in run.plan.by_placement)
+    if count <= NARROW:
+        return columns(first, second + contacts)
+    return columns(first, second) + contacts
+
+
+def columns(*parts: str) -> str:
+    """Return parts side by side where the page is wide enough."""
+    cells = "".join(f"<div>{part}</div>" for part in parts if part)
+    return f'<div class="columns">{cells}</div>'
+
+
+def pictures(folder: Path) -> str:
+    """Return the pictures of the scene at start, contact and end that are there."""
+    made = []
+    for name, words in PICTURES.items():
+        path = folder / "pictures" / f"{name}.webp"
+        if path.is_file():
+            made.append(image(path.read_bytes(), name, words, "webp"))
+    return f'<div class="pictures">{"".join(made)}</div>' if made else ""
+
+
+def again(result: Mapping[str, Any]) -> str:
+    """Return the command that made a run, or makes it again, and the versions."""
+    command = result.get("command")
+    words = "Made by"
+    if not command:
+        words = "Run again, in this folder, by"
+        engine = result["engine"]
+        command = f"pps run task.yaml --engine {engine} --seed {result['seed']}"
+    versions = ", ".join(f"{name} {v}" for name, v in result["versions"].items())
+    return (
+        f"<p class=again>{words} <code>{escape(command)}</code><br>"
+        f"with {escape(versions)}</p>"
+    )
 
 
 def _filmstrip(plan: Plan) -> str:
@@ -202,16 +261,12 @@ def _warning(record: Record) -> str:
     )
 
 
-def _links(run: Run, page: Path) -> str:
+def links(folder: Path, page: Path) -> str:
     """Return links to the files of a run that are there."""
     return " ".join(
-        f'<a class="button" href="{escape(_link(run.folder / file, page))}">{label}</a>'
-        for file, label in (
-            ("replay.html", "Watch the replay"),
-            ("result.json", "result.json"),
-            ("task.yaml", "task.yaml"),
-        )
-        if (run.folder / file).is_file()
+        f'<a class="button" href="{escape(_link(folder / file, page))}">{label}</a>'
+        for file, label in LINKS.items()
+        if (folder / file).is_file()
     )
 
 

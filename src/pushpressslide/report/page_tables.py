@@ -40,7 +40,10 @@ class Row:
         return f'<td class="n {_judged(result, self.key)}">{self.text(result)}</td>'
 
 
-GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
+Groups = tuple[tuple[str, tuple[Row, ...]], ...]
+"""Rows under a heading each."""
+
+GROUPS: Groups = (
     (
         "At the goal",
         (
@@ -135,15 +138,24 @@ GROUPS: tuple[tuple[str, tuple[Row, ...]], ...] = (
             Row("Duration, simulated", "duration", 1.0, "s", 2),
             Row("Contact phase", "motion_duration", 1.0, "s", 2),
             Row("Simulated over wall time", "realtime_factor", 1.0, "×", 2),
-            Row("Track, median a tick", "tick_us.track.median", 1.0, "µs", 1),
-            Row("Allocate, median a tick", "tick_us.allocate.median", 1.0, "µs", 1),
-            Row("Execute, median a tick", "tick_us.execute.median", 1.0, "µs", 1),
-            Row("All of a tick, median", "tick_us.total.median", 1.0, "µs", 1),
-            Row("All of a tick, 99th percentile", "tick_us.total.p99", 1.0, "µs", 1),
-            Row("All of a tick, 99.9th percentile", "tick_us.total.p999", 1.0, "µs", 1),
+            Row("Track, median a tick", "tick_us.track.median", 1e-3, "ms", 3),
+            Row("Allocate, median a tick", "tick_us.allocate.median", 1e-3, "ms", 3),
+            Row("Execute, median a tick", "tick_us.execute.median", 1e-3, "ms", 3),
+            Row("All of a tick, median", "tick_us.total.median", 1e-3, "ms", 3),
+            Row("All of a tick, 99th percentile", "tick_us.total.p99", 1e-3, "ms", 3),
+            Row(
+                "All of a tick, 99.9th percentile",
+                "tick_us.total.p999",
+                1e-3,
+                "ms",
+                3,
+            ),
         ),
     ),
 )
+
+SPLIT = 4
+"""Groups of the first of two tables beside each other."""
 
 CONTACT_ROWS: tuple[Row, ...] = (
     Row("Planned load", "load", 1.0, "N", 1),
@@ -156,6 +168,7 @@ CONTACT_ROWS: tuple[Row, ...] = (
 )
 KINDS = {"side": "push on a side", "top": "press on top"}
 
+PERIOD = "time_step"  # [s] of control
 ASKED = {
     "final_position_error": "tolerance.position",
     "final_yaw_error": "tolerance.yaw",
@@ -163,8 +176,11 @@ ASKED = {
     "path_length": "planned.path_length",
     "joint_limit_margin": "planned.joint_limit_margin",
     "clearance_driven": "planned.clearance",
+    "tick_us.total.median": PERIOD,
+    "tick_us.total.p99": PERIOD,
+    "tick_us.total.p999": PERIOD,
 }
-"""What a figure is set beside: a tolerance, or what the plan foresaw."""
+"""What a figure is set beside: a tolerance, what the plan foresaw, or the period."""
 
 
 def lookup(result: Mapping[str, Any], key: str) -> Any:
@@ -209,10 +225,22 @@ def group_row(text: str, columns: int) -> list[str]:
 
 def figures_table(result: Mapping[str, Any]) -> str:
     """Return the figures of one run: measured, beside what was asked or planned."""
+    return _figures(result, GROUPS)
+
+
+def figures_tables(result: Mapping[str, Any]) -> tuple[str, str]:
+    """Return the figures of one run as two tables, for two columns."""
+    return _figures(result, GROUPS[:SPLIT]), _figures(result, GROUPS[SPLIT:])
+
+
+def _figures(result: Mapping[str, Any], groups: Groups) -> str:
     rows, marks = _grouped_rows(
         [result],
         lambda row: [row.cell(result), f'<td class="n">{_asked(result, row)}</td>'],
+        groups,
     )
+    if not rows:
+        return ""
     return table(("", "Measured", "Asked or planned"), rows, marks, numbers=2)
 
 
@@ -239,12 +267,14 @@ def _outcome_cell(result: Mapping[str, Any]) -> str:
 
 
 def _grouped_rows(
-    results: Sequence[Mapping[str, Any]], cells: Callable[[Row], list[str]]
+    results: Sequence[Mapping[str, Any]],
+    cells: Callable[[Row], list[str]],
+    groups: Groups = GROUPS,
 ) -> tuple[list[list[str]], list[str]]:
     """Rows and their attributes for every figure that one of ``results`` has."""
     rows: list[list[str]] = []
     marks: list[str] = []
-    for group, entries in GROUPS:
+    for group, entries in groups:
         lines = [
             [f'<th scope="row">{escape(row.label)}</th>', *cells(row)]
             for row in entries
@@ -261,6 +291,8 @@ def _asked(result: Mapping[str, Any], row: Row) -> str:
     key = ASKED.get(row.key, "")
     if lookup(result, key) is None:
         return ""
+    if key == PERIOD:
+        return f"period {1e3 * result[PERIOD]:g} ms"
     sign = "≤ " if key.startswith("tolerance") else ""
     return sign + row.text(result, key)
 

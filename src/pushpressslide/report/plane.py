@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.bodies import OBJECT, goal_places
 from pushpressslide.core.plan import MotionPath, Plan
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.scene import arm_title
-from pushpressslide.core.task import Obstacle, Robot, Scene, Shape
+from pushpressslide.core.task import Obstacle, Robot, Scene, Shape, Task
 from pushpressslide.report import series, style
 
 if TYPE_CHECKING:
@@ -29,7 +30,10 @@ Indices = NDArray[np.intp]
 
 BASE_RADIUS = 0.09  # [m] at which a robot's base is drawn
 STATIONS = 6  # footprints between start and end
+LETTER = 0.016  # [m] of a name on a body, at the scale of most figures
+ROOM = 0.05  # [m] of its height
 ARROW = 0.08  # [m] length of the largest force arrow
+LEAST_MOVE = 1e-3  # [m] of a body that is drawn where it ended
 MARGIN = 0.05  # [m] around all that is shown
 EDGE = "#6B7280"  # of obstacles, bases and openings
 
@@ -61,11 +65,12 @@ def plan_figure(plan: Plan) -> Figure:
     footprints(ax, shape, poses[1:-1], style.SKY, "planned on the way")
     footprint(ax, shape, task.start, style.BLACK, "start", fill=True)
     footprint(ax, shape, goal, style.GREEN, "goal", fill=True)
+    others = other_goals(ax, task)
     planned_paths(ax, [segment.path for segment in segments])
     center = task.start.apply(task.X_GB.position)
     cross: dict[str, Any] = {"color": style.BLACK, "ms": 9, "mew": 1.5}
     ax.plot(*center, "+", label="centre of mass", **cross)
-    contacts(
+    others += contacts(
         ax,
         [
             (placement, placement.task.start.compose(placement.task.X_GB))
@@ -73,16 +78,23 @@ def plan_figure(plan: Plan) -> Figure:
         ],
     )
     corners = [c for pose in [*poses, task.start, goal] for c in outline(shape, pose)]
+    corners += others
+    frame(ax, task.scene, corners)
+    style.title(ax, _plan_title(plan))
+    style.legend(ax)
+    return made
+
+
+def _plan_title(plan: Plan) -> str:
+    """Return modes, length of the paths, and time."""
+    segments = plan.segments
     length = sum(series.path_length(segment.path) for segment in segments)
     seconds = sum(segment.profile.duration for segment in segments)
     modes = ", ".join(placement.segments[0].mode for placement in plan.by_placement)
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"
     if len(segments) > 1:
         title += f", {len(segments)} segments"
-    frame(ax, task.scene, corners)
-    style.title(ax, title)
-    style.legend(ax)
-    return made
+    return title
 
 
 def planned_paths(ax: Axes, paths: Sequence[MotionPath]) -> None:
@@ -114,7 +126,7 @@ def path_figure(plan: Plan, record: Record) -> Figure:
     footprints(ax, shape, poses[1:-1], style.GREY, "object on the way")
     footprint(ax, shape, poses[0], style.BLACK, "start", dashed=True)
     footprint(ax, shape, last, style.ORANGE, "end")
-    _other_bodies(ax, record)
+    others = _other_bodies(ax, task.scene, record) + other_goals(ax, task)
     tracked = series.tracked_poses(task.told.object, record)[:, :2]
     _tracked_paths(ax, record, tracked, ticks)
     largest = _forces(ax, plan, record, picks[1:-1])
@@ -122,10 +134,10 @@ def path_figure(plan: Plan, record: Record) -> Figure:
         (placement, _first_pose(part).compose(placement.task.X_GB))
         for placement, part in series.by_placement(plan, record)
     ]
-    contacts(ax, placements)
+    others += contacts(ax, placements)
     _force_key(ax, plan, largest)
     corners = [c for p in [*poses, last, task.goal] for c in outline(shape, p)]
-    corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]]
+    corners += [(float(x), float(y)) for x, y in tracked[ticks][::50]] + others
     view = "from above" if task.support.frame.faces_up else "from the front"
     frame(ax, task.scene, corners)
     style.title(ax, f"The run, seen {view}")
@@ -138,13 +150,36 @@ def _pose_at(record: Record, tick: int) -> Pose2:
     return Pose2(*map(float, record.arrays["object_pose"][tick]))
 
 
-def _other_bodies(ax: Axes, record: Record) -> None:
-    """Draw the first and last place of every body that the object pushed."""
-    for name, values in record.arrays.items():
-        if name.startswith("body_"):
-            ends = series.planar_poses(values)[[0, -1], :2]
-            look: dict[str, Any] = {"color": style.PURPLE, "marker": "s", "ms": 4}
-            ax.plot(*ends.T, label=name.removeprefix("body_"), **look)
+def _other_bodies(ax: Axes, scene: Scene, record: Record) -> list[Point]:
+    """Draw every other body where it ended, if it moved; return the corners [m]."""
+    label = "moved body, end"
+    corners: list[Point] = []
+    if not scene.support.frame.faces_up:
+        return corners  # their poses are recorded in the world
+    for obstacle in scene.obstacles:
+        values = record.arrays.get(f"body_{obstacle.name}")
+        if values is None:
+            continue
+        last = Pose2(*map(float, series.planar_poses(values)[-1]))
+        if math.dist(last.position, obstacle.pose.position) < LEAST_MOVE:
+            continue
+        own = outline(obstacle.shape, last)
+        _polygon(ax, own, fill=False, edgecolor=style.PURPLE, lw=1.6, label=label)
+        corners += own
+        label = ""
+    return corners
+
+
+def other_goals(ax: Axes, task: Task) -> list[Point]:
+    """Draw the goals of the bodies but the object; return their corners [m]."""
+    corners: list[Point] = []
+    for name, shape, X_WG in goal_places(task):
+        if name == OBJECT:
+            continue
+        label = f"goal of {name}"
+        footprint(ax, shape, X_WG, style.GREEN, label, dashed=True)
+        corners += outline(shape, X_WG)
+    return corners
 
 
 def _tracked_paths(ax: Axes, record: Record, tracked: Array, ticks: Indices) -> None:
@@ -202,11 +237,13 @@ def _first_pose(record: Record) -> Pose2:
     return _pose_at(record, int(np.argmax(series.in_phase(record, "move"))))
 
 
-def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
-    """Draw where the tips of each placement touch the object at its X_WB.
+def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> list[Point]:
+    """Draw where the tips of each placement touch the object at its X_WB; return the
+    ends of what is drawn [m].
 
     A press is a dot, a push a short arrow into the side.
     """
+    ends: list[Point] = []
     touched = [
         (contact, X_WB)
         for placement, X_WB in placements
@@ -219,13 +256,16 @@ def contacts(ax: Axes, placements: Sequence[tuple[Plan, Pose2]]) -> None:
             ax.plot(x, y, "o", color=style.ORANGE, ms=8, zorder=6)
         else:
             n = X_WB.rotate(contact.normal)
-            _arrow(ax, (x - ARROW * n[0], y - ARROW * n[1]), (x, y), style.ORANGE)
+            tail = (x - ARROW * n[0], y - ARROW * n[1])
+            _arrow(ax, tail, (x, y), style.ORANGE)
+            ends.append(tail)
     for kind, label, marker in (
         ("top", "press on top", "o"),
         ("side", "push on a side", ">"),
     ):
         if kind in kinds:
             ax.plot([], [], marker, color=style.ORANGE, ms=7, label=label)
+    return ends
 
 
 def _arrow(ax: Axes, tail: Point, head: Point, color: str) -> None:
@@ -306,8 +346,10 @@ def surroundings(ax: Axes, scene: Scene) -> None:
             continue
         _base(ax, robot, "" if i else "robot base")
         if len(scene.robots) > 1:
-            place = (robot.base[0], robot.base[1] - 0.5 * BASE_RADIUS)
-            _name(ax, arm_title(i), place, fontsize=7.5)
+            x, y, _ = robot.base
+            below = (x - BASE_RADIUS, y - 1.1 * BASE_RADIUS)
+            words = {"ha": "left", "va": "top", "color": style.BLACK}
+            ax.annotate(arm_title(i), below, fontsize=7.5, **words)
 
 
 def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
@@ -316,7 +358,14 @@ def _obstacle(ax: Axes, obstacle: Obstacle, label: str) -> None:
     _polygon(ax, corners, label=label, **look)
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}
     place = obstacle.pose.apply(obstacle.shape.centroid)
-    _name(ax, obstacle.name, place, fontsize=8, bbox=box, annotation_clip=True)
+    xs, ys = zip(*corners, strict=True)
+    words: dict[str, Any] = {"fontsize": 8, "bbox": box, "annotation_clip": True}
+    if max(xs) - min(xs) > LETTER * len(obstacle.name) and max(ys) - min(ys) > ROOM:
+        _name(ax, obstacle.name, place, **words)
+        return
+    below = (0.5 * (min(xs) + max(xs)), min(ys))
+    words |= {"xytext": (0, -4), "textcoords": "offset points"}
+    _name(ax, obstacle.name, below, va="top", **words)
 
 
 def _base(ax: Axes, robot: Robot, label: str) -> None:
@@ -332,8 +381,8 @@ def _base(ax: Axes, robot: Robot, label: str) -> None:
     _line(ax, (x, y), front, color=EDGE, lw=1.5)
 
 
-def _name(ax: Axes, text: str, place: Point, **look: Any) -> None:
-    ax.annotate(text, place, ha="center", va="center", color=style.BLACK, **look)
+def _name(ax: Axes, text: str, place: Point, va: str = "center", **look: Any) -> None:
+    ax.annotate(text, place, ha="center", va=va, color=style.BLACK, **look)
 
 
 def frame(ax: Axes, scene: Scene, corners: Sequence[Point]) -> None:

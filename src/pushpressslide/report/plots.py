@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 # [mm], [deg] that an axis of errors spans at least, so that a trifle does not fill it
 LEAST_SPAN = 0.1
+EMPTY = 1e-3  # [mm], [deg], [deg/s] a curve that stays below it has no panel
 HIGH_TORQUE = 70.0  # [% of the limit] above which the limits are drawn too
 LEAST_UPWARD_FORCE = 1e-6  # [N] above which the upward component is drawn
 MEASURED: dict[str, Any] = {"color": style.BLUE}
@@ -87,24 +88,31 @@ def errors_figure(plan: Plan, record: Record) -> Figure:
     return made
 
 
-def tracking_figure(plan: Plan, record: Record) -> Figure:
-    """Return the tracking law's own errors: along and left of the path, and heading."""
-    made, axes = style.figure(3, 5.6)
+def tracking_figure(plan: Plan, record: Record) -> Figure | None:
+    """Return the tracking law's own errors: along and left of the path, and heading,
+    those that are not zero throughout; None if all are.
+    """
     move = series.in_phase(record, "move")
     time = record.arrays["time"]
     errors = np.where(move[:, None], record.arrays["tracking_error"], np.nan)
-    names = ("along the path [mm]", "left of the path [mm]", "heading [deg]")
-    for ax, name, values, color in zip(
-        axes,
-        names,
-        (1e3 * errors[:, 0], 1e3 * errors[:, 1], np.degrees(errors[:, 2])),
-        style.CYCLE,
-        strict=False,
-    ):
+    along, left, heading = errors.T
+    panels = [
+        (name, values, color)
+        for name, values, color in (
+            ("along the path [mm]", 1e3 * along, style.BLUE),
+            ("left of the path [mm]", 1e3 * left, style.ORANGE),
+            ("heading [deg]", np.degrees(heading), style.GREEN),
+        )
+        if np.nanmax(np.abs(values), initial=0.0) > EMPTY
+    ]
+    if not panels:
+        return None
+    made, axes = style.figure(len(panels), 1.0 + 1.55 * len(panels))
+    for ax, (name, values, color) in zip(axes, panels, strict=True):
         ax.plot(*style.thin(time, values), color=color)
         ax.axhline(0.0, color=style.GREY, lw=0.7)
         ax.set_ylabel(name)
-        span = max(LEAST_SPAN, 1.1 * float(np.nanmax(np.abs(values), initial=0.0)))
+        span = max(LEAST_SPAN, 1.1 * float(np.nanmax(np.abs(values))))
         ax.set_ylim(-span, span)
     style.time_axis(axes, record, "Tracking point: path minus actual")
     return made
@@ -226,8 +234,8 @@ def torques_figure(plan: Plan, record: Record) -> Figure | None:
                 ax.axhline(limit, color=style.BLACK, ls="--", lw=1.0)
         ax.set_ylim(-span, span)
         name = f"{arm_title(arm)}: " if len(shares) > 1 else ""
-        ax.set_ylabel(f"{name}torque [% of limit]")
-    style.time_axis(axes, record, "Joint torques")
+        ax.set_ylabel(f"{name}share of the limit [%]")
+    style.time_axis(axes, record, "Joint torques, as shares of their limits")
     return made
 
 
@@ -245,22 +253,26 @@ def _torque_shares(robots: Sequence[Robot], record: Record) -> dict[int, Array]:
 
 
 def speeds_figure(plan: Plan, record: Record) -> Figure:
-    """Return the speed of the tracking point and the object's yaw rate."""
-    made, (top, bottom) = style.figure(2, 4.4)
+    """Return the speed of the tracking point, and the object's yaw rate if it turns."""
     time = record.arrays["time"]
     vx, vy, w = record.arrays["object_twist"].T
     tracked = series.tracked_poses(plan.task.told.object, record)[:, :2]
     x, y = (tracked - record.arrays["object_pose"][:, :2]).T
     speed = np.hypot(vx - w * y, vy + w * x)
     planned = _by_segment(plan, record, _cruise)
+    rate = np.degrees(w)
+    turns = np.nanmax(np.abs(rate), initial=0.0) > EMPTY
+    count = 2 if turns else 1
+    made, axes = style.figure(count, 0.8 + 1.8 * count)
+    top = axes[0]
     top.plot(*style.thin(time, 1e3 * speed), color=style.BLUE, label="tracking point")
     top.plot(*style.thin(time, 1e3 * planned), label="planned cruise", **TOLERANCE)
-    yaw_rate = style.thin(time, np.degrees(w))
-    bottom.plot(*yaw_rate, color=style.BLUE, label="object")
     top.set_ylabel("speed [mm/s]")
-    bottom.set_ylabel("yaw rate [deg/s]")
     top.set_ylim(bottom=0.0)
-    style.time_axis([top, bottom], record, "Speeds")
+    if turns:
+        axes[1].plot(*style.thin(time, rate), color=style.BLUE, label="object")
+        axes[1].set_ylabel("yaw rate [deg/s]")
+    style.time_axis(axes, record, "Speeds")
     return made
 
 

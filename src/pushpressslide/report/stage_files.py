@@ -57,9 +57,11 @@ def is_staged(folder: Path) -> bool:
 
 
 def clear_stages(folder: Path) -> None:
-    """Take an older run's result and stages away."""
-    (folder / RESULT).unlink(missing_ok=True)
-    shutil.rmtree(folder / STAGES, ignore_errors=True)
+    """Take an older run's result, pages and stages away."""
+    for name in (RESULT, "replay.html", "report.html", "run.webp"):
+        (folder / name).unlink(missing_ok=True)
+    for name in (STAGES, "pictures"):
+        shutil.rmtree(folder / name, ignore_errors=True)
 
 
 def save_stage(

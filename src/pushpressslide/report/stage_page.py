@@ -11,8 +11,18 @@ from typing import Any
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import series, style
-from pushpressslide.report.page import document, events, image, verdict, write_report
-from pushpressslide.report.page_tables import figures_table, table
+from pushpressslide.report.page import (
+    again,
+    columns,
+    document,
+    events,
+    image,
+    links,
+    pictures,
+    verdict,
+    write_report,
+)
+from pushpressslide.report.page_tables import figures_tables, table
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.stage_files import load_stages, stage_folder
 from pushpressslide.report.stages import StageRun
@@ -32,15 +42,17 @@ def write_stages_report(folder: Path, out: Path | None = None) -> Path:
         verdict(run.result),
         events(run.result),
         f"<p>{escape(run.task.description)}</p>" if run.task.description else "",
-        _replay_link(folder),
+        f'<p class="links">{links(folder, out)}</p>',
+        pictures(folder),
         "<h3>Bodies</h3>",
         _bodies_table(run.result),
         "<h3>Stages</h3>",
         _stages_table(run.result),
         "<h3>Task</h3>",
         task_table(run.task, run.result),
+        again(run.result),
         "<h3>Figures</h3>",
-        figures_table(run.result),
+        columns(*figures_tables(run.result)),
         "</section>",
     ]
     for index, stage in enumerate(run.runs):
@@ -57,18 +69,13 @@ def _stage_section(folder: Path, index: int, run: StageRun) -> str:
     parts = [
         f"<section><h2>{escape(title)}</h2>",
         f'<p class="links">{_links(folder, index)}</p>',
-        image(style.png(plan_figure(run.plan)), "plan", "The plan."),
-        image(style.png(path_figure(run.plan, shown)), "path", "What happened."),
+        columns(
+            image(style.png(plan_figure(run.plan)), "plan", "The plan."),
+            image(style.png(path_figure(run.plan, shown)), "path", "What happened."),
+        ),
         "</section>",
     ]
     return "".join(parts)
-
-
-def _replay_link(folder: Path) -> str:
-    if not (folder / "replay.html").is_file():
-        return ""
-    link = '<a class="button" href="replay.html">Watch the replay</a>'
-    return f'<p class="links">{link}</p>'
 
 
 def _links(folder: Path, index: int) -> str:
@@ -79,6 +86,7 @@ def _links(folder: Path, index: int) -> str:
         for name, label in (
             ("report.html", "All of this stage"),
             ("replay.html", "Watch it"),
+            ("run.webp", "Video"),
         )
         if (own / name).is_file()
     )
@@ -96,7 +104,8 @@ def _bodies_table(result: Mapping[str, Any]) -> str:
                 _cell(body.get("yaw_error"), math.degrees(1.0), "°", 2),
             ]
         )
-    return table(("Body", "Goal", "Ended at", "Off by", "Turned by"), rows)
+    head = ("Body", "Goal", "Ended at", "Off by", "Turned by")
+    return table(head, rows, numbers=4)
 
 
 def _stages_table(result: Mapping[str, Any]) -> str:
@@ -110,17 +119,18 @@ def _stages_table(result: Mapping[str, Any]) -> str:
                 f"<td class=n>{number}</td>",
                 f"<td>{escape(stage['body'])}</td>",
                 f"<td>{purpose}</td>",
-                _pose_cell(stage["goal"]),
                 f"<td>{escape(', '.join(stage['modes']))}</td>",
+                f"<td>{reached}</td>",
+                _pose_cell(stage["goal"]),
                 _cell(times[0], 1.0, " s", 1),
                 _cell(times[1], 1.0, " s", 1),
                 _cell(stage["position_error"], 1e3, " mm", 1),
                 _cell(stage["yaw_error"], math.degrees(1.0), "°", 2),
-                f"<td>{reached}</td>",
             ]
         )
-    head = ("", "Body", "To", "Pose", "Modes", "From", "Until", "Off by", "Turned by")
-    return table((*head, "Reached"), rows)
+    words = ("", "Body", "To", "Modes", "Reached")
+    figures = ("Pose", "From", "Until", "Off by", "Turned by")
+    return table((*words, *figures), rows, numbers=len(figures))
 
 
 def _pose_cell(pose: list[float] | None) -> str:

@@ -15,6 +15,7 @@ from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.core.state import State
+from pushpressslide.replay.course import GOAL_ERROR, goal_errors
 from pushpressslide.report import series
 from pushpressslide.report.outcome import goal_error
 
@@ -163,6 +164,14 @@ def replayed_record(runs: Sequence[StageRun], record: Record) -> Record:
     first = runs[0].stage.body
     arrays = dict(record.arrays)
     moved = arrays["object_pose"]
+    arrays[GOAL_ERROR] = np.concatenate(
+        [
+            goal_errors(poses, (goal.x, goal.y, goal.yaw))
+            for poses, goal in zip(
+                _by_stage(moved, arrays), (run.stage.goal for run in runs), strict=True
+            )
+        ]
+    )
     shown = arrays[f"pose_{first}"]
     arrays["object_pose"] = shown
     offsets = [run.plan.task.X_GB for run in runs]

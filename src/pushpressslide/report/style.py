@@ -39,7 +39,8 @@ PHASE_COLORS = {
     "done": "#F1F1F1",
 }
 DPI = 110
-WIDTH = 8.0  # [inch] of every figure
+WIDTH = 7.2  # [inch] of every figure
+LETTER = 0.014  # width of a letter of a phase's name, as a share of a panel
 MOST_POINTS = 20000  # of a curve; more than a figure can show
 
 SETTINGS = {
@@ -144,7 +145,7 @@ def _shade_phases(axes: Axes, record: Record, *, label: bool) -> None:
         axes.axvspan(start, end, color=PHASE_COLORS[name], zorder=0, linewidth=0)
         if first:
             axes.axvline(start, color=PALE, linewidth=0.7, zorder=0.5)
-        if label and end - start > 0.06 * span:
+        if label and end - start > span * (LETTER * len(name) + LETTER):
             axes.text(
                 0.5 * (start + end),
                 1.02,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,12 +25,26 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
-from pushpressslide.sim.view.playback import ASPECT, STEEP, Placed, Playback, View
+from pushpressslide.replay.canvas import Canvas
+from pushpressslide.replay.course import course
+from pushpressslide.replay.film import (
+    FRAMES_PER_SECOND,
+    STILL_SIZE,
+    caption,
+    film_path,
+    film_ticks,
+    legend,
+    write_film,
+    write_stills,
+)
+from pushpressslide.replay.film import SIZE as FILM_SIZE
+from pushpressslide.sim.view.camera import FIELD, View, axes
+from pushpressslide.sim.view.overlay import Overlay
+from pushpressslide.sim.view.playback import Placed, Playback
+from pushpressslide.sim.view.views import contact_view
 
-FIELD = math.radians(40.0)  # vertical field of view
 RENDERER = "frames"
 BACKGROUND = [0.93, 0.95, 0.97]
-VIDEO_FORMATS = (".webp", ".gif")
 SIZE = (640, 480)  # [pixels] width and height
 # directions of the light along x, y and height of a support
 LIGHT = (-0.4, 0.5, -1.0)
@@ -74,12 +87,16 @@ class FrameRenderer:
             RigidTransform(),
         )
         self._camera = ColorRenderCamera(core, False)
-        narrow = min(1.0, width / height / ASPECT)
-        self._X_WC = look_at(self.playback.view(FIELD * narrow))
+        self.view = contact_view(self.playback, FIELD, width / height)
+        self._X_WC = look_at(self.view)
 
     def image(self, time: float) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3) at ``time`` [s] of the run."""
         (tick,) = self.playback.ticks_at(np.array([time]))
+        return self.image_at(tick)
+
+    def image_at(self, tick: int) -> NDArray[np.uint8]:
+        """Return the picture (height, width, 3) at a recorded tick."""
         self.playback.set(self._context, tick)
         context = self._graph.GetMyContextFromRoot(self._context)
         query = self._graph.get_query_output_port().Eval(context)
@@ -115,44 +132,58 @@ def render_frames(
     return paths
 
 
+def write_pictures(
+    plan: Plan,
+    record: Record,
+    out: Path,
+    models: str = "generated",
+    goals: Sequence[Placed] = (),
+) -> list[Path]:
+    """Write pictures of start, contact and end of a run into ``out``; return their
+    paths. Raises SimulationError where this machine cannot render.
+    """
+    renderer = FrameRenderer(plan, record, STILL_SIZE, models, goals)
+    overlay = Overlay(renderer.playback, renderer.view, STILL_SIZE)
+
+    def picture(tick: int) -> Any:
+        canvas = Canvas(renderer.image_at(tick))
+        overlay.draw(canvas, tick)
+        return canvas.image()
+
+    return write_stills(record.arrays["phase"], picture, out)
+
+
 def write_video(
     plan: Plan,
     record: Record,
     out: Path,
-    frames_per_second: float = 15.0,
-    size: tuple[int, int] = SIZE,
+    frames_per_second: float = FRAMES_PER_SECOND,
+    size: tuple[int, int] = FILM_SIZE,
     models: str = "generated",
     goals: Sequence[Placed] = (),
 ) -> Path:
-    """Write the run as an animated picture in real time; return its path.
+    """Write the run as an animated picture in real time, with its forces, paths and a
+    caption; return its path.
 
     The format, .webp or .gif, follows from the name of ``out``; a folder gets run.webp.
     ``size`` is (width, height) [pixels], ``goals`` are as of ``Playback``. Raises
     SimulationError where this machine cannot render, or for another format.
     """
-    out = out / "run.webp" if out.is_dir() else out
-    if out.suffix not in VIDEO_FORMATS:
-        raise SimulationError(
-            f"{out}: an animation is written as {' or '.join(VIDEO_FORMATS)}"
-        )
-    time = record.arrays["time"]
+    out = film_path(out)
     renderer = FrameRenderer(plan, record, size, models, goals)
-    grid = np.arange(float(time[0]), float(time[-1]), 1.0 / frames_per_second)
-    first, *others = (_pillow().fromarray(renderer.image(float(t))) for t in grid)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f".{out.stem}.part{out.suffix}")
-    try:
-        first.save(
-            temporary,
-            save_all=True,
-            append_images=others,
-            duration=round(1e3 / frames_per_second),
-            loop=0,
-        )
-        temporary.replace(out)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return out
+    overlay = Overlay(renderer.playback, renderer.view, size)
+    ticks = film_ticks(record.arrays["time"], frames_per_second)
+    told = course(plan, record, np.array(ticks))
+    title = f"{plan.task.name}: {', '.join(record.modes)}"
+
+    def picture(frame: int) -> Any:
+        canvas = Canvas(renderer.image_at(ticks[frame]))
+        overlay.draw(canvas, ticks[frame])
+        legend(canvas, overlay.contacts.entries())
+        caption(canvas, title, told, frame)
+        return canvas.image()
+
+    return write_film(len(ticks), picture, out, frames_per_second)
 
 
 def _render_parameters(support: Support) -> RenderEngineVtkParams:
@@ -171,18 +202,14 @@ def _light(support: Support) -> list[float]:
     above.
     """
     frame = support.frame
-    along = STEEP_LIGHT if frame.normal[2] < STEEP else LIGHT
+    along = LIGHT if frame.faces_up else STEEP_LIGHT
     return list(frame.direction(along))
 
 
 def look_at(view: View) -> RigidTransform:
     """Return X_WC of a camera (z ahead, x right, y down) with an upright picture."""
-    z = (view.target - view.position) / np.linalg.norm(view.target - view.position)
-    x = np.cross(z, [0.0, 0.0, 1.0])
-    x /= np.linalg.norm(x)
-    return RigidTransform(
-        RotationMatrix(np.column_stack([x, np.cross(z, x), z])), view.position
-    )
+    x, y, z = axes(view.position - view.target)
+    return RigidTransform(RotationMatrix(np.column_stack([x, y, z])), view.position)
 
 
 def egl_problem() -> str | None:

@@ -19,20 +19,19 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.replay.course import FRAMES_PER_SECOND
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.scenes import DrakeScene
 from pushpressslide.sim.surfaces import drawn_shape
-from pushpressslide.sim.view.playback import (
-    GOAL_COLOR,
-    GOAL_SINK,
-    PATH_COLOR,
+from pushpressslide.sim.view.lines import (
     PATH_HEIGHT,
     RIBBON_WIDTH,
-    camera_view,
     leads_somewhere,
     ribbon,
 )
-from pushpressslide.sim.view.replay import FIELD, FRAMES_PER_SECOND, look, quiet_meshcat
+from pushpressslide.sim.view.planned import planned_view
+from pushpressslide.sim.view.playback import GOAL_COLOR, GOAL_SINK, PATH_COLOR
+from pushpressslide.sim.view.replay import look, quiet_meshcat
 
 SAMPLES = 100  # of the planned path of each segment
 
@@ -45,15 +44,12 @@ class LiveView:
         self._meshcat: Meshcat = quiet_meshcat()
         look(self._meshcat)
         task = plan.task
-        places = []
         lines = []
         for segment in plan.segments:
             grid = np.linspace(0.0, 1.0, SAMPLES)
             lengths = [float(u) for u in segment.path.length * grid]
-            places += [plan.object_pose(segment, s) for s in lengths]
             lines.append(np.array([segment.path.pose(s).position for s in lengths]))
-        poses = np.array([(p.x, p.y, p.yaw) for p in places])
-        view = camera_view(plan, poses, FIELD)
+        view = planned_view(plan)
         self._meshcat.SetCameraPose(view.position, view.target)
         shape = task.object.shape
         frame = task.support.frame

@@ -1,0 +1,1 @@
+"""What the replays of every engine share: the course of a run and its play bar."""

@@ -1,0 +1,156 @@
+"""The course of a run as its replay tells it: phases, legs, forces, way to the goal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import PHASES
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import wrap_angle
+from pushpressslide.core.record import Record
+from pushpressslide.core.scene import arm_title
+
+FRAMES_PER_SECOND = 30.0
+MOST_FRAMES = 750  # of a replay, so that a long run is still a page of a few megabytes
+GOAL_ERROR = "goal_error"
+"""Array (N, 2) [m, rad] that a joined record brings: the moved body's errors."""
+PARTS = ("stage", "leg", "placement")
+"""Arrays whose steps are marked, the largest part first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A phase that lasts from ``begin`` to ``end`` [s] of the replay."""
+
+    name: str
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A part of the run that begins at ``time`` [s] of the replay."""
+
+    name: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What a replay shows beside its pictures, in F frames."""
+
+    time: tuple[float, ...]  # (F,) [s] since the first tick
+    phases: tuple[Span, ...]
+    marks: tuple[Mark, ...]  # of legs, placements and stages
+    arms: tuple[str, ...]  # their names
+    force: tuple[tuple[float, ...], ...]  # (A, F) [N] of each arm, its size
+    distance: tuple[float, ...]  # (F,) [mm] of the object to its goal
+    turn: tuple[float, ...]  # (F,) [deg] to the goal's yaw, >= 0
+    ending: str  # why the run ended
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as JSON takes it."""
+        return asdict(self)
+
+
+def frames(time: Array, rate: float = FRAMES_PER_SECOND) -> NDArray[np.intp]:
+    """Return the ticks (F,) nearest to an even grid of ``rate`` [1/s], at most
+    ``MOST_FRAMES``, first and last included; ``time`` (N,) [s].
+    """
+    if len(time) < 2:
+        return np.arange(len(time))
+    span = float(time[-1] - time[0])
+    count = min(MOST_FRAMES, max(2, math.ceil(span * rate)))
+    grid = np.linspace(time[0], time[-1], count)
+    return np.unique(np.clip(np.searchsorted(time, grid), 0, len(time) - 1))
+
+
+def still_ticks(phase: Array) -> dict[str, int]:
+    """Return the ticks at which a run is pictured, by name: start, contact, end;
+    ``phase`` (N,) by tick.
+    """
+    if not len(phase):
+        return {}
+    (moves,) = np.nonzero(phase == PHASES.index("move"))
+    named = {"start": 0, "contact": len(phase) - 1, "end": len(phase) - 1}
+    if len(moves):
+        named["contact"] = int(moves[len(moves) // 2])
+    return named
+
+
+def course(plan: Plan, record: Record, ticks: NDArray[np.intp]) -> Course:
+    """Return the course of a run at ``ticks`` (F,) of its record."""
+    arrays = record.arrays
+    time = arrays["time"] - arrays["time"][:1].sum()
+    errors = _goal_errors(plan, record)[ticks]
+    forces = np.nan_to_num(arrays["measured_force"][ticks])
+    sizes = np.round(np.linalg.norm(forces, axis=2), 2)
+    count = len(plan.task.robots)
+    return Course(
+        time=_row(time[ticks], 3),
+        phases=_phases(time, arrays["phase"]),
+        marks=_marks(record, time),
+        arms=tuple(arm_title(i, count) for i in range(count)),
+        force=tuple(_row(sizes[:, i], 2) for i in range(sizes.shape[1])),
+        distance=_row(1e3 * errors[:, 0], 1),
+        turn=_row(np.degrees(np.abs(errors[:, 1])), 1),
+        ending=record.reason.replace("_", " "),
+    )
+
+
+def _row(values: Array, decimals: int) -> tuple[float, ...]:
+    return tuple(float(v) for v in np.round(values, decimals))
+
+
+def _goal_errors(plan: Plan, record: Record) -> Array:
+    """Return distance [m] and turn [rad] (N, 2) of the object to its goal."""
+    known = record.arrays.get(GOAL_ERROR)
+    if known is not None:
+        return known
+    goal = plan.task.goal
+    return goal_errors(record.arrays["object_pose"], (goal.x, goal.y, goal.yaw))
+
+
+def goal_errors(poses: Array, goal: tuple[float, float, float]) -> Array:
+    """Return distance [m] and turn [rad] (N, 2) of ``poses`` (N, 3) to ``goal``."""
+    x, y, yaw = goal
+    away = np.hypot(poses[:, 0] - x, poses[:, 1] - y)
+    turns = [wrap_angle(float(angle) - yaw) for angle in poses[:, 2]]
+    return np.column_stack([away, turns])
+
+
+def _phases(time: Array, phase: Array) -> tuple[Span, ...]:
+    """Return the phases in order; ``time`` and ``phase`` (N,) per tick."""
+    if not len(time):
+        return ()
+    edges = [0, *(np.flatnonzero(np.diff(phase)) + 1).tolist(), len(time) - 1]
+    return tuple(
+        Span(
+            PHASES[int(phase[first])],
+            round(float(time[first]), 3),
+            round(float(time[last]), 3),
+        )
+        for first, last in pairwise(edges)
+        if last > first
+    )
+
+
+def _marks(record: Record, time: Array) -> tuple[Mark, ...]:
+    """Return where a stage, a leg or a placement begins, by the largest of them."""
+    marks: dict[int, str] = {}
+    for part in PARTS:
+        number = record.arrays.get(part)
+        if number is None:
+            continue
+        for tick in (np.flatnonzero(np.diff(number)) + 1).tolist():
+            marks.setdefault(tick, f"{part} {int(number[tick]) + 1}")
+    return tuple(
+        Mark(name, round(float(time[tick]), 3)) for tick, name in sorted(marks.items())
+    )

@@ -1,0 +1,140 @@
+"""Whether a contact is seen from a direction: what stands between it and the camera.
+
+All points and directions are along x, y and height of the support's frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
+from pushpressslide.core.pose import Point
+
+REACH = 3.0  # [m] of a line of sight
+# [m] of a line of sight from a contact on, in which the tip's own rod does not count
+OWN = 0.05
+TINY = 1e-12  # [m2] a shorter line is a point
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A body that stands on the support."""
+
+    outline: tuple[Point, ...]  # [m]
+    height: float  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Limb:
+    """A piece of an arm: all within ``radius`` of a line between two points [m]."""
+
+    begin: Vector3
+    end: Vector3
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """What there is to see, and what may hide it, at one time of a run."""
+
+    contacts: tuple[Vector3, ...]  # [m] points that are to be seen
+    blocks: tuple[Block, ...]
+    limbs: tuple[Limb, ...]
+    corners: tuple[Vector3, ...] = ()  # [m] of the object's top, to be seen if possible
+
+    @cached_property
+    def polygons(self) -> tuple[tuple[Any, float], ...]:
+        """Outlines of the blocks, and their heights [m]."""
+        outlines = [(shapely.Polygon(b.outline), b.height) for b in self.blocks]
+        for polygon, _ in outlines:
+            shapely.prepare(polygon)
+        return tuple(outlines)
+
+    @cached_property
+    def links(self) -> tuple[Array, Array, Array]:
+        """Begin and end (L, 3) and radius (L,) of the limbs [m]."""
+        begins = np.array([limb.begin for limb in self.limbs]).reshape(-1, 3)
+        ends = np.array([limb.end for limb in self.limbs]).reshape(-1, 3)
+        return begins, ends, np.array([limb.radius for limb in self.limbs])
+
+
+def seen_share(moment: Moment, direction: Array) -> float:
+    """Return the share of the contacts that a far camera in ``direction`` (3,) sees;
+    ``direction`` is a unit vector towards it.
+    """
+    return _share(moment, moment.contacts, direction)
+
+
+def shown_share(moment: Moment, direction: Array) -> float:
+    """Return the share of the object's corners that the camera sees."""
+    return _share(moment, moment.corners, direction)
+
+
+def _share(moment: Moment, points: tuple[Vector3, ...], direction: Array) -> float:
+    if not points:
+        return 1.0
+    return float(np.mean(are_seen(moment, np.array(points), direction)))
+
+
+def is_seen(moment: Moment, point: Vector3, direction: Array) -> bool:
+    """Return whether nothing is between ``point`` and the camera."""
+    return bool(are_seen(moment, np.array([point]), direction)[0])
+
+
+def are_seen(moment: Moment, points: Array, direction: Array) -> NDArray[np.bool_]:
+    """Return whether nothing is between each of ``points`` (P, 3) and the camera."""
+    hidden = np.zeros(len(points), dtype=bool)
+    for polygon, height in moment.polygons:
+        hidden |= _behind_block(polygon, height, points, direction)
+    if moment.limbs:
+        begins, ends, radii = moment.links
+        near = (points + OWN * direction)[:, None]
+        far = (points + REACH * direction)[:, None]
+        gaps = segment_distance(near, far, begins[None], ends[None])
+        hidden |= (gaps < radii).any(axis=1)
+    return ~hidden
+
+
+def _behind_block(
+    polygon: Any, height: float, points: Array, direction: Array
+) -> NDArray[np.bool_]:
+    """Return which of ``points`` (P, 3) a block of a ``height`` [m] hides."""
+    under = height - points[:, 2]
+    lengths = np.full(len(points), REACH)
+    rise = float(direction[2])
+    if rise > 0.0:
+        lengths = np.minimum(REACH, np.maximum(under, 0.0) / rise)
+    ends = points[:, :2] + lengths[:, None] * direction[:2]
+    lines = shapely.linestrings(np.stack([points[:, :2], ends], axis=1))
+    return np.asarray((under > 0.0) & shapely.intersects(polygon, lines))
+
+
+def segment_distance(a: Array, b: Array, c: Array, d: Array) -> Array:
+    """Return the least distance [m] between the lines from ``a`` to ``b`` and from ``c``
+    to ``d``, (..., 3) each.
+    """
+    u = b - a
+    v = d - c
+    w = a - c
+    uu = np.maximum(_dot(u, u), TINY)
+    vv = np.maximum(_dot(v, v), TINY)
+    uv = _dot(u, v)
+    uw = _dot(u, w)
+    vw = _dot(v, w)
+    least = np.maximum(uu * vv - uv * uv, TINY)
+    s = np.clip((uv * vw - vv * uw) / least, 0.0, 1.0)
+    t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
+    s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
+    gap = w + s[..., None] * u - t[..., None] * v
+    return np.asarray(np.linalg.norm(gap, axis=-1))
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.sum(a * b, axis=-1))
