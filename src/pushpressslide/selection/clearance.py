@@ -30,25 +30,74 @@ if TYPE_CHECKING:
 # of the square of the clearance, shared with an obstacle: the object is in it from
 # there on, not beside it
 ENTERED = 0.1
+BASE = 0.14  # [m] radius of the lowest link of an arm
 ROUND_OFF = 1e-6  # [m]
 
 
 def path_refusal(task: Task, segments: Sequence[Segment]) -> Refusal | None:
-    """Return where the object's path comes too near to an obstacle, where it tips into
-    an opening or over an edge, or where as a tool it does not push straight; None if
-    nowhere.
+    """Return where the object's path comes too near to an obstacle or to an arm's base,
+    where it tips into an opening or over an edge, or where as a tool it does not push
+    straight; None if nowhere.
     """
     support = task.support
-    if not (task.obstacles or support.opening or support.region or task.tool):
+    near = _near_bases(task, segments)
+    if not (task.obstacles or support.opening or support.region or task.tool or near):
         return None
     poses = swept(task.object, segments, task.motion.clearance)
     return (
         obstacle_refusal(task, poses)
+        or (base_refusal(task, poses) if near else None)
         or tips_refusal(task, segments, poses)
         or edge_refusal(task, segments)
         or opening_refusal(task, segments[0], poses)
         or tool_refusal(task, poses)
     )
+
+
+def base_discs(task: Task) -> list[Polygon]:
+    """Return the discs that the lowest links of the arms fill, as high as the object."""
+    from shapely import Point
+
+    return [
+        Point(x, y).buffer(BASE)
+        for robot, (x, y, height) in zip(task.robots, task.scene.bases, strict=True)
+        if robot.model != "hand" and height < task.object.shape.height + BASE
+    ]
+
+
+def base_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
+    """Return where the object would come too near to an arm's base, or None; ``poses``:
+    X_WG along a path.
+    """
+    discs = base_discs(task)
+    if not discs:
+        return None
+    shape = task.object.shape
+    ends = (task.start, task.goal)
+    clearance = task.motion.clearance
+    apart = gaps(shape, poses, discs)
+    allowed = allowed_gaps(shape, poses, ends, discs, clearance)
+    worst, i = divmod(int((allowed - apart).argmax()), len(discs))
+    if apart[worst, i] >= allowed[worst, i]:
+        return None
+    text = (
+        "the object comes within {figure:mm.0f} of an arm's base at "
+        f"{_at(poses[worst])}, allowed from {{allowed:mm.0f}}"
+    )
+    least = float(apart[worst, i])
+    return Refusal("obstacle", text, least, float(allowed[worst, i]), "m")
+
+
+def _near_bases(task: Task, segments: Sequence[Segment]) -> bool:
+    """Return whether the object may come near to an arm's base on its path."""
+    room = task.object.radius + task.motion.clearance + BASE
+    for segment in segments:
+        length = segment.path.length
+        X_WV = segment.path.pose(0.5 * length)
+        far = room + math.hypot(*segment.X_BV.position) + 0.5 * length
+        if any(math.dist(X_WV.position, base[:2]) < far for base in task.scene.bases):
+            return True
+    return False
 
 
 def obstacle_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:

@@ -23,6 +23,7 @@ from pushpressslide.planning.free_way import Bounds, FreeSpace, WaysTo, alike, b
 from pushpressslide.planning.side_contacts import pushable
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.robots.reach import reachable
+from pushpressslide.selection.clearance import base_discs
 from pushpressslide.selection.touching import touching
 
 STRAIGHTS = (0.12, 0.25)  # [m] of straight push that leads to the goal
@@ -32,7 +33,6 @@ TURNS = tuple(math.radians(a) for a in (-90.0, -45.0, 45.0, 90.0))  # on them
 SPREAD = 16  # poses of the even sample
 FACES = 2  # by which a pose on the way is turned to be pushed along it
 SIDES = 4  # faces by which a straight push to the goal is tried
-BASE = 0.14  # [m] radius of the lowest link of an arm
 ROOM = 0.3  # [m] about start and goal, within which the way may lead
 HAND_OVER = 0.06  # [m] between the places at which an arm may take an object over
 HANDED_OVER = 8  # such poses
@@ -45,18 +45,11 @@ STRIDES = tuple(1.2207440846057596**-k for k in (1, 2, 3))
 
 def free_space(task: Task) -> FreeSpace:
     """Return where the object may be on its way."""
-    from shapely import Point as Place
-
     others = tuple(obstacle.footprint for obstacle in task.obstacles)
     body = task.object
-    bases = tuple(
-        Place(x, y).buffer(BASE)
-        for x, y, height in task.scene.bases
-        if height < body.shape.height + BASE
-    )
     return FreeSpace(
         body.shape,
-        (*others, *bases),
+        (*others, *base_discs(task)),
         task.motion.clearance,
         bounds(task),
         middle_room(task.support, body.shape),
