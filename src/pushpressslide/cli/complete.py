@@ -18,6 +18,7 @@ BENCHMARKS = (
     "select",
     "batches",
     "dubins",
+    "planners",
     "engines",
     "mpc",
     "runs",
