@@ -19,7 +19,7 @@ from pushpressslide.planar.video import write_pictures
 from pushpressslide.report import series
 from pushpressslide.report.files import save_run
 from pushpressslide.report.metrics import result
-from pushpressslide.report.page import again, search_part, write_report
+from pushpressslide.report.page import UNFOLDED, again, search_part, write_report
 from pushpressslide.report.plane import path_figure, plan_figure
 from pushpressslide.report.plots import comparison_plot, figures
 from pushpressslide.report.style import png
@@ -207,6 +207,18 @@ def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
     assert "Choice of mode" not in write_report([tmp_path]).read_text()
     again = save(run, tmp_path / "with")
     assert "Choice of mode" in write_report([again]).read_text()
+
+
+def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
+    (first, *_) = run.choices
+    many = [replace(first, mode=f"mode {i}") for i in range(UNFOLDED + 1)]
+    for count in (UNFOLDED, UNFOLDED + 1):
+        out = tmp_path / str(count)
+        measured = result(run.task, run.plan, run.record)
+        save_run(out, run.plan, run.record, measured, many[:count])
+        part = write_report([out]).read_text().partition("Choice of mode")[2]
+        folded = f"<summary>All {count} contacts" in part.partition("<h3>")[0]
+        assert folded == (count > UNFOLDED)
 
 
 def test_the_page_says_why_the_mode_was_taken(run, tmp_path):

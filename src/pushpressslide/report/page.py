@@ -45,6 +45,7 @@ PICTURES = {
     "end": "At the end.",
 }
 NARROW = 2  # contacts whose table fits a column
+UNFOLDED = 8  # rows of the choice of a mode that a page shows at once
 CAPTIONS = {
     "path": "What happened: footprints at even steps of the contact phase, with the force at each.",
     "errors": "Object against the reference at the same time, in the contact phase.",
@@ -313,7 +314,11 @@ def _choice_part(run: Run) -> str:
         )
         marks.append(mark)
     head = ("", "Mode", "Path", "Time", "Friction margin", "Why")
-    return "<h3>Choice of mode</h3>" + table(head, rows, marks)
+    shown = table(head, rows, marks)
+    if len(rows) > UNFOLDED:
+        text = f"All {len(rows)} contacts and modes that were weighed"
+        shown = f"<details><summary>{text}</summary>{shown}</details>"
+    return "<h3>Choice of mode</h3>" + shown
 
 
 def search_part(search: Mapping[str, Any] | None) -> str:
