@@ -210,7 +210,7 @@ def test_a_run_without_stored_choices_has_no_table_of_them(run, tmp_path):
 
 
 def test_a_long_choice_of_a_mode_is_folded(run, tmp_path):
-    (first, *_) = run.choices
+    first = Choice("rear_push", time=1.0)
     many = [replace(first, mode=f"mode {i}") for i in range(UNFOLDED + 1)]
     for count in (UNFOLDED, UNFOLDED + 1):
         out = tmp_path / str(count)
