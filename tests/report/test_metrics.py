@@ -140,6 +140,14 @@ def test_planar_runs_have_no_joint_figures(run):
     assert out["tick_us"]["track"]["median"] == pytest.approx(10.0)
 
 
+def test_ticks_that_take_longer_than_their_period_are_counted(run):
+    total = np.zeros(len(run.record.arrays["time"]))
+    period = run.plan.task.motion.control_period
+    assert figures(run.with_arrays(tick_total=total))["late_ticks"] == 0
+    total[[0, 3]] = 1.01 * period
+    assert figures(run.with_arrays(tick_total=total))["late_ticks"] == 2
+
+
 def test_joint_figures_are_held_to_the_makers_limits(arm_run):
     facts = load_facts("panda")
     out = figures(arm_run)

@@ -100,6 +100,7 @@ def _time_figures(record: Record) -> dict[str, Any]:
         "wall_time": record.wall_time,
         "time_step": record.meta.get("time_step"),
         "tick_us": _tick_times(record),
+        "late_ticks": _late_ticks(record),
     }
 
 
@@ -129,6 +130,16 @@ def _tick_times(record: Record) -> dict[str, dict[str, float] | None] | None:
         if high > 0.0:
             out[part] = {"median": median, "p99": high, "p999": highest}
     return out
+
+
+def _late_ticks(record: Record) -> int | None:
+    """Return at how many ticks of the run deciding took longer than the control period,
+    plans that were made in them included; None where that was not recorded.
+    """
+    times = record.arrays.get("tick_total")
+    if times is None:
+        return None
+    return int((times > record.plan.task.motion.control_period).sum())
 
 
 def _bodies(record: Record) -> dict[str, Any]:

@@ -150,6 +150,7 @@ GROUPS: Groups = (
                 "ms",
                 3,
             ),
+            Row("Ticks longer than the period", "late_ticks", 1.0, "", 0),
         ),
     ),
 )

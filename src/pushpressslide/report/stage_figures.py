@@ -25,6 +25,7 @@ SUMS = (
     "contact_loss_time",
     "slip_distance",
     "wall_time",
+    "late_ticks",
 )
 LARGEST = (
     "max_position_error",
