@@ -39,6 +39,11 @@ def test_an_object_that_stands_near_a_base_may_leave() -> None:
     assert base_refusal(task, [start, sideways]) is not None
 
 
+def test_where_the_task_itself_stands_at_a_base_is_not_asked() -> None:
+    task = replace(PUSH, start=Pose2(0.2, 0.0), goal=Pose2(0.6, 0.0))
+    assert base_refusal(task, [task.start, Pose2(0.2, 0.06)]) is None
+
+
 def test_free_tips_have_no_base_and_high_ones_are_passed_below() -> None:
     hand = past_the_base(0.2, robots=(Robot("hand", (0.0, 0.0, 0.0)),))
     assert base_discs(hand) == []

@@ -387,6 +387,8 @@ class ArmMargins:
     """
     press_loss_time: float = field(default=0.008, metadata={"unit": "s"})
     """The same of a press, which must not."""
+    base: float = field(default=0.14, metadata={"unit": "m"})
+    """Radius of an arm's lowest link, which the object keeps off."""
     retreat: float = field(default=0.06, metadata={"unit": "m"})
     """That a tip is drawn back on release."""
     longest_stop: float = field(default=4.0, metadata={"unit": "s"})

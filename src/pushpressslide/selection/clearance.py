@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 # of the square of the clearance, shared with an obstacle: the object is in it from
 # there on, not beside it
 ENTERED = 0.1
-BASE = 0.14  # [m] radius of the lowest link of an arm
 ROUND_OFF = 1e-6  # [m]
 
 
@@ -58,22 +57,28 @@ def base_discs(task: Task) -> list[Polygon]:
     """Return the discs that the lowest links of the arms fill, as high as the object."""
     from shapely import Point
 
+    radius = margins.ARM.base
     return [
-        Point(x, y).buffer(BASE)
+        Point(x, y).buffer(radius)
         for robot, (x, y, height) in zip(task.robots, task.scene.bases, strict=True)
-        if robot.model != "hand" and height < task.object.shape.height + BASE
+        if robot.model != "hand" and height < task.object.shape.height + radius
     ]
 
 
 def base_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
     """Return where the object would come too near to an arm's base, or None; ``poses``:
-    X_WG along a path.
+    X_WG along a path. A base within whose disc the task itself has start or goal is not
+    asked.
     """
     discs = base_discs(task)
     if not discs:
         return None
     shape = task.object.shape
     ends = (task.start, task.goal)
+    at_ends = gaps(shape, ends, discs).min(0)
+    discs = [disc for disc, gap in zip(discs, at_ends, strict=True) if gap > 0.0]
+    if not discs:
+        return None
     clearance = task.motion.clearance
     apart = gaps(shape, poses, discs)
     allowed = allowed_gaps(shape, poses, ends, discs, clearance)
@@ -90,7 +95,7 @@ def base_refusal(task: Task, poses: Sequence[Pose2]) -> Refusal | None:
 
 def _near_bases(task: Task, segments: Sequence[Segment]) -> bool:
     """Return whether the object may come near to an arm's base on its path."""
-    room = task.object.radius + task.motion.clearance + BASE
+    room = task.object.radius + task.motion.clearance + margins.ARM.base
     for segment in segments:
         length = segment.path.length
         X_WV = segment.path.pose(0.5 * length)
