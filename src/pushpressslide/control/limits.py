@@ -48,10 +48,9 @@ class ArmReading:
 
     q: Array  # (n,) [rad]
     v: Array  # (n,) [rad/s]
-    torque_share: float = 0.0  # largest demanded torque as a share of its limit
-    rate_share: float = (
-        0.0  # largest demanded change of a torque as a share of its limit
-    )
+    # largest demanded torque, and change of a torque, as shares of their limits
+    torque_share: float = 0.0
+    rate_share: float = 0.0
 
 
 @dataclass(slots=True)

@@ -10,7 +10,7 @@ import importlib
 import math
 from collections.abc import Callable
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -42,6 +42,9 @@ STIFF = 2_000.0  # [N s/m] of the ball's velocity servo, and of the compliant ti
 NO_DRAKE = not_installed("drake")
 NO_MUJOCO = not_installed("bench")
 NO_NUMBA = not_installed("fast")
+
+
+State = TypeVar("State")  # of many bodies
 
 
 class Pushed(NamedTuple):
@@ -85,6 +88,15 @@ def _rho() -> float:
     return rho_fit(rectangle_pressure(length, width, MASS * GRAVITY, (0.0, 0.0), 4))
 
 
+def _stepped(step: Callable[[State], State], state: State) -> tuple[float, State]:
+    """Return how long all steps from a state take [s], and the state after them."""
+    step(state)  # compiled at the first use
+    began = perf_counter()
+    for _ in range(STEPS):
+        state = step(state)
+    return perf_counter() - began, state
+
+
 def _batch() -> Pushed:
     half, width, _ = (0.5 * edge for edge in SIZE)
     bodies = PushedBodies(
@@ -92,12 +104,10 @@ def _batch() -> Pushed:
     )
     pushes = bodies.begin(np.zeros((BODIES, 3)), OFF)
     velocities = np.broadcast_to((SPEED, 0.0), (BODIES, 2))
-    bodies.advance(pushes, velocities, TIME / STEPS)  # compiled at the first use
-    began = perf_counter()
-    for _ in range(STEPS):
-        pushes = bodies.advance(pushes, velocities, TIME / STEPS)
-    spent = (perf_counter() - began) / BODIES
-    return Pushed(spent, *pushes.poses[0].tolist())
+    spent, pushes = _stepped(
+        lambda before: bodies.advance(before, velocities, TIME / STEPS), pushes
+    )
+    return Pushed(spent / BODIES, *pushes.poses[0].tolist())
 
 
 def _numpy_batch() -> Pushed:
@@ -137,12 +147,8 @@ def _exact() -> Pushed:
     )
     states = world.begin(np.zeros((EXACT_BODIES, 3)), [(-half - RADIUS, OFF)])
     velocities = [(SPEED, 0.0)]
-    world.step(states, velocities)  # compiled at the first use
-    began = perf_counter()
-    for _ in range(STEPS):
-        states = world.step(states, velocities)
-    spent = (perf_counter() - began) / EXACT_BODIES
-    return Pushed(spent, *states.poses[0].tolist())
+    spent, states = _stepped(lambda before: world.step(before, velocities), states)
+    return Pushed(spent / EXACT_BODIES, *states.poses[0].tolist())
 
 
 def _numpy_exact() -> Pushed:
