@@ -110,7 +110,8 @@ class Diary:
 
     def row(self) -> PlantRow:
         self.asked.append("row")
-        return PlantRow(ZERO, (ZERO,) * self.arms, 1e-3, {"extra": self.ticks})
+        arrays = {"object_twist": ZERO, "extra": self.ticks}
+        return PlantRow((ZERO,) * self.arms, lambda: arrays, 1e-3)
 
     def diverged(self) -> str | None:
         return "it broke" if self.time > self.breaks_after else None

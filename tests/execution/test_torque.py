@@ -138,7 +138,7 @@ def test_an_arm_with_all_its_motions_is_not_braked() -> None:
 def test_the_posture_makes_no_force_at_the_tip_and_little_moment(seed: int) -> None:
     J = jacobian(seed)
     posture = np.random.default_rng(seed + 10).normal(size=N)
-    tau = task_torque(J, np.zeros(3), np.zeros(3), posture, np.zeros(N))
+    tau = task_torque(J, np.zeros(6), posture, np.zeros(N))
     # tau = J^T w + what moves neither tip nor tool: w is what holds the posture
     held, *_ = np.linalg.lstsq(J.T, tau, rcond=None)
     assert held[3:] == pytest.approx(np.zeros(3), abs=1e-4)
@@ -153,7 +153,7 @@ def test_where_the_arm_can_hardly_turn_the_tool_the_posture_holds_the_joints() -
     J[:, 6] = J[:, 0]
     J[1, 6] = 0.03  # the axes differ by 2 degrees
     against = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
-    tau = task_torque(J, np.zeros(3), np.zeros(3), against, np.zeros(N))
+    tau = task_torque(J, np.zeros(6), against, np.zeros(N))
     assert tau @ against > 0.9 * (against @ against)
 
 

@@ -23,6 +23,7 @@ from pushpressslide.control.correction import (
     press_creep,
     rest_of,
     side_slide,
+    sides_of,
     touched_points,
 )
 from pushpressslide.control.entry import HOLD_TIME, SEAT_TIME, entry
@@ -202,7 +203,7 @@ class Controller:
         slow down, then draw back or hold; tips that were drawing back stay.
         """
         drawn = 0.0 if state.phase == "release" else 1.0
-        failed = replace(state, failure=failure, drawn=drawn)
+        failed = state._replace(failure=failure, drawn=drawn)
         return begin(failed, "release", measurement)
 
     def halted(
@@ -214,15 +215,17 @@ class Controller:
         share = _share_back(state, measurement)
         if share == 0.0:
             return state
-        return replace(state, drawn=min(state.drawn, share))
+        return state._replace(drawn=min(state.drawn, share))
 
     def step(self, state: ControllerState, measurement: Measurement) -> Step:
         """Return one command per arm (None: it has no contact), what was decided, and
         the next state.
         """
-        measurement = replace(measurement, object_pose=self._pose(state, measurement))
-        X_WB = measurement.object_pose.compose(self.X_GB)
-        state = replace(state, X_WB=X_WB)
+        pose = self._pose(state, measurement)
+        if pose is not measurement.object_pose:
+            measurement = replace(measurement, object_pose=pose)
+        X_WB = pose.compose(self.X_GB)
+        state = state._replace(X_WB=X_WB)
         if state.phase == "touch":
             return self._touch(state, measurement, X_WB)
         if state.phase == "move":
@@ -266,15 +269,14 @@ class Controller:
         by what was measured; where the camera missed it, not corrected.
         """
         before = state.X_WB
-        if before is None:
+        exact = measurement.pose_seen and self.pose_gain == 1.0
+        if before is None or exact:
             return measurement.object_pose
         at_com = state.twist.moved_to((0.0, 0.0))
         dt = measurement.time - state.last_time
         predicted = moved(before, (at_com.vx, at_com.vy, at_com.w), dt)
         if not measurement.pose_seen:
             return predicted.compose(self.X_BG)
-        if self.pose_gain == 1.0:
-            return measurement.object_pose
         seen = measurement.object_pose.compose(self.X_GB)
         turn = wrap_angle(seen.yaw - predicted.yaw)
         corrected = Pose2(
@@ -310,8 +312,7 @@ class Controller:
         for step in steps:
             if step.problem is not None:
                 failure = ("contact_lost", step.problem)
-        next_state = replace(
-            state,
+        next_state = state._replace(
             tips=tuple(step.memory for step in steps),
             last_time=measurement.time,
             failure=failure,
@@ -370,15 +371,14 @@ class Controller:
         longest = margins.longest(
             margins.TOUCH_DETOUR, rest.path.length, self.object.radius
         )
-        touched = touched_points(self.object, rest, X_WB, measurement.tips)
+        touched = state.binding.touched(X_WB, measurement.tips)
         found = findings(state)
         fresh = self.replanner.believing(state.rho).replan(
             (rest, *state.ahead), X_WB, touched, longest, found
         )
         moving = begin(state, "move", measurement)
         if fresh:
-            moving = replace(
-                moving,
+            moving = moving._replace(
                 binding=self._bound(fresh[0]),
                 ahead=fresh[1:],
                 followed_center=found.center,
@@ -388,15 +388,15 @@ class Controller:
                 clock_start=time,
             )
         elif state.reference is None:
-            moving = replace(moving, clock_start=time)
+            moving = moving._replace(clock_start=time)
         else:
             pause = time - (state.lost or time)
-            moving = replace(moving, clock_start=state.clock_start + pause)
+            moving = moving._replace(clock_start=state.clock_start + pause)
         if state.reference is None:
             reference = moving.binding.segment
-            moving = replace(moving, reference=reference, reference_start=time)
+            moving = moving._replace(reference=reference, reference_start=time)
         if state.began is None:
-            moving = replace(moving, began=time)
+            moving = moving._replace(began=time)
         return moving
 
     def _center_identifier(
@@ -440,10 +440,9 @@ class Controller:
         most = max(tip.friction_utilisation for tip in felt)
         rate = -GRIP_FALL if most > margins.GRIP_USE else GRIP_RISE
         dt = measurement.time - state.last_time
-        touched = touched_points(self.object, binding.segment, X_WB, measurement.tips)
+        touched = binding.touched(X_WB, measurement.tips)
         axle, center = seen(state, measurement, X_WB, touched[0])
-        next_state = replace(
-            state,
+        next_state = state._replace(
             progress=guidance.progress,
             lost=lost,
             grip=min(1.0, max(GRIP_LEAST, state.grip + rate * dt)),
@@ -455,7 +454,9 @@ class Controller:
             twist=guidance.twist,
             ticks=ticks,
         )
-        next_state = self._after_move(next_state, measurement, X_WB, guidance)
+        next_state = self._after_move(
+            next_state, measurement, X_WB, touched, guidance
+        )
         log = control_log(
             state, measurement, self.X_BG, self.planned, guidance, allocation
         )
@@ -547,6 +548,7 @@ class Controller:
         state: ControllerState,
         measurement: Measurement,
         X_WB: Pose2,
+        touched: tuple[Point, ...],
         guidance: Guidance,
     ) -> ControllerState:
         """What comes next: go on, end, touch again, touch the planned place anew, or
@@ -560,7 +562,7 @@ class Controller:
         if astray > allowed:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
             return self.stop(state, measurement, ("goal_missed", text))
-        state = replace(state, still=self._still(state, X_WB, time))
+        state = state._replace(still=self._still(state, X_WB, time))
         rests = time - state.still.since if state.still else 0.0
         if rests > margins.ARM.stall_time:
             text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
@@ -572,7 +574,6 @@ class Controller:
             return self._next_segment(state, ahead, measurement, X_WB)
         if state.lost is not None and time - state.lost > self.patience:
             return self._touch_again(state, measurement, X_WB)
-        touched = touched_points(self.object, segment, X_WB, measurement.tips)
         retouch = margins.ARM.retouch
         slid = side_slide(state.segment.contacts, touched) > retouch
         crept = press_creep(self.segments[0].contacts, touched) > margins.CREPT
@@ -580,7 +581,6 @@ class Controller:
             return self._touch_planned_place(state, measurement, crept)
         if state.lost is not None:
             return state
-        state = replace(state, rho=findings(state).rho)
         return self._replanned(state, time, X_WB, touched, guidance)
 
     def _still(self, state: ControllerState, X_WB: Pose2, time: float) -> Still | None:
@@ -607,11 +607,11 @@ class Controller:
         before = state.losses
         if before is not None and self._way(before.pose, X_WB) <= within:
             losses = Losses(before.pose, before.count + 1)
-        state = replace(state, losses=losses)
+        state = state._replace(losses=losses)
         if losses.count > LOSSES:
             text = f"contact lost {losses.count} times within {within * 1e3:.0f} mm"
             return self.stop(state, measurement, ("contact_lost", text))
-        return replace(begin(state, "touch", measurement), align=False)
+        return begin(state, "touch", measurement)._replace(align=False)
 
     def _way(self, pose: Pose2, X_WB: Pose2) -> float:
         """Return how far the object has come from ``pose``, X_WB, turns included [m]."""
@@ -640,9 +640,8 @@ class Controller:
                 for contact in contacts
             )
         segment = replace(followed, contacts=contacts, drive=state.segment.drive)
-        again = replace(state, binding=self._bound(segment))
-        return replace(
-            begin(again, "touch", measurement),
+        again = state._replace(binding=self._bound(segment))
+        return begin(again, "touch", measurement)._replace(
             lost=measurement.time,
             retouches=state.retouches + 1,
         )
@@ -657,6 +656,7 @@ class Controller:
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
         found = findings(state)
+        state = state._replace(rho=found.rho)
         better = self.replanner.onward(
             (state.binding.segment, *state.ahead),
             X_WB,
@@ -670,15 +670,14 @@ class Controller:
         # a turn on the spot that goes on as arcs leads away from its spot
         led = isinstance(state.segment.path, ArcPath)
         if led and not (self.reaches_far or self._beside(better.segments)):
-            return replace(state, replanned=time)  # asked again after a pause
+            return state._replace(replanned=time)  # asked again after a pause
         first = better.segments[0]
         if found.center != state.followed_center:
             # the virtual axle is looked for about the centre that was found
             identifier = MODES[first.mode].identifier(self.parts[first.leg], first)
             axle = AxleState(drag=state.axle.drag)
-            state = replace(state, identifier=identifier, axle=axle)
-        return replace(
-            state,
+            state = state._replace(identifier=identifier, axle=axle)
+        return state._replace(
             binding=self._bound(first),
             ahead=better.segments[1:],
             followed_center=found.center,
@@ -717,7 +716,7 @@ class Controller:
         if off < above or state.retries == RETRIES:
             return ()
         segment = state.binding.segment
-        touched = touched_points(self.object, segment, X_WB, measurement.tips)
+        touched = state.binding.touched(X_WB, measurement.tips)
         replanner = self.replanner.believing(state.rho)
         fresh = replanner.again(segment, X_WB, touched, findings(state))
         return fresh if self._can_follow(fresh, measurement.time) else ()
@@ -763,14 +762,15 @@ class Controller:
         planned = ahead[0]
         part = self.parts[planned.leg]
         time = measurement.time
-        touched = touched_points(self.object, planned, X_WB, measurement.tips)
+        sides = sides_of(self.object, planned.contacts)
+        touched = touched_points(planned.contacts, sides, X_WB, measurement.tips)
         longest = margins.longest(
             margins.TOUCH_DETOUR, planned.path.length, self.object.radius
         )
         replanner = self.replanner.believing(state.rho)
         mode = MODES[planned.mode]
         # the axle is that of the segment before
-        found = findings(replace(state, identifier=None))
+        found = findings(state._replace(identifier=None))
         fresh = replanner.replan(ahead, X_WB, touched, longest, found)
         center = found.center if fresh else state.followed_center
         fresh = fresh or ahead
@@ -788,8 +788,7 @@ class Controller:
             # the joints go on along what was planned of the whole leg
             joint_start = state.joint_start
             planned = state.segment
-        return replace(
-            state,
+        return state._replace(
             segment=planned,
             ahead=fresh[1:],
             identifier=mode.identifier(part, fresh[0]),
@@ -836,14 +835,14 @@ class Controller:
                 way = WayBack(*(room * one for one in share))
                 if not failed:
                     ahead = progress + way.distance
-                    context = replace(context, joint_progress=ahead)
+                    context = context._replace(joint_progress=ahead)
                 command = drawn_back(context, memory.start, way)
             commands.append(command)
         over = elapsed > rest + duration + 0.3
         if failed and elapsed < margins.ARM.longest_stop:
             over = over and _at_rest(measurement, contacts)
         phase: Phase = "done" if over else "release"
-        next_state = replace(state, phase=phase, last_time=measurement.time)
+        next_state = state._replace(phase=phase, last_time=measurement.time)
         log = control_log(state, measurement, self.X_BG, self.planned)
         return by_arm(tuple(commands), contacts, len(self.robots)), log, next_state
 

@@ -14,6 +14,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import ArcPath, SpeedProfile, advance
 from pushpressslide.core.plan import Contact, MotionPath, Segment
 from pushpressslide.core.pose import Point, Pose2
+from pushpressslide.core.sides import Side
 from pushpressslide.core.task import ObjectModel, Task
 from pushpressslide.identification.findings import NOTHING, Findings
 from pushpressslide.identification.online import Identified
@@ -177,24 +178,33 @@ def _at_speed(segments: Sequence[Segment], profile: SpeedProfile) -> Replan:
     return Replan((led, *others), ramp, profile.speed / profile.acceleration)
 
 
+def sides_of(body: ObjectModel, contacts: Sequence[Contact]) -> tuple[Side | None, ...]:
+    """Return the side of ``body`` that each contact is on; None of one on its top."""
+    return tuple(
+        body.shape.side(contact.point, contact.normal, body.center_of_mass)
+        if contact.kind == "side"
+        else None
+        for contact in contacts
+    )
+
+
 def touched_points(
-    body: ObjectModel, segment: Segment, X_WB: Pose2, tips: Sequence[TipState]
+    contacts: Sequence[Contact],
+    sides: Sequence[Side | None],
+    X_WB: Pose2,
+    tips: Sequence[TipState],
 ) -> tuple[Point, ...]:
-    """Return where the tips touch the surface of ``body``, in B [m], by their own
-    kinematics.
+    """Return where the tips of ``contacts`` touch the surface of the object, in B [m],
+    by their own kinematics; ``sides`` are as ``sides_of`` tells.
 
     On the line of its face, the circle of a round side, or the top: a tip's measured
     depth is not a slide.
     """
     out = []
-    shape = body.shape
-    com = body.center_of_mass
-    for contact in segment.contacts:
+    for contact, side in zip(contacts, sides, strict=True):
         x, y, _ = tips[contact.arm].position
         p = X_WB.unapply((x, y))
-        if contact.kind == "side":
-            p = shape.side(contact.point, contact.normal, com).foot(p)
-        out.append(p)
+        out.append(p if side is None else side.foot(p))
     return tuple(out)
 
 

@@ -11,16 +11,13 @@ import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pushpressslide.core import margins
+from pushpressslide.core.arrays import Array, least
 from pushpressslide.core.control import Commands, JointCommand, TipCommand
 from pushpressslide.core.record import Ending
-
-if TYPE_CHECKING:
-    from pushpressslide.core.arrays import Array
 
 POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what plans keep
 POSITION_PLAY = 0.005  # of that distance, by which a joint may come nearer again
@@ -107,7 +104,7 @@ class Guard:
         may bring it: to where it is held off, or nearer than it was at first.
         """
         rooms = [
-            float(_rooms(limits, reading).min())
+            least(_rooms(limits, reading))
             for limits, reading in zip(self.arms, readings, strict=True)
         ]
         if self._rooms is None:
@@ -143,7 +140,7 @@ class Guard:
     ) -> Ending | None:
         memory = self._memory(arm)
         left = _rooms(limits, reading)
-        worst = int(np.argmin(left))
+        worst = int(left.argmin())
         room = float(left[worst])
         if memory.room is None:
             memory.room = room if self.anew else math.inf
@@ -213,7 +210,7 @@ def _rooms(limits: ArmLimits, reading: ArmReading) -> Array:
 
 def _speed(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:
     excess = np.abs(reading.v) - limits.velocity
-    worst = int(np.argmax(excess))
+    worst = int(excess.argmax())
     if excess[worst] <= 0.0:
         return None
     return Ending(

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushpressslide.control.plant import PlantRow
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import (
     PHASES,
     Commands,
@@ -19,6 +20,7 @@ from pushpressslide.core.control import (
     TipCommand,
 )
 from pushpressslide.core.plan import Plan, Segment
+from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.execution.impedance import tip_force
 
@@ -39,12 +41,24 @@ class Tick:
     wall_times: tuple[float, float, float]  # [s] to track, to allocate, in total
 
 
+class _Noted(NamedTuple):
+    """A tick, and what was followed in it."""
+
+    tick: Tick
+    segment: Segment
+    placement: int  # number over the whole run
+    stretch: int  # number of the segment over the whole run
+    X_GB: Pose2  # of the plan at that time
+
+
 class Recorder:
-    """Collects the rows of a run and makes the arrays of its record."""
+    """Collects the ticks of a run and makes the arrays of its record when it is over:
+    what is done between two ticks is paid for with cold caches.
+    """
 
     def __init__(self, plan: Plan) -> None:
         """Start empty, with the first placement of ``plan``."""
-        self._rows: dict[str, list[Any]] = {}
+        self._noted: list[_Noted] = []
         self._X_BG = plan.task.X_GB.inverse()
         self._plan = plan
         self._number = 0  # of the placement that is done now, over the whole run
@@ -53,7 +67,7 @@ class Recorder:
         self._followed: list[Segment] = []  # each segment that was begun
 
     def __len__(self) -> int:
-        return len(self._rows.get("time", ()))
+        return len(self._noted)
 
     def begin(self, plan: Plan, number: int) -> None:
         """Note that the placement of that ``number`` of ``plan`` begins."""
@@ -73,31 +87,47 @@ class Recorder:
         begun = self._followed
         if followed is not None and (not begun or followed is not begun[-1]):
             begun.append(followed)
-        segment = followed or self._plan.placements[self._placement][0]
-        self._append(self._plan_rows(segment))
-        self._append(_log_rows(tick))
-        self._append(_arm_rows(tick))
-        self._append(_wall_time_rows(tick))
-        self._append(tick.row.extras)
+        self._noted.append(
+            _Noted(
+                tick,
+                followed or self._plan.placements[self._placement][0],
+                self._number,
+                max(self._before, len(begun) - 1),
+                self._plan.task.X_GB,
+            )
+        )
 
-    def _append(self, rows: Mapping[str, Any]) -> None:
-        for name, value in rows.items():
-            if name not in self._rows:
-                self._rows[name] = []
-            self._rows[name].append(value)
-
-    def _plan_rows(self, followed: Segment) -> dict[str, Any]:
-        # about the frame B that the run began with
-        X_BV = self._X_BG.compose(self._plan.task.X_GB).compose(followed.X_BV)
+    def arrays(self) -> dict[str, Array]:
+        """Return the arrays of all ticks so far."""
+        columns: dict[str, list[Any]] = defaultdict(list)
+        for noted in self._noted:
+            rows = {
+                **self._plan_rows(noted),
+                **_log_rows(noted.tick),
+                **_arm_rows(noted.tick),
+                **_wall_time_rows(noted.tick),
+                **noted.tick.row.arrays(),
+            }
+            for name, value in rows.items():
+                columns[name].append(value)
         return {
-            "leg": followed.leg,
-            "placement": self._number,
-            "stretch": max(self._before, len(self._followed) - 1),
+            name: np.asarray(column, dtype=np.float64)
+            for name, column in columns.items()
+        }
+
+    def _plan_rows(self, noted: _Noted) -> dict[str, Any]:
+        # about the frame B that the run began with
+        X_BV = self._X_BG.compose(noted.X_GB).compose(noted.segment.X_BV)
+        return {
+            "leg": noted.segment.leg,
+            "placement": noted.placement,
+            "stretch": noted.stretch,
             "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
         }
 
     def record(
         self,
+        arrays: Mapping[str, Array],
         ending: Ending,
         engine: str,
         seed: int,
@@ -105,11 +135,9 @@ class Recorder:
         plan: Plan,
         meta: Mapping[str, Any],
     ) -> Record:
-        """Return everything so far, of ``plan`` as it was run."""
-        arrays: dict[str, NDArray[np.float64]] = {
-            name: np.asarray(rows, dtype=np.float64)
-            for name, rows in self._rows.items()
-        }
+        """Return the record of ``plan`` as it was run, with the ``arrays`` of all ticks
+        and those of the paths.
+        """
         placements = self._plan.placements[self._placement :]
         paths = [segment.path for segment in self._followed]
         done = min(len(paths) - self._before, len(placements[0]))
@@ -118,14 +146,23 @@ class Recorder:
         samples = [
             p.pose(s) for p in paths for s in np.linspace(0.0, p.length, PATH_SAMPLES)
         ]
-        arrays["plan_path"] = np.array([(p.x, p.y, p.yaw) for p in samples])
-        arrays["plan_stretch"] = np.repeat(
-            np.arange(len(paths), dtype=np.float64), PATH_SAMPLES
-        )
+        stretches = np.arange(len(paths), dtype=np.float64)
+        planned = {
+            "plan_path": np.array([(p.x, p.y, p.yaw) for p in samples]),
+            "plan_stretch": np.repeat(stretches, PATH_SAMPLES),
+        }
         used = (piece.mode for part in plan.by_placement for piece in part.segments)
         modes = tuple(mode for mode, _ in groupby(used))
         return Record(
-            arrays, ending.code, ending.text, engine, seed, wall_time, modes, plan, meta
+            {**arrays, **planned},
+            ending.code,
+            ending.text,
+            engine,
+            seed,
+            wall_time,
+            modes,
+            plan,
+            meta,
         )
 
 
@@ -136,7 +173,6 @@ def _log_rows(tick: Tick) -> dict[str, Any]:
         "time": tick.truth.time,
         "phase": PHASES.index(log.phase),
         "object_pose": (pose.x, pose.y, pose.yaw),
-        "object_twist": tick.row.object_twist,
         "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
         "tracking_error": log.tracking_error,
         "progress": log.progress,

@@ -142,11 +142,13 @@ class RunLoop:
                 ending = ended
                 break
             self._report(tick.truth.time)
+        arrays = self.recorder.arrays()
         wall_time = perf_counter() - started
         plan = self.plan
         for earlier, count in reversed(self.earlier):
             plan = earlier.begun(count, plan)
         return self.recorder.record(
+            arrays,
             self.breach or ending,
             self.plant.name,
             self.options.seed,

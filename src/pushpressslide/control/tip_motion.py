@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from pushpressslide.control.entry import braking
@@ -108,14 +108,15 @@ class TipMover:
         contact = context.contact
         X_WB = context.X_WB
         tip = context.tip
-        normal_force = pressed(tip.force, contact.direction(X_WB))
+        direction = contact.direction(X_WB)
+        normal_force = pressed(tip.force, direction)
         mean = memory.mean_force
         if mean is None:
             mean = normal_force
         mean += (normal_force - mean) / self.samples(contact)
         felt = Felt(
             mean < self._least(contact),
-            self._utilisation(tip.force, contact.direction(X_WB), normal_force),
+            self._utilisation(tip.force, direction, normal_force),
         )
         force = X_WB.rotate(task.force)
         velocity, (ax, ay) = self._motion(memory, context, task)
@@ -127,7 +128,7 @@ class TipMover:
         elif contact.kind == "top":
             most = 2.0 * self.friction * task.load * context.dt / TURNABOUT
             force = approached(memory.drag, force, most)
-            memory = replace(memory, drag=force)
+            memory = memory._replace(drag=force)
         vx, vy = velocity
         if task.hold is not None:
             speed = math.hypot(vx, vy)
@@ -149,7 +150,7 @@ class TipMover:
             tool_yaw_acceleration=spin,
             catches_up=task.entry_speed is None,  # one that drops in may hold nothing
         )
-        memory = replace(memory, velocity=velocity, turn=turn, mean_force=mean)
+        memory = memory._replace(velocity=velocity, turn=turn, mean_force=mean)
         return command, memory, felt
 
     def _along_height(
@@ -173,12 +174,12 @@ class TipMover:
             push, regulator = self.regulator.step(
                 memory.regulator, task.load, normal_force, context.dt
             )
-            memory = replace(memory, regulator=regulator)
+            memory = memory._replace(regulator=regulator)
             return _Normal(tip.position[2], 0.0, PRESS_DAMPING, push), memory
         height = eased_height(
             memory.height, tip.position[2], contact.height, context.dt
         )
-        memory = replace(memory, height=height)
+        memory = memory._replace(height=height)
         return _Normal(height, HEIGHT_STIFFNESS, HEIGHT_DAMPING), memory
 
     def _least(self, contact: Contact) -> float:

@@ -78,14 +78,14 @@ class TipTouch:
         contact = context.contact
         begins = context.joint_progress <= 0.0
         if begins:
-            context = replace(context, joint_progress=-self.gap)
+            context = context._replace(joint_progress=-self.gap)
         if elapsed < aligned:
             before = tip_position(contact, context.X_WB, self.radius, self.gap)
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
         # from here on what the tip does to the object does not lead the tip
         found = memory.found or context.X_WB
-        memory = replace(memory, found=found)
+        memory = memory._replace(found=found)
         n = contact.direction(found)
         origin, depth = self._advance(memory, context, found, elapsed, aligned)
         least = self.threshold
@@ -97,7 +97,7 @@ class TipTouch:
             return TouchStep(held_at(context, context.tip.position), memory, False)
         if begins:
             left = self.gap - (depth if memory.felt is None else memory.touch_depth)
-            context = replace(context, joint_progress=-max(left, 0.0))
+            context = context._replace(joint_progress=-max(left, 0.0))
         felt = memory.felt
         if felt is not None and context.time - felt >= margins.ARM.felt_time:
             place = _ahead(origin, n, memory.touch_depth)
@@ -111,7 +111,7 @@ class TipTouch:
         speed = margins.ARM.touch_speed
         velocity = (speed * n[0], speed * n[1], speed * n[2])
         command = held_at(context, _ahead(origin, n, depth), velocity)
-        memory = replace(memory, regulator=NormalForceState())
+        memory = memory._replace(regulator=NormalForceState())
         return TouchStep(command, memory, False, problem)
 
     def _advance(
@@ -164,7 +164,7 @@ class TipTouch:
         arm = margins.ARM
         settled = arm.felt_time + arm.settle_time + force / self.regulator.ramp
         command = held_at(context, place, push=push)
-        memory = replace(memory, regulator=state)
+        memory = memory._replace(regulator=state)
         return TouchStep(command, memory, duration > settled and here)
 
     def _too_long(self, duration: float) -> str | None:
@@ -202,18 +202,17 @@ def _felt(
     time = context.time
     if here:
         if felt is None:
-            return replace(memory, felt=time, touch_depth=depth, absent=None)
-        return replace(memory, absent=None)
+            return memory._replace(felt=time, touch_depth=depth, absent=None)
+        return memory._replace(absent=None)
     if felt is None:
         return memory
     if time - felt < margins.ARM.felt_time:
-        return replace(memory, felt=None)  # a knock, not the object
+        return memory._replace(felt=None)  # a knock, not the object
     if memory.absent is None:
-        return replace(memory, absent=time)
+        return memory._replace(absent=time)
     if time - memory.absent < margins.ARM.push_loss_time:
         return memory
-    return replace(
-        memory,
+    return memory._replace(
         start=context.tip.position,
         found=context.X_WB,
         felt=None,

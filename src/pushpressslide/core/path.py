@@ -119,14 +119,17 @@ class ArcPath:
         """
         heading = 0.0
         curvature = 0.0
+        before = s - half
+        behind = s + half
         for bend, change, room in self._bends:
-            off = s - bend
-            near = min(half, room)
-            left = near - abs(off)
-            if left > 0.0:
-                heading += 0.25 * change * left * left / near
-                share = 0.5 * left / near
-                curvature += change * (share if off < 0.0 else -share)
+            if before < bend < behind:
+                off = s - bend
+                near = half if half < room else room
+                left = near - (off if off > 0.0 else -off)
+                if left > 0.0:
+                    heading += 0.25 * change * left * left / near
+                    share = 0.5 * left / near
+                    curvature += change * (share if off < 0.0 else -share)
         return heading, curvature
 
     @cached_property
@@ -184,7 +187,7 @@ class ArcPath:
         raise AssertionError("the last piece has no end")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SpeedProfile:
     """Trapezoidal motion from rest to rest over ``length`` [m]: cruise ``speed`` [m/s],
     ramps of ``acceleration`` [m/s^2].
@@ -194,12 +197,12 @@ class SpeedProfile:
     speed: float
     acceleration: float
 
-    @property
+    @cached_property
     def cruise(self) -> float:
         """Highest speed that is reached [m/s]."""
         return min(self.speed, math.sqrt(max(self.length, 0.0) * self.acceleration))
 
-    @property
+    @cached_property
     def duration(self) -> float:
         """Time from rest to rest [s]."""
         if self.length <= 0.0:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from pushpressslide.core.control import Vector3
@@ -72,7 +73,7 @@ def same_places(first: Sequence[Contact], second: Sequence[Contact]) -> bool:
     return all(a.same_place(b) for a, b in zip(first, second, strict=True))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Segment:
     """A piece of motion: one mode, its contacts, one reduced model, one timed path."""
 
@@ -85,10 +86,15 @@ class Segment:
     cone_margin: float | None = None  # [rad] least distance of forces to a cone's edge
     leg: int = 0  # index of the task's leg that it belongs to
 
-    @property
+    @cached_property
     def X_BV(self) -> Pose2:
         """Pose of the vehicle frame in the body frame."""
         return self.drive.X_BV
+
+    @cached_property
+    def X_VB(self) -> Pose2:
+        """Pose of the body frame in the vehicle frame."""
+        return self.X_BV.inverse()
 
     def same_placement(self, other: Segment) -> bool:
         """Return whether the same mode does both with the same contacts."""
@@ -96,7 +102,7 @@ class Segment:
 
     def body_pose(self, s: float) -> Pose2:
         """Return the planned X_WB at arc length ``s`` [m]."""
-        return self.path.pose(s).compose(self.X_BV.inverse())
+        return self.path.pose(s).compose(self.X_VB)
 
     def follows(self, path: MotionPath) -> Segment:
         """Return the segment along another path, at the same speed."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
@@ -45,39 +43,35 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     )
 
 
-def rotation_error(R_wanted: Array, R: Array) -> Array:
-    """Return the rotation vector (3,) [rad], world axes, from ``R`` to ``R_wanted`` (3,
-    3).
+def rotation_error(R_wanted: Array, R: Array) -> Vector3:
+    """Return the rotation vector [rad], world axes, from ``R`` to ``R_wanted`` (3, 3).
 
     It is exact up to 90 degrees.
     """
-    E = R_wanted @ R.T
-    return np.array(
-        [
-            0.5 * (E[2, 1] - E[1, 2]),
-            0.5 * (E[0, 2] - E[2, 0]),
-            0.5 * (E[1, 0] - E[0, 1]),
-        ]
-    )
+    (_, b, c), (d, _, f), (g, h, _) = (R_wanted @ R.T).tolist()
+    return (0.5 * (h - f), 0.5 * (c - g), 0.5 * (d - b))
 
 
 def tip_moment(
     R_wanted: Array,
     R: Array,
-    w_wanted: Array,
-    w: Array,
+    w_wanted: Vector3,
+    w: Vector3,
     stiffness: float,
     damping: float,
-) -> Array:
-    """Return the moment (3,) [N m], world axes, of a rotational spring [N m/rad] and
-    damper [N m s/rad].
+) -> Vector3:
+    """Return the moment [N m], world axes, of a rotational spring [N m/rad] and damper
+    [N m s/rad].
 
     The spring is stretched by ``margins.ARM.attitude`` at most: a tool that a joint's
     limit holds back is far off, and turns back slowly.
     """
-    error = rotation_error(R_wanted, R)
-    size = float(np.linalg.norm(error))
+    ex, ey, ez = rotation_error(R_wanted, R)
+    size = math.sqrt(ex * ex + ey * ey + ez * ez)
     most = margins.ARM.attitude
-    if size > most:
-        error = error * (most / size)
-    return stiffness * error + damping * (w_wanted - w)
+    spring = stiffness * (most / size if size > most else 1.0)
+    return (
+        spring * ex + damping * (w_wanted[0] - w[0]),
+        spring * ey + damping * (w_wanted[1] - w[1]),
+        spring * ez + damping * (w_wanted[2] - w[2]),
+    )

@@ -11,21 +11,25 @@ import numpy as np
 from scipy.linalg.lapack import dposv, dpotrf
 
 from pushpressslide.core import margins
-from pushpressslide.core.arrays import Array
+from pushpressslide.core.arrays import Array, least, most
+from pushpressslide.core.control import Vector3
 
 LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
 LIMIT_DAMPING = 10.0
 # of the buffer before a joint's limit, in which the tool ceases to be turned about it
 YIELDING = 0.2
-# squares of the singular values below which the tool's rotation, and the tip's motion,
-# are left to the posture
-SOFTENING = np.array((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
+# squares, (6, 6) with nothing beside the diagonal, of the singular values below which
+# the tool's rotation, and the tip's motion, are left to the posture
+SOFTENING = np.diag((2e-2, 2e-2, 2e-2, 1e-6, 1e-6, 1e-6))
 # [1/kg], [1/(kg m^2)]: an arm that weighs more at its tip is hardly driven there
 LEAST_MOBILITY = 0.003
+LEAST = LEAST_MOBILITY**2 * np.eye(6)
 # singular value of the Jacobian, below which the joints are braked that then hardly move
 # the tip: neither its servo nor the posture holds them
 SINGULAR = 0.06
-FULL_RANK = 1e-6  # added to those squares, so that a singular posture has an inverse
+BRAKED = SINGULAR**2 * np.eye(6)
+# added to those squares, so that a singular posture has an inverse
+FULL_RANK = 1e-6 * np.eye(6)
 
 
 class LimitedTorque(NamedTuple):
@@ -36,22 +40,30 @@ class LimitedTorque(NamedTuple):
     rate_share: float  # largest demanded change of a torque as a share of its limit
 
 
-def task_torque(
-    J: Array, moment: Array, force: Array, posture: Array, bias: Array
-) -> Array:
-    """Return tau (n,) = J^T [moment; force] + null-space ``posture`` torque + ``bias``.
+def task_torque(J: Array, wrench: Array, posture: Array, bias: Array) -> Array:
+    """Return tau (n,) = J^T ``wrench`` + null-space ``posture`` torque + ``bias``.
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``posture`` (n,) [N m]
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``wrench`` (6,) likewise
+    [moment; force]; ``posture`` (n,) [N m]
     of a joint-space spring and damper, projected so that no force at the tip is needed
     to hold it, and next to no moment but where the arm can hardly turn the tool: there
     the posture says how it is held, since nothing else damps those joints. ``bias``
     (n,) [N m] gravity and Coriolis compensation.
     """
-    n = J.shape[1]
-    tau: Array = J.T @ np.concatenate([moment, force]) + bias
-    if n > 6:
-        tau += _forceless(J, _unfelt(J, posture, SOFTENING))
+    tau: Array = J.T @ wrench + bias
+    if J.shape[1] > 6:
+        JJt = J @ J.T
+        unfelt = _unfelt(J, posture, JJt + SOFTENING)
+        tau += _forceless(J, unfelt, JJt + FULL_RANK)
     return tau
+
+
+def near_limit(q: Array, lower: Array, upper: Array) -> bool:
+    """Return whether one of the joints ``q`` (n,) is nearer to its limit, ``lower`` or
+    ``upper`` (n,) [rad], than ``margins.ARM.joint_buffer``.
+    """
+    inside = np.minimum(q - lower, upper - q)
+    return least(inside) < margins.ARM.joint_buffer
 
 
 def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Array:
@@ -63,13 +75,12 @@ def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Arr
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
-    if inside.min() >= buffer:
-        return np.zeros(len(q))
     below = np.maximum(lower + buffer - q, 0.0)
     above = np.maximum(q - upper + buffer, 0.0)
     near = inside < buffer
     spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
-    return _unfelt(J[3:], spring, SOFTENING[3:])
+    moved = J[3:]
+    return _unfelt(moved, spring, moved @ moved.T + SOFTENING[3:, 3:])
 
 
 def braked(J: Array, damping: Array) -> Array:
@@ -80,7 +91,7 @@ def braked(J: Array, damping: Array) -> Array:
     posture, and bends to the other side, while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
-    _, indefinite = dpotrf(_softened(J, -(SINGULAR**2)))
+    _, indefinite = dpotrf(J @ J.T - BRAKED)
     if not indefinite:
         return np.zeros(len(damping))
     _, sizes, motions = np.linalg.svd(J, full_matrices=False)
@@ -90,7 +101,7 @@ def braked(J: Array, damping: Array) -> Array:
     return out
 
 
-def yielding(J: Array, moment: Array, q: Array, lower: Array, upper: Array) -> Array:
+def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) -> Array:
     """Return ``J`` (6, n) for a tool that is no longer turned about the axes of joints
     which its ``moment`` (3,) [N m] presses into their limits: the less, the nearer.
 
@@ -100,8 +111,6 @@ def yielding(J: Array, moment: Array, q: Array, lower: Array, upper: Array) -> A
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
-    if inside.min() >= buffer:
-        return J
     out = J.copy()
     for j in np.flatnonzero(inside < buffer):
         axis = J[:3, j]
@@ -112,11 +121,11 @@ def yielding(J: Array, moment: Array, q: Array, lower: Array, upper: Array) -> A
     return out
 
 
-def _unfelt(J: Array, torque: Array, softening: Array) -> Array:
+def _unfelt(J: Array, torque: Array, softened: Array) -> Array:
     """Return what of a ``torque`` (n,) is not felt along the rows of ``J`` (k, n): I -
-    J^T (J J^T + ``softening``)^-1 J, applied to it.
+    J^T S^-1 J, applied to it; S (k, k) is J J^T, ``softened`` along its diagonal.
     """
-    out: Array = torque - J.T @ _solved(_softened(J, softening), J @ torque)
+    out: Array = torque - J.T @ _solved(softened, J @ torque)
     return out
 
 
@@ -131,22 +140,15 @@ def _solved(matrix: Array, right: Array) -> Array:
     return out
 
 
-def _softened(J: Array, softening: Array | float) -> Array:
-    """Return J J^T (k, k) with ``softening`` added along its diagonal."""
-    JJt: Array = J @ J.T
-    JJt.flat[:: len(J) + 1] += softening
-    return JJt
-
-
-def _forceless(J: Array, torque: Array) -> Array:
+def _forceless(J: Array, torque: Array, JJt: Array) -> Array:
     """Return what of a ``torque`` (n,) a moment on the tool holds alone, without a force
-    at the tip; ``J`` (6, n).
+    at the tip; ``J`` (6, n), and J J^T (6, 6), which has an inverse.
 
     The wrench that holds the torque is (J J^T)^-1 J torque. That J_v torque = 0 is not
     enough: a tip that is held where it is while a moment keeps the tool's attitude
     feels the force of this wrench.
     """
-    held = _solved(_softened(J, FULL_RANK), J)[3:]
+    held = _solved(JJt, J)[3:]
     out: Array = torque - held.T @ _solved(held @ held.T, held @ torque)
     return out
 
@@ -158,10 +160,8 @@ def task_inertia(J: Array, M: Array) -> Array:
     where it grows without bound, the arm is not to be driven along what it can hardly
     move: damped least squares, by ``LEAST_MOBILITY``.
     """
-    mobility, axes = np.linalg.eigh(J @ _solved(M, J.T))
-    inertia = mobility / (mobility * mobility + LEAST_MOBILITY**2)
-    out: Array = (axes * inertia) @ axes.T
-    return out
+    mobility = J @ _solved(M, J.T)
+    return _solved(mobility @ mobility + LEAST, mobility)
 
 
 def joint_torque(
@@ -174,15 +174,15 @@ def joint_torque(
 
 
 def limited(
-    tau: Array, previous: Array, effort: Array, rate: Array, dt: float
+    tau: Array, previous: Array, effort: Array, most_change: Array
 ) -> LimitedTorque:
-    """Return ``tau`` held inside effort [N m] and rate [N m/s] limits; ``previous`` is
-    the torque (n,) of the tick before, ``dt`` [s] ago.
+    """Return ``tau`` held inside ``effort`` [N m] and ``most_change`` [N m] from one tick
+    to the next; ``previous`` is the torque (n,) of the tick before.
     """
     held = np.minimum(np.maximum(tau, -effort), effort)
-    step = rate * dt
+    change = held - previous
     return LimitedTorque(
-        np.minimum(np.maximum(held, previous - step), previous + step),
-        float((np.abs(tau) / effort).max()),
-        float((np.abs(held - previous) / step).max()),
+        previous + np.minimum(np.maximum(change, -most_change), most_change),
+        most(np.abs(tau) / effort),
+        most(np.abs(change) / most_change),
     )

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -99,11 +100,15 @@ class ToolAttitude:
         """
         if self.axes is WORLD_AXES:
             return R_ST
-        axes = np.array(self.axes)
-        out: Array = (
-            axes @ R_ST * np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
-        )
+        axes, hand = self._support_axes
+        out: Array = axes @ R_ST * hand
         return out
+
+    @cached_property
+    def _support_axes(self) -> tuple[Array, Array]:
+        """The axes of S as columns (3, 3), and the signs (3,) of those of T."""
+        axes = np.array(self.axes)
+        return axes, np.array([1.0, round(float(np.linalg.det(axes))), 1.0])
 
     def rotation_at(self, tool_yaw: float) -> Array:
         """Return R_WT (3, 3) for one tool yaw [rad]: as ``rotation``, in plain floats,

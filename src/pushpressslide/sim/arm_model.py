@@ -45,15 +45,15 @@ class ArmModel:
         X = self._tip.CalcPoseInWorld(context)
         M = plant.CalcMassMatrix(context)
         bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-        V = J @ v
-        p = X.translation()
+        x, y, z = X.translation().tolist()
+        wx, wy, wz, vx, vy, vz = (J @ v).tolist()
         return ArmState(
             q,
             v,
-            (p[0], p[1], p[2]),
+            (x, y, z),
             X.rotation().matrix(),
-            (V[3], V[4], V[5]),
-            V[:3],
+            (vx, vy, vz),
+            (wx, wy, wz),
             J,
             M,
             bias,

@@ -40,8 +40,8 @@ def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
     """Return the planar pose of a spatial pose: x and y of its origin, and the yaw of
     its x axis.
     """
-    px, py, pz = X.translation()
-    ax, ay, az = X.rotation().col(0)
+    px, py, pz = X.translation().tolist()
+    ax, ay, az = X.rotation().col(0).tolist()
     return _planar((px, py, pz), (ax, ay, az), frame)
 
 
@@ -51,23 +51,25 @@ def planar_pose_from_positions(
     """Return the planar pose of a floating body's seven positions: quaternion (w, x, y,
     z), then x, y, z [m].
     """
-    w, x, y, z, *p = (float(value) for value in q)
+    w, x, y, z, px, py, pz = q.tolist()
     axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
-    return _planar((p[0], p[1], p[2]), axis, frame)
+    return _planar((px, py, pz), axis, frame)
 
 
 def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
     x, y, _ = frame.coordinates(position)
     ax, ay, _ = frame.components(x_axis)
-    return Pose2(float(x), float(y), math.atan2(ay, ax))
+    return Pose2(x, y, math.atan2(ay, ax))
 
 
 def planar_twist(V: NDArray[np.float64], frame: SupportFrame = TABLE) -> Vector3:
     """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's
     spatial velocity: angular, then linear.
     """
-    vx, vy, _ = frame.components((V[3], V[4], V[5]))
-    return (float(vx), float(vy), float(np.dot(frame.spin_axis, V[:3])))
+    wx, wy, wz, *v = V.tolist()
+    vx, vy, _ = frame.components((v[0], v[1], v[2]))
+    ax, ay, az = frame.spin_axis
+    return (vx, vy, ax * wx + ay * wy + az * wz)
 
 
 def transform_from_positions(q: NDArray[np.float64]) -> RigidTransform:

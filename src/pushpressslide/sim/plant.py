@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,10 @@ class DrivenArm:
             [joint.velocity_start() for joint in moving]
         )
         self._radius = robot.tip_radius
+        # (n,) [rad/s] of the reference
+        self._fastest = (
+            margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
+        )
         self.state: ArmState
         self.path: JointPath
         self._limited: LimitedTorque | None = None  # of the tick before
@@ -135,8 +140,9 @@ class DrivenArm:
         if len(self._reference) == 0:
             self._reference = posture
         dt = self._executor.dt
-        most = margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
-        change = np.clip((posture - self._reference) / dt, -most, most)
+        most = self._fastest
+        wanted = (posture - self._reference) / dt
+        change = np.minimum(np.maximum(wanted, -most), most)
         self._rate = self._rate + dt / RATE_TIME * (change - self._rate)
         self._reference = self._reference + dt * change
 
@@ -145,16 +151,10 @@ class DrivenArm:
             return command.posture
         return path_reference(self.path, command.progress)
 
-    def rows(self, index: int) -> dict[str, Any]:
-        """Return what is recorded of this arm in a tick."""
-        return {
-            f"joint_position_{index}": self.state.q,
-            f"joint_velocity_{index}": self.state.v,
-            f"joint_torque_{index}": self.torque,
-            f"joint_reference_{index}": self._reference,
-            f"torque_share_{index}": self.reading.torque_share,
-            f"torque_rate_share_{index}": self.reading.rate_share,
-        }
+    def row(self) -> ArmRow:
+        """Return what is recorded of this arm in a tick, once its torque is applied."""
+        assert self._limited is not None
+        return ArmRow(self.state, self._reference, self._limited)
 
     def contact_point(self, tip: TipState) -> Sequence[float]:
         """Return where the tip's sphere is touched [m], by the direction of the force;
@@ -167,6 +167,25 @@ class DrivenArm:
             p + self._radius * f / size
             for p, f in zip(tip.position, tip.force, strict=True)
         ]
+
+
+class ArmRow(NamedTuple):
+    """What an arm did in a tick."""
+
+    state: ArmState
+    reference: Array  # (n,) [rad]
+    limited: LimitedTorque  # as applied
+
+    def arrays(self, index: int) -> dict[str, Any]:
+        """Return the rows of the arm's arrays in the record; ``index`` is its number."""
+        return {
+            f"joint_position_{index}": self.state.q,
+            f"joint_velocity_{index}": self.state.v,
+            f"joint_torque_{index}": self.limited.torque,
+            f"joint_reference_{index}": self.reference,
+            f"torque_share_{index}": self.limited.share,
+            f"torque_rate_share_{index}": self.limited.rate_share,
+        }
 
 
 class DrakePlant:
@@ -334,18 +353,28 @@ class DrakePlant:
 
     def row(self) -> PlantRow:
         """Return what is recorded of the tick that the last measurement began."""
-        tips = self._truth.tips
-        extras: dict[str, Any] = {}
-        for i, arm in enumerate(self._arms):
-            extras |= arm.rows(i)
-        extras["contact_point"] = [
+        arms = [arm.row() for arm in self._arms]
+        arrays = partial(self._arrays, self._x, self._truth.tips, arms)
+        forces = tuple(tip.force for tip in self._truth.tips)
+        return PlantRow(forces, arrays, self._executing)
+
+    def _arrays(
+        self, x: Array, tips: Sequence[TipState], arms: Sequence[ArmRow]
+    ) -> dict[str, Any]:
+        """Return the rows of the arrays that this plant tells, from the plant's state
+        ``x`` and what tips and arms did.
+        """
+        rows: dict[str, Any] = {}
+        for i, arm in enumerate(arms):
+            rows |= arm.arrays(i)
+        rows["contact_point"] = [
             arm.contact_point(tip) for arm, tip in zip(self._arms, tips, strict=True)
         ]
         for name, start in self._body_rows.items():
-            extras[name] = self._x[start : start + 7].copy()
+            rows[name] = x[start : start + 7]
         start = self._body_velocity
-        twist = planar_twist(self._x[start : start + 6], self._frame)
-        return PlantRow(twist, tuple(t.force for t in tips), self._executing, extras)
+        rows["object_twist"] = planar_twist(x[start : start + 6], self._frame)
+        return rows
 
     def diverged(self) -> str | None:
         """Return why the simulation cannot go on, or None.

@@ -60,10 +60,11 @@ class Station:
         )
         self.plant.SetFreeBodyPose(self.plant_context, self.scene.object, X_WG)
         arms = range(len(self.scene.robots))
-        self._torques = [self.diagram.GetInputPort(f"joint_torque_{i}") for i in arms]
+        torques = [self.diagram.GetInputPort(f"joint_torque_{i}") for i in arms]
         self._sensors = [ForceSensor(self.plant, robot) for robot in self.scene.robots]
-        for port in self._torques:
-            port.FixValue(self.context, np.zeros(port.size()))
+        self._inputs = [
+            port.FixValue(self.context, np.zeros(port.size())) for port in torques
+        ]
 
     def _export_ports(self) -> None:
         """Name the diagram's ports."""
@@ -107,4 +108,5 @@ class Station:
 
     def set_torque(self, i: int, torque: Array) -> None:
         """Write the joint torques [N m] of arm ``i`` until the next call."""
-        self._torques[i].FixValue(self.context, torque)
+        # a third of what fixing the port anew takes
+        self._inputs[i].GetMutableData().get_mutable_value().SetFromVector(torque)

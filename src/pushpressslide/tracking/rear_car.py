@@ -72,8 +72,9 @@ class RearPushTracker:
         along = max_friction / sqrt(1.0 + stretch * k * k)
         across = along * k
         w = turning * speed * k
-        force = (along * ex - across * ey, along * ey + across * ex)
-        wrench = new(Wrench, (*force, arm * across, self._cop))
+        fx = along * ex - across * ey
+        fy = along * ey + across * ex
+        wrench = new(Wrench, (fx, fy, arm * across, self._cop))
         # the axle moves along e
         twist = new(Twist, (speed * ex, speed * ey, w, self._axle))
         error = (0.0, left, heading_error)
