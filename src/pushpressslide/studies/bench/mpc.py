@@ -15,7 +15,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any, Literal, NamedTuple
 
@@ -28,6 +28,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.mechanics.friction import push_outcome
 from pushpressslide.mechanics.limit_surface import EllipsoidLimitSurface
+from pushpressslide.rom.drives import RearSteerDrive
 from pushpressslide.studies.bench.compared import Row, measured, missing, not_installed
 
 TASKS = ("rear-push-rear", "rear-push-left")
@@ -146,13 +147,17 @@ def _compared(what: str, push: Push, world: World) -> list[Row]:
 
 
 def _push(name: str) -> Push:
-    """Return the push of a shipped task."""
+    """Return the push of a shipped task along the support: the plant is planar, so that
+    nothing moves the virtual axle by the contact's height, as the task's own plan says.
+    """
     from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import load_task
 
     task = load_task(name)
     (segment,) = plan(task).segments
-    return Push(task, segment)
+    drive = segment.drive
+    assert isinstance(drive, RearSteerDrive)
+    return Push(task, replace(segment, drive=replace(drive, shift=0.0)))
 
 
 def controlled(push: Push, world: World, control: Controller) -> Closed:
