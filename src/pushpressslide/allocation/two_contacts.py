@@ -81,6 +81,7 @@ def _linear(
     up1, up2, up3, up4 = (a > 0.0 for a in pair.slopes)
     k1, k2, k3, k4 = (-1.0 / a for a in pair.slopes)
     cap1, cap2 = caps
+    uncapped = min(caps) == math.inf
     capped = elsewhere.capped
     outside = elsewhere.outside
     inf = math.inf
@@ -135,7 +136,7 @@ def _linear(
             f1n = f1n + more * n1e
             f2n = f2n - more * n2e
             margin = 0.0
-        if f1n <= cap1 and f2n <= cap2:
+        if uncapped or (f1n <= cap1 and f2n <= cap2):
             return new(
                 Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", NONE)
             )
