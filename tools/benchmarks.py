@@ -34,6 +34,7 @@ NAMES = (
     "engines",
     "batches",
     "runs",
+    "memory",
     "truths",
     "start",
     "scaling",

@@ -454,9 +454,7 @@ class Controller:
             twist=guidance.twist,
             ticks=ticks,
         )
-        next_state = self._after_move(
-            next_state, measurement, X_WB, touched, guidance
-        )
+        next_state = self._after_move(next_state, measurement, X_WB, touched, guidance)
         log = control_log(
             state, measurement, self.X_BG, self.planned, guidance, allocation
         )

@@ -72,7 +72,9 @@ class ArmExecutor:
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
     _most_change: Array = field(init=False)  # (n,) [N m] of a torque in a tick
-    _plane: Array = field(init=False)  # (3, 2) directions in the world along the support
+    _plane: Array = field(
+        init=False
+    )  # (3, 2) directions in the world along the support
     _spin_axis: Vector3 = field(init=False)  # in the world, of the tool's yaw
 
     def __post_init__(self) -> None:

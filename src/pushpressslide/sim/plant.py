@@ -65,9 +65,7 @@ class DrivenArm:
         )
         self._radius = robot.tip_radius
         # (n,) [rad/s] of the reference
-        self._fastest = (
-            margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
-        )
+        self._fastest = margins.POSTURE_SPEED * self.model.instance.facts.velocity_limit
         self.state: ArmState
         self.path: JointPath
         self._limited: LimitedTorque | None = None  # of the tick before

@@ -231,6 +231,13 @@ def runs(seed: int, out: Path) -> list[Row]:
     return rows()
 
 
+def memory(seed: int, out: Path) -> list[Row]:
+    """Run a shipped task in Drake with other allocators of memory."""
+    from pushpressslide.studies.bench.memory import memory as rows
+
+    return rows()
+
+
 def truths(seed: int, out: Path) -> list[Row]:
     """Run samples of one planned push, on arrays and each by the run loop."""
     from pushpressslide.studies.bench.truths import truths as rows
@@ -275,6 +282,7 @@ BENCHMARKS: dict[str, Callable[[int, Path], list[Row]]] = {
         engines,
         mpc,
         runs,
+        memory,
         truths,
         start,
         scaling,
