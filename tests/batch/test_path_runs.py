@@ -13,7 +13,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.planar.contact import TipLaw, side_contact
 from pushpressslide.planar.sliding import slide
-from pushpressslide.planar.support import SupportFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
 ROWS = 400
 DAMPING = 500.0  # [N s/m]

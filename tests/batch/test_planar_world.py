@@ -7,14 +7,13 @@ import pytest
 
 from pushpressslide.batch.planar_world import Faces, PlanarWorld, Tips
 from pushpressslide.batch.pushing import SEPARATE, SLIP_LEFT, SLIP_RIGHT, STICK
-from pushpressslide.batch.support import ellipsoid_support, exact_support
+from pushpressslide.batch.support import ellipsoid_support, polygon_support
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Box, ObjectModel, Robot, Support, Task
-from pushpressslide.mechanics.pressure import support_pressure
-from pushpressslide.planar.support import RESOLUTION
+from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.planar.world import World, resting
 
 BOX = Box((0.15, 0.1, 0.1))
@@ -117,7 +116,8 @@ def test_bodies_go_as_one_on_the_planar_engine(engine, chosen):
     count = 12
     places, velocities, friction = drawn(rng, chosen, count)
     poses = rng.uniform(-1.0, 1.0, (count, 3))
-    support = exact_support(support_pressure(BOX, LOAD, resolution=RESOLUTION), MU)
+    face = face_pressure(BOX, (0.0, 0.0), (0.0, 0.0))
+    support = polygon_support(face, MU * LOAD)
     world = PlanarWorld(
         support, faces(chosen), Tips(RADIUS, friction[:, None], DAMPING), DT
     )

@@ -16,7 +16,7 @@ from pushpressslide.mechanics.pressure import (
 from pushpressslide.planar.contact import SideContact, TipLaw
 from pushpressslide.planar.sliding import REST
 from pushpressslide.planar.sliding import slide as slide_one
-from pushpressslide.planar.support import SupportFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
 LOAD = 10.0  # [N]
 RADIUS = 0.02  # [m] of the tips

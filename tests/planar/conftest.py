@@ -9,7 +9,7 @@ import pytest
 from pushpressslide.core.task import Box
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.planar.contact import Contact, SideContact, TipLaw, TopContact
-from pushpressslide.planar.support import SupportFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
 TIP_RADIUS = 0.02
 WEIGHT = 10.0  # [N]

@@ -23,7 +23,7 @@ from pushpressslide.mechanics.limit_surface import (
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.planar.contact import SideContact, TipLaw, TopContact
 from pushpressslide.planar.sliding import REST, slide
-from pushpressslide.planar.support import SupportFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
 BOX = support_pressure(Box((0.15, 0.1, 0.1)), 10.0, cop=(0.01, 0.005), resolution=6)
 BAR = support_pressure(Box((0.6, 0.2, 0.1)), 10.0, cop=(0.14, 0.01), resolution=6)

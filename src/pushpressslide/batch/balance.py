@@ -24,23 +24,20 @@ from pushpressslide.batch.wrench_twist import TwistColumns, WrenchColumns
 from pushpressslide.mechanics.balance import CREEP, SOFTENING
 
 
-class Sums(NamedTuple):
-    """What ``Support.sums`` gives: k_i of b_i / |v|, s_ij of b_i b_j / |v|^3."""
+class Friction(NamedTuple):
+    """What ``Support.frictions`` gives: the wrench that slides a body, over mu_s N, and
+    its slope, which is symmetric.
+    """
 
-    k0: Column
-    kx: Column
-    ky: Column
-    ks: Column
-    s00: Column
-    s0x: Column
-    s0y: Column
-    s0s: Column
-    sxx: Column
-    sxy: Column
-    sxs: Column
-    syy: Column
-    sys: Column
-    sss: Column
+    fx: Column
+    fy: Column
+    tau: Column
+    xx: Column
+    xy: Column
+    xw: Column
+    yy: Column
+    yw: Column
+    ww: Column
 
 
 class Held(NamedTuple):
@@ -53,67 +50,34 @@ class Held(NamedTuple):
     w: Column
 
 
-def friction_wrench(twist: TwistColumns, k: Sums, limit: Column) -> WrenchColumns:
-    """Return the wrench that slides a body."""
-    return WrenchColumns(
-        limit * (k.k0 * twist.vx - k.ky * twist.w),
-        limit * (k.k0 * twist.vy + k.kx * twist.w),
-        limit * (k.kx * twist.vy - k.ky * twist.vx + k.ks * twist.w),
-    )
-
-
-def friction_slope(twist: TwistColumns, s: Sums, limit: Column) -> Slope:
-    """Return its derivative by the twist: that of the forces at given speeds, less what
-    the speeds change.
-    """
-    x, y, w = twist
-    xx = x * x * s.s00 - 2.0 * x * w * s.s0y + w * w * s.syy
-    xy = x * y * s.s00 + x * w * s.s0x - w * y * s.s0y - w * w * s.sxy
-    yy = y * y * s.s00 + 2.0 * y * w * s.s0x + w * w * s.sxx
-    xw = x * y * s.s0x - x * x * s.s0y + x * w * s.s0s
-    xw = xw - w * y * s.sxy + w * x * s.syy - w * w * s.sys
-    yw = y * y * s.s0x - x * y * s.s0y + y * w * s.s0s
-    yw = yw + w * y * s.sxx - w * x * s.sxy + w * w * s.sxs
-    ww = y * y * s.sxx + x * x * s.syy + w * w * s.sss
-    ww = ww + 2.0 * (y * w * s.sxs - x * y * s.sxy - x * w * s.sys)
-    a = limit * (s.k0 - xx)
-    b = -limit * xy
-    c = -limit * (s.ky + xw)
-    d = limit * (s.k0 - yy)
-    e = limit * (s.kx - yw)
-    f = limit * (s.ks - ww)
-    return Slope(a, b, c, b, d, e, c, e, f)
-
-
 def balancing(
-    twist: TwistColumns, sums: Sums, held: Held, first: SideTip, second: SideTip
+    twist: TwistColumns, friction: Friction, held: Held, first: SideTip, second: SideTip
 ) -> Columns:
     """Return the force [N] that nothing balances, and the step of Newton [m/s] to where
     there is none.
     """
     one = tip_force(twist, first)
     two = tip_force(twist, second)
-    f = friction_wrench(twist, sums, held.max_force)
+    limit = held.max_force
     g = tip_wrench(first, one.fn, one.ft)
     h = tip_wrench(second, two.fn, two.ft)
-    fx = f.fx - g.fx - h.fx + held.drag * (twist.vx - held.vx)
-    fy = f.fy - g.fy - h.fy + held.drag * (twist.vy - held.vy)
-    tau = f.tau - g.tau - h.tau + held.drag * (twist.w - held.w)
-    k = friction_slope(twist, sums, held.max_force)
+    fx = limit * friction.fx - g.fx - h.fx + held.drag * (twist.vx - held.vx)
+    fy = limit * friction.fy - g.fy - h.fy + held.drag * (twist.vy - held.vy)
+    tau = limit * friction.tau - g.tau - h.tau + held.drag * (twist.w - held.w)
     p = tip_slope(first, one)
     q = tip_slope(second, two)
     square = twist.vx * twist.vx + twist.vy * twist.vy + twist.w * twist.w
-    soft = held.drag + SOFTENING * held.max_force / (np.sqrt(square) + CREEP)
+    soft = held.drag + SOFTENING * limit / (np.sqrt(square) + CREEP)
     slope = Slope(
-        k.fx_vx + p.fx_vx + q.fx_vx + soft,
-        k.fx_vy + p.fx_vy + q.fx_vy,
-        k.fx_w + p.fx_w + q.fx_w,
-        k.fy_vx + p.fy_vx + q.fy_vx,
-        k.fy_vy + p.fy_vy + q.fy_vy + soft,
-        k.fy_w + p.fy_w + q.fy_w,
-        k.tau_vx + p.tau_vx + q.tau_vx,
-        k.tau_vy + p.tau_vy + q.tau_vy,
-        k.tau_w + p.tau_w + q.tau_w + soft,
+        limit * friction.xx + p.fx_vx + q.fx_vx + soft,
+        limit * friction.xy + p.fx_vy + q.fx_vy,
+        limit * friction.xw + p.fx_w + q.fx_w,
+        limit * friction.xy + p.fy_vx + q.fy_vx,
+        limit * friction.yy + p.fy_vy + q.fy_vy + soft,
+        limit * friction.yw + p.fy_w + q.fy_w,
+        limit * friction.xw + p.tau_vx + q.tau_vx,
+        limit * friction.yw + p.tau_vy + q.tau_vy,
+        limit * friction.ww + p.tau_w + q.tau_w + soft,
     )
     x, y, w = newton_step(slope, WrenchColumns(fx, fy, tau))
     return fx, fy, tau, x, y, w

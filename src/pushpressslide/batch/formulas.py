@@ -6,8 +6,10 @@ whole columns and a compiled loop on one row after the other.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from types import FunctionType
+from functools import cache
+from types import FunctionType, SimpleNamespace
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -58,3 +60,27 @@ def least(a: Column | float, b: Column | float) -> Column:
 def greater(a: Column | float, b: Column | float) -> Column:
     """Return the greater of two numbers; ``b`` where one is not a number."""
     return where(a > b, a, b)
+
+
+_FLOATS = SimpleNamespace(
+    sqrt=math.sqrt, arctanh=math.atanh, abs=abs, copysign=math.copysign
+)
+
+
+@cache
+def plain(function: Function) -> Function:
+    """Return a formula for plain floats, many times as fast on them as NumPy.
+
+    It is the same code, with ``math`` in the place of NumPy and what a compiled loop
+    does in the place of ``compiled_as`` functions.
+    """
+    part = cast(FunctionType, function)
+    body = COMPILED.get(part, part)
+    scope = dict(body.__globals__)
+    for name in body.__code__.co_names:
+        value = scope.get(name)
+        if value is np:
+            scope[name] = _FLOATS
+        elif isinstance(value, FunctionType):
+            scope[name] = plain(value)
+    return cast(Function, FunctionType(body.__code__, scope, body.__name__))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pushpressslide.batch.balance import Held, Sums, balancing
+from pushpressslide.batch.balance import Friction, Held, balancing
 from pushpressslide.batch.checks import Flags
 from pushpressslide.batch.elementwise import Argument, Table, values
 from pushpressslide.batch.side_contact import NO_TIP, SideTip
@@ -87,7 +87,7 @@ class _Balance:
         """Return the forces (n, 3) that nothing balances, and Newton's steps (n, 3)."""
         arguments: list[Argument] = [
             Table(TwistColumns, np.ascontiguousarray(twists)),
-            Table(Sums, self.support.sums(twists)),
+            Friction(*self.support.frictions(twists)),
             Table(Held, self.held),
             *(Table(SideTip, tip) for tip in self.tips),
             *[NO_TIP] * (2 - len(self.tips)),

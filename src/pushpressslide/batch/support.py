@@ -2,32 +2,123 @@
 arrays: the exact limit surface of a pressure, or the ellipsoid.
 
 Source: docs/mechanics.md, section 1; ``planar.support`` for one. Twists are
-(v_x, v_y, rho w) of the centre of pressure, so that all three are speeds.
+(v_x, v_y, rho w) and wrenches (f_x, f_y, tau / rho) of the centre of pressure, so that
+all three are speeds, and forces.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from pushpressslide.batch import loops
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.elementwise import figures
+from pushpressslide.batch.edge_friction import at_rest, far, friction_of_row, near
+from pushpressslide.batch.elementwise import Table, figures, values
+from pushpressslide.batch.formulas import Column, Columns
+from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
 from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.mechanics.pressure import PressureSamples
 
 BLOCK = 32_768  # speeds of samples that are worked out at a time, to stay in the cache
+ROWS = 1_024  # twists that edges are worked out for at a time
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
-    """Samples of the load, the same under all bodies, and each body's size and limit.
+class EllipsoidSupport:
+    """Bodies on ellipsoids."""
 
-    One sample of torsional radius rho is the ellipsoid.
-    """
+    rho: Array  # (...) [m]
+    max_force: Array  # (...) [N] mu_s N
+
+    def frictions(self, twists: Array) -> Array:
+        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
+        return _columns(friction_of_ellipsoid, Table(TwistColumns, twists))
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonSupport:
+    """Bodies on the exact surface of one pressure on a polygon."""
+
+    # of the pressure, over rho, as ``batch.edge_friction`` has them
+    edges: Array  # (8, m)
+    plane: Array  # (5,)
+    series: NDArray[np.complex128]  # (10,)
+    rho: Array  # (...) [m] root mean square distance of the load
+    max_force: Array  # (...) [N] mu_s N
+
+    def frictions(self, twists: Array) -> Array:
+        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
+        out = np.empty((9, len(twists)))
+        if loops.compiler() is None:
+            for start in range(0, len(twists), ROWS):
+                block = slice(start, start + ROWS)
+                self._fill(twists[block], out[:, block])
+        else:
+            rows = np.ascontiguousarray(twists)
+            _compiled_rows()(rows, self.edges, self.plane, self.series, out)
+        return out
+
+    def _fill(self, twists: Array, out: Array) -> None:
+        """Write what ``friction_of_row`` gives of each row."""
+        plane = self.plane
+        vx, vy, w = twists.T
+        square = vx * vx + vy * vy
+        turning = w * w > plane[3] * plane[3] * square
+        moving = square > 0.0
+        with np.errstate(all="ignore"):
+            if turning.any():
+                x, y, turn = twists[turning].T
+                out[:, turning] = near(self.edges, plane, x, y, turn, True)
+            straight = moving & ~turning
+            if straight.any():
+                out[:, straight] = far(self.series, *twists[straight].T)
+        still = ~moving & ~turning
+        out[:, still] = np.array(at_rest(plane))[:, None]
+
+
+LOOP = """
+def {name}(twists, edges, plane, series, out):
+    for i in range(out.shape[1]):
+        {results} = formula(
+            edges, plane, series, twists[i, 0], twists[i, 1], twists[i, 2], True
+        )
+"""
+
+
+@cache
+def _compiled_rows() -> Callable[..., None]:
+    """Return a compiled loop of ``friction_of_row`` over rows."""
+    numba = loops.compiler()
+    assert numba is not None
+    formula = friction_of_row
+    parts = loops.registered(numba, formula)
+    results = ", ".join(f"out[{k}, i]" for k in range(9))
+    name = loops.digest_name(formula, [LOOP], parts)
+    loop = loops.loop_of_text(
+        formula, name, LOOP.format(name=name, results=results), {}
+    )
+    table = numba.types.Array(numba.float64, 2, "C", readonly=True)
+    column = numba.types.Array(numba.float64, 1, "C", readonly=True)
+    terms = numba.types.Array(numba.complex128, 1, "C", readonly=True)
+    out = numba.types.Array(numba.float64, 2, "C")
+    signature = numba.void(table, table, column, terms, out)
+    compiled: Callable[..., None] = numba.njit(
+        signature, cache=True, error_model="numpy"
+    )(loop)
+    return compiled
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSupport:
+    """Samples of the load, the same under all bodies, and each body's size and limit."""
 
     places: Array  # (m, 2) over rho, from the centre of pressure
     radii: Array  # (m,) over rho, of the cells
@@ -35,7 +126,12 @@ class Support:
     rho: Array  # (...) [m] root mean square distance of the load
     max_force: Array  # (...) [N] mu_s N
 
-    def sums(self, twists: Array) -> Array:
+    def frictions(self, twists: Array) -> Array:
+        """Return ``balance.Friction`` (9, n) of ``twists`` (n, 3) [m/s]."""
+        sums = Table(Sums, self._sums(twists))
+        return _columns(friction_of_sums, Table(TwistColumns, twists), sums)
+
+    def _sums(self, twists: Array) -> Array:
         """Return 14 sums (n, 14) over the samples, of which friction and its slope are
         made, for ``twists`` (n, 3) [m/s].
 
@@ -67,7 +163,82 @@ class Support:
         return basis, np.ascontiguousarray((basis[:, i] * basis[:, j]).T)
 
 
-def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
+Support = EllipsoidSupport | PolygonSupport | SampledSupport
+
+
+class Sums(NamedTuple):
+    """What ``SampledSupport`` sums up: k_i of b_i / |v|, s_ij of b_i b_j / |v|^3."""
+
+    k0: Column
+    kx: Column
+    ky: Column
+    ks: Column
+    s00: Column
+    s0x: Column
+    s0y: Column
+    s0s: Column
+    sxx: Column
+    sxy: Column
+    sxs: Column
+    syy: Column
+    sys: Column
+    sss: Column
+
+
+def _columns(formula: Callable[..., Columns], *tables: Table) -> Array:
+    """Return the nine columns (9, n) of a formula."""
+    (out,) = values(formula, tables, (len(tables[0].rows),), (9,))
+    return out.T
+
+
+def friction_of_ellipsoid(twist: TwistColumns) -> Columns:
+    """Return ``balance.Friction``."""
+    x, y, w = twist
+    inverse = 1.0 / np.sqrt(x * x + y * y + w * w + CREEP * CREEP)
+    fx = x * inverse
+    fy = y * inverse
+    tau = w * inverse
+    return (
+        fx,
+        fy,
+        tau,
+        inverse * (1.0 - fx * fx),
+        -inverse * fx * fy,
+        -inverse * fx * tau,
+        inverse * (1.0 - fy * fy),
+        -inverse * fy * tau,
+        inverse * (1.0 - tau * tau),
+    )
+
+
+def friction_of_sums(twist: TwistColumns, s: Sums) -> Columns:
+    """Return ``balance.Friction``; its slope is that of the forces at given speeds, less
+    what the speeds change.
+    """
+    x, y, w = twist
+    xx = x * x * s.s00 - 2.0 * x * w * s.s0y + w * w * s.syy
+    xy = x * y * s.s00 + x * w * s.s0x - w * y * s.s0y - w * w * s.sxy
+    yy = y * y * s.s00 + 2.0 * y * w * s.s0x + w * w * s.sxx
+    xw = x * y * s.s0x - x * x * s.s0y + x * w * s.s0s
+    xw = xw - w * y * s.sxy + w * x * s.syy - w * w * s.sys
+    yw = y * y * s.s0x - x * y * s.s0y + y * w * s.s0s
+    yw = yw + w * y * s.sxx - w * x * s.sxy + w * w * s.sxs
+    ww = y * y * s.sxx + x * x * s.syy + w * w * s.sss
+    ww = ww + 2.0 * (y * w * s.sxs - x * y * s.sxy - x * w * s.sys)
+    return (
+        s.k0 * x - s.ky * w,
+        s.k0 * y + s.kx * w,
+        s.kx * y - s.ky * x + s.ks * w,
+        s.k0 - xx,
+        -xy,
+        -s.ky - xw,
+        s.k0 - yy,
+        s.kx - yw,
+        s.ks - ww,
+    )
+
+
+def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> EllipsoidSupport:
     """Return bodies on the ellipsoid: ``max_force`` (...) [N] mu_s N, ``rho`` (...) [m].
 
     Raises ValueError unless both are finite and > 0.
@@ -75,11 +246,23 @@ def ellipsoid_support(max_force: ArrayLike, rho: ArrayLike) -> Support:
     force, length = figures(max_force, rho)
     check_positive(force, "max_force", "N")
     check_positive(length, "rho", "m")
-    one = np.ones(1)
-    return Support(np.zeros((1, 2)), one, one, length, force)
+    return EllipsoidSupport(length, force)
 
 
-def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
+def polygon_support(face: FacePressure, max_force: ArrayLike) -> PolygonSupport:
+    """Return bodies on the exact surface of one pressure: ``max_force`` (...) [N] mu_s N.
+
+    Raises ValueError unless it is finite and > 0.
+    """
+    (force,) = figures(max_force)
+    check_positive(force, "max_force", "N")
+    unit = face.scaled(face.rho)
+    plane = np.array(unit.plane())
+    series = np.array(unit.series())
+    return PolygonSupport(unit.edges(), plane, series, np.array(face.rho), force)
+
+
+def exact_support(samples: PressureSamples, friction: ArrayLike) -> SampledSupport:
     """Return bodies on the exact surface of one pressure, for ``friction`` (...) of the
     pair object/support.
 
@@ -93,6 +276,6 @@ def exact_support(samples: PressureSamples, friction: ArrayLike) -> Support:
     shares = samples.loads / samples.total_load
     square = (arms**2).sum(axis=1) + samples.radii**2
     rho = np.sqrt(shares @ square)
-    return Support(
+    return SampledSupport(
         arms / rho, samples.radii / rho, shares, rho, mu * samples.total_load
     )

@@ -337,11 +337,32 @@ def polygon_pressure(
     if whole is not None:
         points, areas = base_rule(corners, resolution)
         return points, areas, whole[0] + points @ whole[1]
-    place = np.array(cop, dtype=np.float64)
-    a, b = linear_pressure(base(corners), place, _hull(corners))
+    a, b = _lifting_pressure(corners, cop)
     loaded = [clipped(piece, a, b) for piece in pieces(corners)]
     points, areas = pieces_rule([part for part in loaded if len(part) > 2], resolution)
     return points, areas, a + points @ b
+
+
+def loaded_polygon(
+    corners: tuple[Point, ...], cop: Point
+) -> tuple[Array, float, Array]:
+    """Return the part of an outline that carries, as corners (m, 2), and (a, b) of
+    ``linear_pressure`` there.
+
+    Several parts of a concave outline are joined as by ``clipped``. Raises ValueError
+    for a CoP outside the outline's hull.
+    """
+    whole = whole_pressure(corners, cop)
+    if whole is not None:
+        return base(corners), *whole
+    a, b = _lifting_pressure(corners, cop)
+    return clipped(base(corners), a, b), a, b
+
+
+def _lifting_pressure(corners: tuple[Point, ...], cop: Point) -> tuple[float, Array]:
+    """Return (a, b) of ``linear_pressure``."""
+    place = np.array(cop, dtype=np.float64)
+    return linear_pressure(base(corners), place, _hull(corners))
 
 
 def disc_pressure(

@@ -4,6 +4,10 @@
 
 CREEP = 1e-8  # [m/s] up to which the friction grows with the speed; stands for rest
 BALANCE = 1e-9  # of mu N: force left over at which a tick is solved
+# of mu N: force left over from which Newton's slope is tried twice
+CLOSE = 0.1
+# of the force left over at balance: what a second step with one slope may leave
+SURE = 0.01
 STEPS = 25  # of Newton's method
 HALVINGS = 40  # of one step that goes too far
 # of the friction over the speed, added to its slope: it has none along the motion

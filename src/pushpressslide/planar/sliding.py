@@ -14,21 +14,24 @@ from dataclasses import dataclass, replace
 
 from pushpressslide.mechanics.balance import (
     BALANCE,
+    CLOSE,
     CREEP,
     DRAG_SPEED,
     HALVINGS,
     SOFTENING,
     STEPS,
+    SURE,
     TRIALS,
 )
-from pushpressslide.planar.contact import Contact
-from pushpressslide.planar.support import Matrix, SupportFriction, Vector
+from pushpressslide.planar.contact import Contact, Response
+from pushpressslide.planar.support import Friction
+from pushpressslide.planar.support_friction import Matrix, Vector
 
 REST: Vector = (0.0, 0.0, 0.0)
 
 
 def slide(
-    friction: SupportFriction, limit: float, contacts: Sequence[Contact], guess: Vector
+    friction: Friction, limit: float, contacts: Sequence[Contact], guess: Vector
 ) -> Vector:
     """Return the twist (m/s, rad/s) of the CoP at which support and ``contacts``
     balance, to 1e-9 of mu N.
@@ -64,7 +67,7 @@ class _Balance:
     of the twist.
     """
 
-    friction: SupportFriction
+    friction: Friction
     limit: float  # [N]
     contacts: Sequence[Contact]
     drag: float = 0.0  # [N s/m] that holds the object back to its twist at the origin
@@ -72,20 +75,13 @@ class _Balance:
 
     def left_over(self, twist: Vector) -> Vector:
         """Return the force [N] and moment [N m] that nothing balances."""
-        wrench = self.friction.wrench(twist, self.limit)
-        fx, fy, tau = self._dragged(wrench, twist)
-        for contact in self.contacts:
-            gx, gy = contact.response(twist).force
-            px, py = contact.point
-            fx = fx - gx
-            fy = fy - gy
-            tau = tau - px * gy + py * gx
-        return fx, fy, tau
+        return self._less(twist, self._responses(twist))
 
     def left_over_and_slope(self, twist: Vector) -> tuple[Vector, Matrix]:
         """Return the same and its derivative by the twist."""
         wrench, slope = self.friction.wrench_and_slope(twist, self.limit)
         fx, fy, tau = self._dragged(wrench, twist)
+        by_fx, by_fy, by_tau = slope
         for contact in self.contacts:
             (gx, gy), (xx, xy, yx, yy), status = contact.response(twist)
             if status == "free":
@@ -95,20 +91,41 @@ class _Balance:
             fx = fx - gx
             fy = fy - gy
             tau = tau - px * gy + py * gx
-            for j, (kx, ky) in enumerate(
-                ((xx, yx), (xy, yy), (xy * qx - xx * qy, yy * qx - yx * qy))
-            ):
-                slope[0][j] += kx
-                slope[1][j] += ky
-                slope[2][j] += px * ky - py * kx
+            xw = xy * qx - xx * qy
+            yw = yy * qx - yx * qy
+            by_fx[0] += xx
+            by_fx[1] += xy
+            by_fx[2] += xw
+            by_fy[0] += yx
+            by_fy[1] += yy
+            by_fy[2] += yw
+            by_tau[0] += px * yx - py * xx
+            by_tau[1] += px * yy - py * xy
+            by_tau[2] += px * yw - py * xw
         vx, vy, w = twist
         turn = self.friction.rho * self.friction.rho
         soft = self.drag + SOFTENING * self.limit / (
             math.sqrt(vx * vx + vy * vy + turn * w * w) + CREEP
         )
-        for i, inertia in enumerate((1.0, 1.0, turn)):
-            slope[i][i] += soft * inertia
+        by_fx[0] += soft
+        by_fy[1] += soft
+        by_tau[2] += soft * turn
         return (fx, fy, tau), slope
+
+    def _responses(self, twist: Vector) -> list[Response]:
+        return [contact.response(twist) for contact in self.contacts]
+
+    def _less(self, twist: Vector, responses: Sequence[Response]) -> Vector:
+        """Return what the friction takes, less what the contacts give."""
+        wrench = self.friction.wrench(twist, self.limit)
+        fx, fy, tau = self._dragged(wrench, twist)
+        for contact, response in zip(self.contacts, responses, strict=True):
+            gx, gy = response.force
+            px, py = contact.point
+            fx = fx - gx
+            fy = fy - gy
+            tau = tau - px * gy + py * gx
+        return fx, fy, tau
 
     def size(self, force: Vector) -> float:
         """Return the size [N] of a force and moment."""
@@ -125,13 +142,42 @@ class _Balance:
             step = _newton_step(slope, force)
             if step is None:
                 return None
-            twist = _moved(twist, step, 1.0)
+            end = _moved(twist, step, 1.0)
+            if self.size(force) < CLOSE * self.limit:
+                last = self._ended(end, force, slope)
+                if last is not None:
+                    return last
+            twist = end
             ahead, slope = self.left_over_and_slope(twist)
             if self._too_far(ahead, force, step):
                 twist = self._shortened(twist, force, step)
                 ahead, slope = self.left_over_and_slope(twist)
             force = ahead
         return None
+
+    def _ended(self, twist: Vector, force: Vector, slope: Matrix) -> Vector | None:
+        """Return the balanced twist near ``twist``, to which one step of Newton's
+        method led from ``force``; None if one more with the same slope may not do.
+
+        What it leaves over falls by twice what the first step left over of the force,
+        while the contacts go on as they are.
+        """
+        responses = self._responses(twist)
+        ahead = self._less(twist, responses)
+        size = self.size(ahead)
+        allowed = BALANCE * self.limit
+        if size < allowed:
+            return twist
+        if 2.0 * size * size > SURE * allowed * self.size(force):
+            return None
+        step = _newton_step(slope, ahead)
+        if step is None:
+            return None
+        end = _moved(twist, step, 1.0)
+        for before, after in zip(responses, self._responses(end), strict=True):
+            if before.status != after.status:
+                return None
+        return end
 
     def _dragged(self, wrench: Vector, twist: Vector) -> Vector:
         if self.drag == 0.0:

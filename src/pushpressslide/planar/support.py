@@ -1,95 +1,25 @@
-"""Friction between object and support as a smooth function of the twist: the exact
-limit surface, under the load of the moment.
-"""
+"""The support under one object, under the load of the moment."""
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
-import numpy as np
-
-from pushpressslide.core.arrays import Array
 from pushpressslide.core.pose import Point
 from pushpressslide.core.shapes import Shape
-from pushpressslide.mechanics.balance import CREEP
-from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
+from pushpressslide.mechanics.face_pressure import face_pressure
+from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.planar.polygon_friction import PolygonFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
-Vector = tuple[float, float, float]
-Matrix = list[list[float]]
+Friction = PolygonFriction | SupportFriction
 
-RESOLUTION = 6  # of the pressure: torsion is right to 0.2 %
+RESOLUTION = 6  # of a sampled pressure: torsion is right to 0.2 %
+MOST_CORNERS = 16  # of a base in closed form; more take longer than samples
 # of the base's inner radius: spacing of the CoPs for which pressures are made
 GRID = 0.005
 KEPT = 1000  # pressures that are remembered
 # of the way from the middle of the base to its outline: beyond, the object tips
 TIPPING = 0.95
-
-
-class SupportFriction:
-    """Wrench that slides the object, about the centre of pressure: mu N sum of s_k
-    (v_k, r_k x v_k) / |v_k|.
-
-    ``samples`` gives the shares s_k of the load and their places r_k from the CoP;
-    |v_k| is softened by ``CREEP`` (docs/mechanics.md, section 1). One sample of
-    torsional radius rho is the ellipsoid.
-    """
-
-    def __init__(self, samples: PressureSamples) -> None:
-        """Prepare the samples; the friction's limit mu N [N] is given at each call."""
-        x, y = (samples.points - np.array(samples.cop)).T
-        # |v_k|^2 is linear in these four: v^2 + 2 w (v_y x - v_x y) + w^2 (x^2 + y^2 +
-        # radius^2)
-        self._basis = np.column_stack(
-            [np.ones_like(x), x, y, x * x + y * y + samples.radii**2]
-        )
-        self._columns = np.ascontiguousarray(self._basis.T)
-        self._shares = samples.loads / samples.total_load
-        # [m] root mean square distance
-        self.rho = math.sqrt(float(self._shares @ self._basis[:, 3]))
-
-    def wrench(self, twist: Vector, limit: float) -> Vector:
-        """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
-        rad/s), both at the CoP.
-
-        ``limit`` [N] is mu N.
-        """
-        return self._wrench(twist, limit)[0]
-
-    def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
-        """Return the wrench and its derivative by the twist, symmetric and positive
-        definite.
-        """
-        wrench, (k0, kx, ky, ks), per_speed, squared_speed = self._wrench(twist, limit)
-        vx, vy, w = twist
-        # the samples' friction, (v_x - w y, v_y + w x, r x v_k), in terms of the basis
-        motion = np.array(((vx, 0.0, -w, 0.0), (vy, w, 0.0, 0.0), (0.0, vy, -vx, w)))
-        spread = (self._columns * (per_speed / squared_speed)) @ self._basis
-        (a, b, c), (_, d, e), (_, _, f) = (motion @ spread @ motion.T).tolist()
-        return wrench, [
-            [k0 - a, -b, -ky - c],
-            [-b, k0 - d, kx - e],
-            [-ky - c, kx - e, ks - f],
-        ]
-
-    def _wrench(
-        self, twist: Vector, limit: float
-    ) -> tuple[Vector, list[float], Array, Array]:
-        vx, vy, w = twist
-        soft = CREEP * CREEP
-        squared_speed = self._basis @ np.array(
-            (vx * vx + vy * vy + soft, 2 * w * vy, -2 * w * vx, w * w)
-        )
-        np.maximum(squared_speed, soft, out=squared_speed)
-        per_speed = limit * self._shares / np.sqrt(squared_speed)
-        k = (self._columns @ per_speed).tolist()
-        k0, kx, ky, ks = k
-        return (
-            (k0 * vx - ky * w, k0 * vy + kx * w, kx * vy - ky * vx + ks * w),
-            k,
-            per_speed,
-            squared_speed,
-        )
 
 
 class Support:
@@ -110,9 +40,12 @@ class Support:
         self._step = step = GRID * shape.inner_radius
 
         @lru_cache(maxsize=KEPT)
-        def friction(i: int, j: int) -> SupportFriction:
+        def friction(i: int, j: int) -> Friction:
             """Return the friction for a CoP on the grid."""
             cop = (i * step, j * step)
+            face = face_pressure(shape, center_of_mass, cop)
+            if face is not None and len(face.corners) <= MOST_CORNERS:
+                return PolygonFriction(face)
             return SupportFriction(
                 support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
             )
@@ -125,7 +58,7 @@ class Support:
         """
         return self._gauge(cop[0] - self._middle[0], cop[1] - self._middle[1])
 
-    def under(self, cop: Point) -> tuple[Point, SupportFriction, bool]:
+    def under(self, cop: Point) -> tuple[Point, Friction, bool]:
         """Return the CoP [m] in B, held on the base, the friction about it, and whether
         the object tips.
         """

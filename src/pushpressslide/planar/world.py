@@ -33,7 +33,8 @@ from pushpressslide.planar.contact import (
 from pushpressslide.planar.contact import Contact as ObjectContact
 from pushpressslide.planar.faces import Face, face_of
 from pushpressslide.planar.sliding import REST, slide
-from pushpressslide.planar.support import Support, Vector
+from pushpressslide.planar.support import Support
+from pushpressslide.planar.support_friction import Vector
 
 STEP = 1e-4  # [m] down, within which the object stands on what is there
 TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it

@@ -17,12 +17,13 @@ import numpy as np
 from pushpressslide.batch.loops import by_numpy, installed
 from pushpressslide.batch.planar_world import Faces, PlanarWorld, Tips
 from pushpressslide.batch.pushed_bodies import PushedBodies
-from pushpressslide.batch.support import exact_support
+from pushpressslide.batch.support import polygon_support
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.errors import MissingPackageError
+from pushpressslide.core.shapes import Box
+from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.pressure import rectangle_pressure
 from pushpressslide.mechanics.rho import rho_fit
-from pushpressslide.planar.support import RESOLUTION
 from pushpressslide.studies.bench.compared import Row, not_installed, rows_of_runs
 
 SIZE = (0.2, 0.12, 0.06)  # [m]
@@ -138,9 +139,10 @@ def _alone() -> Pushed:
 def _exact() -> Pushed:
     """Return the push by a compliant tip on the exact surface, on arrays."""
     half, width, _ = (0.5 * edge for edge in SIZE)
-    pressure = rectangle_pressure(*SIZE[:2], MASS * GRAVITY, (0.0, 0.0), RESOLUTION)
+    face = face_pressure(Box(SIZE), (0.0, 0.0), (0.0, 0.0))
+    assert face is not None
     world = PlanarWorld(
-        exact_support(pressure, FRICTION),
+        polygon_support(face, FRICTION * MASS * GRAVITY),
         Faces([(-half, 0.0)], [(1.0, 0.0)], [(-width, width)]),
         Tips(RADIUS, TIP_FRICTION, STIFF),
         TIME / STEPS,

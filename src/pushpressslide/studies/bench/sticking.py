@@ -21,7 +21,7 @@ from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.mechanics.rho import rho_fit
 from pushpressslide.planar.contact import SideContact, TipLaw
 from pushpressslide.planar.sliding import slide
-from pushpressslide.planar.support import SupportFriction
+from pushpressslide.planar.support_friction import SupportFriction
 
 RESOLUTION = 3  # of the base
 SPEED = 0.05  # [m/s] of the finger's middle into the object

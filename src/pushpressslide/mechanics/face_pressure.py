@@ -1,0 +1,143 @@
+"""The pressure under a base with straight edges, as it is between its samples: linear on
+the polygon that carries.
+
+Source: docs/mechanics.md, sections 1.2 and 1.3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pushpressslide.core import quadrature
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.pose import Point
+from pushpressslide.core.shapes import Shape
+
+# Gauss points and weights of an edge from 0 to 1, exact to degree 7
+NODES = 0.5 + 0.5 * np.array(
+    [-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526]
+)
+_OUTER = 0.17392742256872693
+_INNER = 0.32607257743127307
+WEIGHTS = np.array([_OUTER, _INNER, _INNER, _OUTER])
+# of sqrt(1 + z)
+ROOT = (1.0, 1.0 / 2.0, -1.0 / 8.0, 1.0 / 16.0, -5.0 / 128.0, 7.0 / 256.0)
+# turn rate times the reach over the speed, up to which the series is right to 1e-10
+FAR = 0.02
+# powers of z and of its conjugate in the terms of ``FacePressure.series``
+TERMS = (
+    (1, 1),
+    (2, 0),
+    (2, 1),
+    (3, 0),
+    (2, 2),
+    (3, 1),
+    (4, 0),
+    (3, 2),
+    (4, 1),
+    (5, 0),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class FacePressure:
+    """p + q . r on a polygon, of a total load of one; about its centre of pressure."""
+
+    corners: Array  # (n, 2) [m] counter-clockwise
+    level: float  # [1/m^2] p, at the centre
+    slope: Point  # [1/m^3] q
+
+    @property
+    def reach(self) -> float:
+        """Distance [m] from the centre to the farthest corner."""
+        return float(np.hypot(*self.corners.T).max())
+
+    @property
+    def rho(self) -> float:
+        """Root mean square distance [m] of the load to its centre."""
+        return math.sqrt(self._moment(1, 1).real)
+
+    def edges(self) -> Array:
+        """Return ``batch.edge_friction.Edges`` (8, n)."""
+        steps = np.roll(self.corners, -1, axis=0) - self.corners
+        lengths = np.hypot(*steps.T)
+        real = lengths > 0.0
+        x, y = self.corners[real].T
+        tx, ty = steps[real].T / lengths[real]
+        qx, qy = self.slope
+        across = ty * qx - tx * qy
+        along = tx * qx + ty * qy
+        mx, my = (self.corners[real] + 0.5 * steps[real]).T
+        middle = self.level + qx * mx + qy * my
+        return np.stack([x, y, tx, ty, lengths[real], middle, across, along])
+
+    def series(self) -> tuple[complex, ...]:
+        """Return the coefficients of ``TERMS`` in the mean of |1 + k z| over the load,
+        for a small complex k and z = x + i y; a term and its conjugate are one.
+        """
+        return tuple(
+            (1.0 if i == j else 2.0) * ROOT[i] * ROOT[j] * self._moment(i, j)
+            for i, j in TERMS
+        )
+
+    def plane(self) -> tuple[float, ...]:
+        """Return ``batch.edge_friction.Plane``."""
+        square = self._moment(1, 1).real
+        return (self.level, *self.slope, FAR / self.reach, square)
+
+    def scaled(self, length: float) -> FacePressure:
+        """Return the same pressure with ``length`` [m] as the unit of length."""
+        qx, qy = self.slope
+        cube = length**3
+        return FacePressure(
+            self.corners / length, self.level * length**2, (qx * cube, qy * cube)
+        )
+
+    def _moment(self, i: int, j: int) -> complex:
+        """Return the mean of z^i times its conjugate^j over the load.
+
+        A homogeneous function of degree n has its integral over a triangle with a
+        corner at the origin from that along the opposite side.
+        """
+        ends = np.roll(self.corners, -1, axis=0)
+        x, y = self.corners[:, None].transpose(2, 0, 1)
+        to_x, to_y = ends[:, None].transpose(2, 0, 1)
+        turns = x * to_y - y * to_x
+        x = x + NODES * (to_x - x)
+        y = y + NODES * (to_y - y)
+        z = x + 1j * y
+        qx, qy = self.slope
+        degree = i + j + 2
+        pressure = self.level / degree + (qx * x + qy * y) / (degree + 1)
+        return complex((turns * WEIGHTS * pressure * z**i * z.conj() ** j).sum())
+
+
+def face_pressure(
+    shape: Shape, center_of_mass: Point, cop: Point
+) -> FacePressure | None:
+    """Return the pressure under a shape, its centre ``cop`` [m] in the body frame B;
+    None for a round base.
+
+    ``center_of_mass`` [m] in the shape's frame G; as
+    ``mechanics.pressure.support_pressure``, which samples it. Raises ValueError for a
+    CoP outside the base's hull.
+    """
+    corners = shape.corners
+    if not corners:
+        return None
+    place = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
+    polygon, a, b = quadrature.loaded_polygon(corners, place)
+    return of_polygon(polygon - np.array(place), a + float(b @ place), b.tolist())
+
+
+def of_polygon(corners: Array, level: float, slope: Sequence[float]) -> FacePressure:
+    """Return a pressure of a total load of one from its values at the origin, the
+    centre of pressure.
+    """
+    face = FacePressure(corners, level, (float(slope[0]), float(slope[1])))
+    load = face._moment(0, 0).real
+    return FacePressure(corners, level / load, (slope[0] / load, slope[1] / load))

@@ -1,0 +1,231 @@
+"""Friction under polygons in closed form: the integral over the base wherever the centre
+of rotation is, the same in columns, compiled loops and plain floats.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from pushpressslide.batch.edge_friction import far, friction_of_row, near
+from pushpressslide.batch.formulas import plain
+from pushpressslide.batch.support import polygon_support
+from pushpressslide.core.quadrature import polygon_rule
+from pushpressslide.core.task import Box, Cylinder, Prism
+from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.face_pressure import face_pressure
+
+ELL = ((0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2))
+CASES = {
+    "box": (Box((0.2, 0.12, 0.06)), (0.0, 0.0)),
+    "box, loaded aside": (Box((0.2, 0.12, 0.06)), (0.012, -0.008)),
+    "box, lifted": (Box((0.2, 0.12, 0.06)), (0.05, 0.02)),
+    "bar, lifted": (Box((0.6, 0.1, 0.1)), (0.2, 0.004)),
+    "triangle": (
+        Prism(((-0.1, -0.08), (0.12, -0.06), (0.0, 0.11)), 0.1),
+        (0.005, 0.003),
+    ),
+    "ell": (Prism(ELL, 0.1), (0.0, 0.0)),
+    "ell, lifted": (Prism(ELL, 0.1), (0.035, 0.01)),
+}
+ROW = plain(friction_of_row)
+
+
+@pytest.fixture(scope="module", params=CASES.values(), ids=CASES.keys())
+def face(request):
+    shape, cop = request.param
+    return face_pressure(shape, shape.centroid, cop)
+
+
+def arguments(face):
+    return face.edges().tolist(), face.plane(), face.series()
+
+
+def friction(face, twist):
+    return np.array(ROW(*arguments(face), *twist, True))
+
+
+def about(center, w):
+    """The twist of the centre of pressure that leaves ``center`` at rest."""
+    return (w * center[1], -w * center[0], w)
+
+
+def integral(face, twist):
+    """The wrench by Gauss points in triangles between the centre of rotation and parts
+    of the edges, that get smaller towards the foot of its perpendicular.
+    """
+    vx, vy, w = twist
+    center = np.array((-vy, vx)) / w
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    nodes = 0.5 + 0.5 * nodes
+    weights = 0.5 * weights
+    total = np.zeros(3)
+    for start, end in zip(face.corners, np.roll(face.corners, -1, 0), strict=True):
+        step = end - start
+        if not step.any():
+            continue
+        foot = min(max(float((center - start) @ step / (step @ step)), 0.0), 1.0)
+        grades = 0.5 ** np.arange(50)
+        cuts = np.unique(
+            np.concatenate(
+                ([0.0, 1.0], foot - foot * grades, foot + (1.0 - foot) * grades)
+            )
+        )
+        size = np.diff(cuts)
+        share = (cuts[:-1, None] + size[:, None] * nodes).ravel()
+        weight = (size[:, None] * weights).ravel()
+        arm = start + share[:, None] * step - center
+        turn = arm[:, 0] * step[1] - arm[:, 1] * step[0]
+        points = center + nodes[:, None, None] * arm
+        areas = (nodes * weights)[:, None] * weight * turn
+        total += wrench(face, points.reshape(-1, 2), areas.ravel(), twist)
+    return total
+
+
+def wrench(face, points, areas, twist):
+    """The sum over points of the base."""
+    vx, vy, w = twist
+    x, y = points.T
+    px = vx - w * y
+    py = vy + w * x
+    speed = np.hypot(px, py)
+    loads = areas * (face.level + points @ face.slope)
+    k = np.divide(loads, speed, out=np.zeros_like(speed), where=speed > 0.0)
+    return np.array([(k * px).sum(), (k * py).sum(), (k * (x * py - y * px)).sum()])
+
+
+def centers(face, rng):
+    """Centres of rotation inside and outside, on edges and their lines, at corners and
+    near all these.
+    """
+    corners = face.corners
+    size = face.reach
+    for _ in range(60):
+        yield rng.normal(size=2) * size * 10.0 ** rng.uniform(-2.0, 1.0)
+    for start, end in zip(corners, np.roll(corners, -1, 0), strict=True):
+        step = end - start
+        for share in (0.0, 1.0, 0.5, rng.uniform(), -0.3, 1.7):
+            place = start + share * step
+            yield place
+            for distance in (1e-15, 1e-12, 1e-9, 1e-6, 1e-3):
+                yield place + rng.normal(size=2) * distance * size
+    yield np.zeros(2)
+
+
+def test_the_wrench_is_the_integral_over_the_base_wherever_it_turns(face):
+    rng = np.random.default_rng(0)
+    scale = (1.0, 1.0, face.rho)
+    for center in centers(face, rng):
+        for w in (0.7, -0.3):
+            twist = about(center, w)
+            found = friction(face, twist)[:3]
+            wanted = integral(face, twist)
+            assert found / scale == pytest.approx(wanted / scale, abs=2e-9)
+
+
+def test_the_wrench_is_the_dense_integral_where_it_hardly_turns(face):
+    """Up to a turn of the speed over the size times 0.1, past the series' end."""
+    rng = np.random.default_rng(1)
+    rules = [polygon_rule(part, 8) for part in convex_parts(face)]
+    points = np.concatenate([rule[0] for rule in rules])
+    areas = np.concatenate([rule[1] for rule in rules])
+    scale = (1.0, 1.0, face.rho)
+    for turn in (0.0, 1e-300, 1e-12, 1e-6, 1e-3, 0.01, 0.0199, 0.0201, 0.03, 0.1):
+        for _ in range(20):
+            angle = rng.uniform(-math.pi, math.pi)
+            sign = rng.choice((-1.0, 1.0))
+            twist = (
+                0.05 * math.cos(angle),
+                0.05 * math.sin(angle),
+                0.05 * sign * turn / face.reach,
+            )
+            found = friction(face, twist)[:3]
+            wanted = wrench(face, points, areas, twist)
+            assert found / scale == pytest.approx(wanted / scale, abs=2e-9)
+
+
+def convex_parts(face):
+    """Triangles that the polygon is made of."""
+    from shapely import Polygon, constrained_delaunay_triangles
+    from shapely.geometry.polygon import orient
+
+    whole = Polygon(face.corners)
+    for part in constrained_delaunay_triangles(whole.buffer(0.0)).geoms:
+        yield np.array(orient(part).exterior.coords)[:3]
+
+
+def test_series_and_edges_agree_where_they_meet(face):
+    rng = np.random.default_rng(2)
+    edges, plane, series = arguments(face)
+    scale = np.array((1.0, 1.0, face.rho))
+    for angle in rng.uniform(-math.pi, math.pi, 500):
+        for sign in (-1.0, 1.0):
+            v = (math.cos(angle), math.sin(angle), sign * plane[3])
+            one = np.array(plain(near)(edges, plane, *v, True))
+            other = np.array(plain(far)(series, *v))
+            assert one[:3] / scale == pytest.approx(other[:3] / scale, abs=1e-9)
+            rows = np.array((1.0, 1.0, face.rho, 1.0, face.rho, face.rho**2))
+            assert one[3:] / rows == pytest.approx(other[3:] / rows, abs=1e-5)
+
+
+def test_the_slope_is_the_derivative_of_the_wrench(face):
+    rng = np.random.default_rng(3)
+    scale = np.array((1.0, 1.0, 1.0 / face.rho))
+    for turn in (0.0, 0.005, 0.5, 5.0):
+        for _ in range(20):
+            angle = rng.uniform(-math.pi, math.pi)
+            v = np.array((math.cos(angle), math.sin(angle), turn / face.rho))
+            xx, xy, xw, yy, yw, ww = friction(face, v)[3:]
+            slope = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
+            columns = []
+            for i in range(3):
+                step = np.zeros(3)
+                step[i] = 1e-5 * scale[i]
+                ahead = friction(face, v + step)[:3]
+                back = friction(face, v - step)[:3]
+                columns.append((ahead - back) / (2e-5 * scale[i]))
+            unit = np.outer(scale, scale)
+            assert slope * unit == pytest.approx(np.array(columns).T * unit, abs=1e-4)
+            assert np.linalg.eigvalsh(slope * unit).min() > -1e-6
+
+
+def test_friction_falls_to_zero_with_the_speed(face):
+    """It grows with the power over ``CREEP``, and has a slope at rest."""
+    assert not friction(face, (0.0, 0.0, 0.0))[:3].any()
+    assert friction(face, (0.0, 0.0, 0.0))[[3, 6]] == pytest.approx(1.0 / CREEP)
+    v = np.array((0.6, -0.3, 0.5 / face.rho))
+    fast = friction(face, v)[:3]
+    power = fast @ v
+    for speed in (1e-12, 1e-8, 1e-5):
+        part = speed * power / math.hypot(speed * power, CREEP)
+        assert friction(face, speed * v)[:3] == pytest.approx(part * fast, rel=1e-9)
+
+
+def rows(face, rng):
+    """Random twists and all degenerate ones, (n, 3)."""
+    size = 10.0 ** rng.uniform(-12.0, 1.0, (10_000, 1))
+    drawn = rng.normal(size=(10_000, 3)) * size
+    drawn[:3000, 2] *= 10.0 ** rng.uniform(-6.0, 2.0, 3000)
+    special = [about(c, w) for c in centers(face, rng) for w in (1.0, -1.0)]
+    still = np.zeros((1, 3))
+    return np.concatenate([drawn, special, still, np.eye(3), -np.eye(3)])
+
+
+def test_columns_and_compiled_loops_give_what_plain_floats_give(engine, face):
+    support = polygon_support(face, 1.0)
+    twists = rows(face, np.random.default_rng(4))
+    found = support.frictions(twists).T
+    figures = (support.edges.tolist(), support.plane.tolist(), support.series.tolist())
+    wanted = np.array([ROW(*figures, *twist, True) for twist in twists.tolist()])
+    speeds = np.maximum(np.linalg.norm(twists, axis=1), CREEP)[:, None]
+    assert found[:, :3] == pytest.approx(wanted[:, :3], abs=1e-10)
+    assert found[:, 3:] * speeds == pytest.approx(wanted[:, 3:] * speeds, abs=1e-5)
+
+
+def test_a_round_base_has_no_edges():
+    assert face_pressure(Cylinder(0.05, 0.1), (0.0, 0.0), (0.0, 0.0)) is None
+
+
+def test_a_support_needs_a_limit(face):
+    with pytest.raises(ValueError, match="max_force"):
+        polygon_support(face, 0.0)
