@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from pushpressslide.batch import loops
 from pushpressslide.batch.edge_friction import far, friction_of_row, near
+from pushpressslide.batch.edge_loops import compiled_row, row_friction
 from pushpressslide.batch.formulas import plain
 from pushpressslide.batch.support import polygon_support
 from pushpressslide.core.quadrature import polygon_rule
@@ -220,6 +222,27 @@ def test_columns_and_compiled_loops_give_what_plain_floats_give(engine, face):
     speeds = np.maximum(np.linalg.norm(twists, axis=1), CREEP)[:, None]
     assert found[:, :3] == pytest.approx(wanted[:, :3], abs=1e-10)
     assert found[:, 3:] * speeds == pytest.approx(wanted[:, 3:] * speeds, abs=1e-5)
+
+
+def test_compiled_for_one_body_it_gives_the_same_to_the_last_bit(face):
+    if loops.compiler() is None:
+        pytest.skip("numba is not installed: pip install 'pushpressslide[fast]'")
+    edges, plane, series = face.edges(), face.plane(), face.series()
+    figures = (edges, np.array(plane), np.array(series))
+    columns = tuple(map(tuple, edges.tolist()))
+    for twist in rows(face, np.random.default_rng(5)).tolist():
+        for sloped in (True, False):
+            assert compiled_row()(*figures, *twist, sloped) == ROW(
+                columns, plane, series, *twist, sloped
+            )
+
+
+def test_one_body_is_compiled_only_where_numba_is_loaded(face, monkeypatch):
+    monkeypatch.setattr(loops, "loaded", lambda: False)
+    assert row_friction(face).func is ROW
+    monkeypatch.undo()
+    if loops.loaded():
+        assert row_friction(face).func is compiled_row()
 
 
 def test_a_round_base_has_no_edges():

@@ -114,3 +114,15 @@ def test_shapes_and_figures_are_checked():
         PushedBodies((-0.1, 0.0), (1.0, 0.0), (-1.0, 1.0), 0.5, 0.0)
     with pytest.raises(ValueError, match="ends"):
         PushedBodies((-0.1, 0.0), (1.0, 0.0), (1.0,), 0.5, 0.07)
+
+
+def test_results_are_taken_up_as_they_lie_or_copied_alike(engine):
+    bodies = PushedBodies((-0.1, 0.0), (1.0, 0.0), (-0.05, 0.05), 0.4, 0.06)
+    rng = np.random.default_rng(1)
+    first = bodies.begin(rng.normal(size=(200, 3)), rng.uniform(-0.04, 0.04, 200))
+    one = bodies.advance(first, (0.05, 0.01), DT)
+    velocities = np.tile((0.04, -0.02), (200, 1))
+    lying = bodies.advance(one, np.broadcast_to((0.04, -0.02), (200, 2)), DT)
+    copied = bodies.advance(one._replace(poses=one.poses.copy("C")), velocities, DT)
+    for a, b in zip(lying, copied, strict=True):
+        assert (a == b).all()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pushpressslide.core.pose import cross
 from pushpressslide.core.task import Box, Cylinder
 from pushpressslide.core.wrench import Wrench
-from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.balance import BALANCE, CREEP
 from pushpressslide.mechanics.friction import cone_margin, push_outcome
 from pushpressslide.mechanics.limit_surface import (
     EllipsoidLimitSurface,
@@ -257,3 +257,18 @@ def flipped(contact):
         return TopContact((x, -y), other, contact.limit)
     cx, cy = contact.center
     return SideContact((x, -y), (cx, -cy), other, contact.friction, contact.approach)
+
+
+@pytest.mark.parametrize("seed", range(0, 300, 100))
+def test_a_second_step_with_the_first_ones_slope_ends_in_balance(draw, seed):
+    """From guesses as near as the twist of the tick before."""
+    rng = np.random.default_rng(seed)
+    for case in (draw(s) for s in range(seed, seed + 100)):
+        twist = slide(case.friction, case.limit, case.contacts, REST)
+        near = np.array(twist) * (1.0 + 0.01 * rng.normal(size=3))
+        again = slide(case.friction, case.limit, case.contacts, tuple(near.tolist()))
+        left = np.array(case.friction.wrench(again, case.limit)) - summed(
+            case.contacts, again
+        )
+        left[2] /= case.friction.rho
+        assert np.linalg.norm(left) < BALANCE * case.limit * 1.001

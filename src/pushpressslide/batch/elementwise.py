@@ -101,6 +101,20 @@ def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:
     return Table(kind, np.ascontiguousarray(whole.reshape(-1, k)))
 
 
+def table_or_columns(
+    kind: type[Columns], array: Array, shape: tuple[int, ...]
+) -> Argument:
+    """Return an array (..., k) as ``table`` does; as columns where they lie in one
+    piece each, like those of results, or repeat one number: they are not copied.
+    """
+    k = array.shape[-1]
+    whole = array if array.shape[:-1] == shape else np.broadcast_to(array, (*shape, k))
+    rows = whole.reshape(-1, k)
+    if rows.strides[0] in (0, rows.itemsize) and k > 1:
+        return kind(*rows.T)
+    return Table(kind, np.ascontiguousarray(rows))
+
+
 def column(array: Array, shape: tuple[int, ...]) -> Column:
     """Return an array as a column of the leading ``shape``, flattened; a single number
     as it is.

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import importlib
 import inspect
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -46,6 +47,11 @@ def installed() -> ModuleType | None:
     except ImportError:
         return None
     return importlib.import_module("numba")
+
+
+def loaded() -> bool:
+    """Return whether numba has been imported, and is wanted."""
+    return "numba" in sys.modules and compiler() is not None
 
 
 LANES = 64  # rows that a loop takes at a time

@@ -21,7 +21,7 @@ from pushpressslide.batch.checks import (
     check_positive,
     check_units,
 )
-from pushpressslide.batch.elementwise import figures, table, values
+from pushpressslide.batch.elementwise import figures, table_or_columns, values
 from pushpressslide.batch.pushed_bodies import PoseColumns
 from pushpressslide.batch.pushing import SEPARATE
 from pushpressslide.batch.side_contact import SideTip
@@ -131,24 +131,24 @@ class PlanarWorld:
         shape = lead[:-1]
         pairs = [np.broadcast_to(array, (*lead, 2)) for array in (states.tips, u, f)]
         tips = (
-            table(PoseColumns, states.poses[..., None, :], lead),
-            table(Led, np.concatenate(pairs, axis=-1), lead),
-            table(TipColumns, self._tips, lead),
+            table_or_columns(PoseColumns, states.poses[..., None, :], lead),
+            table_or_columns(Led, np.concatenate(pairs, axis=-1), lead),
+            table_or_columns(TipColumns, self._tips, lead),
             self._period,
         )
         sides, before = values(reached, tips, lead, (10, 4))
         twists = self._twists(sides, states.twists, shape)
         bodies = (
-            table(PoseColumns, states.poses, shape),
-            table(TwistColumns, twists, shape),
+            table_or_columns(PoseColumns, states.poses, shape),
+            table_or_columns(TwistColumns, twists, shape),
             self._period,
         )
         (poses,) = values(carried, bodies, shape, (3,))
         moves = (
-            table(PoseColumns, poses[..., None, :], lead),
-            table(TwistColumns, twists[..., None, :], lead),
-            table(SideTip, sides, lead),
-            table(Before, before, lead),
+            table_or_columns(PoseColumns, poses[..., None, :], lead),
+            table_or_columns(TwistColumns, twists[..., None, :], lead),
+            table_or_columns(SideTip, sides, lead),
+            table_or_columns(Before, before, lead),
         )
         places, felt, kinds = values(followed, (*tips, *moves), lead, (2, 2, 0))
         return WorldStates(poses, places, twists, felt, kinds.astype(np.int8))

@@ -26,7 +26,7 @@ from pushpressslide.batch.elementwise import (
     columns_of,
     figures,
     leading_shape,
-    table,
+    table_or_columns,
     values,
 )
 from pushpressslide.batch.formulas import Column, Columns, where
@@ -132,8 +132,8 @@ class PushedBodies:
             column(pushes.places, shape), column(pushes.gaps, shape), period
         )
         arguments = (
-            table(PoseColumns, pushes.poses, shape),
-            table(Vector, rows, shape),
+            table_or_columns(PoseColumns, pushes.poses, shape),
+            table_or_columns(Vector, rows, shape),
             pusher,
             columns_of(self._face, shape),
         )

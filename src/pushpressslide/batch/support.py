@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch import loops
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.edge_friction import at_rest, far, friction_of_row, near
+from pushpressslide.batch.edge_friction import at_rest, far, near
+from pushpressslide.batch.edge_loops import compiled_rows
 from pushpressslide.batch.elementwise import Table, figures, values
 from pushpressslide.batch.formulas import Column, Columns
 from pushpressslide.batch.wrench_twist import TwistColumns
@@ -63,7 +64,7 @@ class PolygonSupport:
                 self._fill(twists[block], out[:, block])
         else:
             rows = np.ascontiguousarray(twists)
-            _compiled_rows()(rows, self.edges, self.plane, self.series, out)
+            compiled_rows()(self.edges, self.plane, self.series, rows, out)
         return out
 
     def _fill(self, twists: Array, out: Array) -> None:
@@ -82,38 +83,6 @@ class PolygonSupport:
                 out[:, straight] = far(self.series, *twists[straight].T)
         still = ~moving & ~turning
         out[:, still] = np.array(at_rest(plane))[:, None]
-
-
-LOOP = """
-def {name}(twists, edges, plane, series, out):
-    for i in range(out.shape[1]):
-        {results} = formula(
-            edges, plane, series, twists[i, 0], twists[i, 1], twists[i, 2], True
-        )
-"""
-
-
-@cache
-def _compiled_rows() -> Callable[..., None]:
-    """Return a compiled loop of ``friction_of_row`` over rows."""
-    numba = loops.compiler()
-    assert numba is not None
-    formula = friction_of_row
-    parts = loops.registered(numba, formula)
-    results = ", ".join(f"out[{k}, i]" for k in range(9))
-    name = loops.digest_name(formula, [LOOP], parts)
-    loop = loops.loop_of_text(
-        formula, name, LOOP.format(name=name, results=results), {}
-    )
-    table = numba.types.Array(numba.float64, 2, "C", readonly=True)
-    column = numba.types.Array(numba.float64, 1, "C", readonly=True)
-    terms = numba.types.Array(numba.complex128, 1, "C", readonly=True)
-    out = numba.types.Array(numba.float64, 2, "C")
-    signature = numba.void(table, table, column, terms, out)
-    compiled: Callable[..., None] = numba.njit(
-        signature, cache=True, error_model="numpy"
-    )(loop)
-    return compiled
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,12 +4,9 @@ limit surface of a base with straight edges, in closed form.
 
 from __future__ import annotations
 
-from pushpressslide.batch.edge_friction import friction_of_row
-from pushpressslide.batch.formulas import plain
+from pushpressslide.batch.edge_loops import row_friction
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.planar.support_friction import Matrix, Vector
-
-FRICTION = plain(friction_of_row)
 
 
 class PolygonFriction:
@@ -21,9 +18,7 @@ class PolygonFriction:
     def __init__(self, face: FacePressure) -> None:
         """Prepare the edges; the friction's limit mu N [N] is given at each call."""
         self.rho = face.rho  # [m] root mean square distance
-        self._edges = tuple(map(tuple, face.edges().tolist()))
-        self._plane = face.plane()
-        self._series = face.series()
+        self._friction = row_friction(face)
 
     def wrench(self, twist: Vector, limit: float) -> Vector:
         """Return (fx, fy [N], tau [N m]) that slides the object with ``twist`` (m/s,
@@ -31,18 +26,14 @@ class PolygonFriction:
 
         ``limit`` [N] is mu N.
         """
-        fx, fy, tau, *_ = FRICTION(
-            self._edges, self._plane, self._series, *twist, False
-        )
+        fx, fy, tau, *_ = self._friction(*twist, False)
         return (limit * fx, limit * fy, limit * tau)
 
     def wrench_and_slope(self, twist: Vector, limit: float) -> tuple[Vector, Matrix]:
         """Return the wrench and its derivative by the twist, symmetric and positive
         definite.
         """
-        fx, fy, tau, xx, xy, xw, yy, yw, ww = FRICTION(
-            self._edges, self._plane, self._series, *twist, True
-        )
+        fx, fy, tau, xx, xy, xw, yy, yw, ww = self._friction(*twist, True)
         xy = limit * xy
         xw = limit * xw
         yw = limit * yw

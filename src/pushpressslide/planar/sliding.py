@@ -37,12 +37,15 @@ def slide(
     balance, to 1e-9 of mu N.
 
     ``limit`` [N] is mu N, ``guess`` the twist of the tick before; at rest the object
-    creeps, by less than ``CREEP`` times a few. Newton's method from the guess, two or
-    three steps long while no contact changes. Where it fails the object is let go from
+    creeps, by less than ``CREEP`` times a few. Newton's method from the guess, two
+    steps long while no contact changes, with one slope. Where it fails the object is let go from
     rest, held back by drag, until it moves in balance: so that the motion is found that
     the object would take up. Always ends, after ``TRIALS`` without balance.
     """
-    if all(contact.response(REST).status == "free" for contact in contacts):
+    for contact in contacts:
+        if contact.response(REST).status != "free":
+            break
+    else:
         return REST
     balance = _Balance(friction, limit, contacts)
     found = balance.solved(guess)
