@@ -176,14 +176,18 @@ def moved(pose: PoseColumns, twist: TwistColumns, time: Column) -> PoseColumns:
     body's own frame.
     """
     turn = twist.w * time
-    small = np.abs(turn) < SMALL
-    angle = where(small, 1.0, turn)
-    ahead = where(small, 1.0 - turn * turn / 6.0, sin(angle) / angle)
-    aside = where(small, 0.5 * turn, (1.0 - cos(angle)) / angle)
-    dx = (ahead * twist.vx - aside * twist.vy) * time
-    dy = (aside * twist.vx + ahead * twist.vy) * time
+    half = 0.5 * turn
+    small = np.abs(half) < SMALL
+    # along the chord, which is turned by half of the turn
+    sine = sin(half)
+    cosine = cos(half)
+    chord = where(small, 1.0 - half * half / 6.0, sine / where(small, 1.0, half)) * time
     c = cos(pose.yaw)
     s = sin(pose.yaw)
+    ahead = chord * (c * cosine - s * sine)
+    aside = chord * (s * cosine + c * sine)
     return PoseColumns(
-        pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, pose.yaw + turn
+        pose.x + ahead * twist.vx - aside * twist.vy,
+        pose.y + aside * twist.vx + ahead * twist.vy,
+        pose.yaw + turn,
     )

@@ -116,7 +116,7 @@ class SideContact:
 
 def velocity_of_force(c: Contact, fx: Column, fy: Column) -> Vector:
     """Return G f: the contact's velocity per unit of the CoP's velocity per force."""
-    k = (c.rx * fy - c.ry * fx) / (c.rho * c.rho)
+    k = (c.rx * fy - c.ry * fx) * (1.0 / (c.rho * c.rho))
     return Vector(fx - k * c.ry, fy + k * c.rx)
 
 
@@ -153,7 +153,7 @@ def pushed(v: Vector, c: Contact) -> Columns:
     slip = where(meets, slip, across)
     vx = where(meets, fx, 0.0)
     vy = where(meets, fy, 0.0)
-    w = (c.rx * vy - c.ry * vx) / (c.rho * c.rho)
+    w = (c.rx * vy - c.ry * vx) * (1.0 / (c.rho * c.rho))
     norm = np.sqrt(vx * vx + vy * vy + (c.rho * w) * (c.rho * w))
     scale = where(norm > 0.0, c.max_force / norm, 0.0)
     moved = where(slips, where(to_left, SLIP_LEFT, SLIP_RIGHT), STICK)
