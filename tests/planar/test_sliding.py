@@ -13,6 +13,7 @@ from pushpressslide.core.pose import cross
 from pushpressslide.core.task import Box, Cylinder
 from pushpressslide.core.wrench import Wrench
 from pushpressslide.mechanics.balance import BALANCE, CREEP
+from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.friction import cone_margin, push_outcome
 from pushpressslide.mechanics.limit_surface import (
     EllipsoidLimitSurface,
@@ -22,6 +23,7 @@ from pushpressslide.mechanics.limit_surface import (
 )
 from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
 from pushpressslide.planar.contact import SideContact, TipLaw, TopContact
+from pushpressslide.planar.polygon_friction import PolygonFriction
 from pushpressslide.planar.sliding import REST, slide
 from pushpressslide.planar.support_friction import SupportFriction
 
@@ -272,3 +274,21 @@ def test_a_second_step_with_the_first_ones_slope_ends_in_balance(draw, seed):
         )
         left[2] /= case.friction.rho
         assert np.linalg.norm(left) < BALANCE * case.limit * 1.001
+
+
+@pytest.mark.parametrize("cop", [(0.0, 0.0), (0.01, 0.005), (0.04, 0.01)])
+def test_ever_more_samples_lead_to_the_motion_of_the_closed_form(cop):
+    box = Box((0.2, 0.12, 0.1))
+    law = TipLaw((1.0, 0.0), (2000.0 * 0.05, 0.0), (2000.0, 2000.0))
+    contact = SideContact((-0.1 - cop[0], 0.02), (-0.115 - cop[0], 0.02), law, 0.5)
+    exact = PolygonFriction(face_pressure(box, (0.0, 0.0), cop))
+    wanted = np.array(slide(exact, LIMIT, (contact,), REST))
+    errors = []
+    for resolution in (6, 12, 24, 48):
+        samples = support_pressure(box, 10.0, cop=cop, resolution=resolution)
+        twist = slide(SupportFriction(samples), LIMIT, (contact,), REST)
+        errors.append(np.abs((twist - wanted) * (1.0, 1.0, exact.rho)).max() / 0.05)
+    assert errors[0] < 2e-3
+    for coarse, fine in zip(errors, errors[1:], strict=False):
+        assert fine < 0.4 * coarse
+    assert errors[-1] < 3e-5

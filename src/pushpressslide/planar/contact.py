@@ -252,6 +252,8 @@ def _turned(
     """Return a symmetric matrix, given along ``axis`` and to its left, in B: xx, xy,
     yx, yy.
     """
+    if s11 == s22 and s12 == 0.0:
+        return (s11, 0.0, 0.0, s11)
     x, y = axis
     xy = x * y * (s11 - s22) + (x * x - y * y) * s12
     return (

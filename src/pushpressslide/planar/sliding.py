@@ -251,7 +251,9 @@ def _newton_step(slope: Matrix, force: Vector) -> Vector | None:
     determinant = a * A + b * B + c * C
     if determinant == 0.0:
         return None
-    x, y, z = (-v / determinant for v in force)
+    x = -force[0] / determinant
+    y = -force[1] / determinant
+    z = -force[2] / determinant
     return (
         A * x + (c * h - b * i) * y + (b * f - c * e) * z,
         B * x + (a * i - c * g) * y + (c * d - a * f) * z,
