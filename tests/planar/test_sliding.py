@@ -2,6 +2,7 @@
 ellipsoid, dissipation.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -289,6 +290,6 @@ def test_ever_more_samples_lead_to_the_motion_of_the_closed_form(cop):
         twist = slide(SupportFriction(samples), LIMIT, (contact,), REST)
         errors.append(np.abs((twist - wanted) * (1.0, 1.0, exact.rho)).max() / 0.05)
     assert errors[0] < 2e-3
-    for coarse, fine in zip(errors, errors[1:], strict=False):
+    for coarse, fine in itertools.pairwise(errors):
         assert fine < 0.4 * coarse
     assert errors[-1] < 3e-5
