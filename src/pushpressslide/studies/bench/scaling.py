@@ -16,7 +16,7 @@ from pushpressslide.batch.two_contacts import TwoContacts
 from pushpressslide.core.path import ArcPath, SpeedProfile
 from pushpressslide.core.plan import Segment
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.task import Box, ObjectModel, Obstacle, Prism, Task
+from pushpressslide.core.task import Box, Leg, ObjectModel, Obstacle, Prism, Task
 from pushpressslide.studies.bench.compared import Row, times
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ BATCH = (1_000, 10_000, 100_000, 1_000_000)
 LENGTHS = (0.1, 0.3, 1.0, 3.0)  # [m]
 CORNERS = (3, 4, 6, 8, 12)
 POSTS = (1, 2, 4, 8)
+LEGS = (1, 2, 4, 8)
 REPEATS = 300  # of what takes microseconds
 
 Sized = Callable[[int | float], Callable[[], object]]
@@ -43,6 +44,7 @@ def scaling(seed: int) -> list[Row]:
         "length of a path, one tick [m]": (LENGTHS, _tick, REPEATS),
         "corners of an object, selection": (CORNERS, _selection, 1),
         "obstacles, free ways to a goal": (POSTS, _ways, 1),
+        "legs of a task, plan": (LEGS, _legs, 1),
     }
     rows = []
     for what, (sizes, sized, repeats) in studies.items():
@@ -141,6 +143,18 @@ def _ways(posts: int | float) -> Callable[[], object]:
     return lambda: free_space(among).ways(among.goal).way(among.start)
 
 
+def _legs(count: int | float) -> Callable[[], object]:
+    """Return the planning of so many legs, each a press slide, without joint paths."""
+    from pushpressslide.selection.solve import plan
+    from pushpressslide.taskfile.load import load_task
+
+    tour = load_task("tour")
+    ends = [goal.pose for goal in tour.goals[: int(count)]]
+    legs = tuple(Leg("press_slide", end, tour.motion) for end in ends)
+    task = replace(tour, goals=(), goal=ends[-1], legs=legs)
+    return lambda: plan(task)
+
+
 def figure(rows: Sequence[Row]) -> Figure:
     """Return the times over the sizes, one panel for each thing."""
     import matplotlib as mpl
@@ -150,9 +164,11 @@ def figure(rows: Sequence[Row]) -> Figure:
 
     names = list(dict.fromkeys(str(row["what"]) for row in rows))
     with mpl.rc_context(style.SETTINGS):
-        made = Figure(figsize=(style.WIDTH, 5.6), dpi=style.DPI, layout="constrained")
-        panels = made.subplots(2, 2).flat
-    for name, axes in zip(names, panels, strict=True):
+        made = Figure(figsize=(style.WIDTH, 8.0), dpi=style.DPI, layout="constrained")
+        panels = made.subplots(math.ceil(len(names) / 2), 2).flat
+    for axes in panels[len(names) :]:
+        axes.set_axis_off()
+    for name, axes in zip(names, panels, strict=False):
         mine = [row for row in rows if row["what"] == name]
         sizes = [row["size"] for row in mine]
         medians = [row["median_us"] for row in mine]
