@@ -97,10 +97,9 @@ class Station:
             self.plant.SetPositions(context, q)
 
     def state_vector(self) -> Array:
-        """Return a copy of the plant's discrete state: all positions, then all
-        velocities.
-        """
-        return self.plant_context.get_discrete_state_vector().CopyToVector()
+        """Return a copy of the plant's state: all positions, then all velocities."""
+        x: Array = self.plant.GetPositionsAndVelocities(self.plant_context)
+        return x
 
     def contact_force(self, i: int) -> Vector3:
         """Return the measured force [N] of tip ``i`` ON what it touches, world axes."""
