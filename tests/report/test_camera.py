@@ -19,6 +19,7 @@ from pushpressslide.sim.view.sight import (
     Limb,
     Moment,
     are_seen,
+    force_share,
     is_seen,
     seen_share,
     segment_distance,
@@ -93,6 +94,17 @@ def test_the_camera_goes_round_an_arm():
     assert seen_share(blocked, free) == 0.0
     chosen = Directions(TABLE, [blocked], ALONG_X, AROUND).best()
     assert seen_share(blocked, chosen) == 1.0
+
+
+def test_a_tip_that_is_hidden_costs_more_than_its_force():
+    over = ((-0.05, -0.3, 0.25), (-0.05, 0.3, 0.25))
+    limbs = tuple(Limb((x, y, z), (x, -y, z), 0.065) for x, y, z in over)
+    beyond = tuple(Limb((0.1, y, 0.25), (-0.2, y, 0.25), 0.065) for y in (-0.2, 0.2))
+    forces = ((-0.05, 0.0, 0.162), (0.0, 0.0, 0.162))
+    moment = Moment((BEHIND,), (BOX,), (*limbs, *beyond), forces=forces)
+    best = Directions(TABLE, [moment], ALONG_X, AROUND).best()
+    assert seen_share(moment, best) == 1.0
+    assert force_share(moment, towards(math.pi)) < force_share(moment, towards(0.0))
 
 
 def test_a_wall_is_seen_from_its_front_and_the_picture_is_upright():

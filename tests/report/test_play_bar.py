@@ -124,6 +124,10 @@ def test_the_replay_in_space_is_played_sought_and_seen_from_elsewhere(
     steps = COMMON + steps
     steps += """
   seen.first = goTo(0.0); seen.last = goTo(4.49);
+  seen.hidden = [];
+  viewer.scene.traverse(part => {
+    if (part.name === "hidden") seen.hidden.push([part.material.depthFunc, part.material.opacity]);
+  });
   const camera = () => viewer.camera.position.toArray();
   seen.views = [...document.querySelectorAll("#views button")].map(b => b.textContent);
   seen.before = camera();
@@ -137,4 +141,6 @@ def test_the_replay_in_space_is_played_sought_and_seen_from_elsewhere(
     assert seen["last"] == pytest.approx(poses[-1, :2], abs=1e-4)
     assert seen["views"][:4] == ["Contact", "All", "Top", "Side"]
     assert seen["above"] != pytest.approx(seen["before"], abs=0.05)
+    # shaft and head of the one force, where something is in front of it
+    assert seen["hidden"] == [[6, 0.4]] * 2
     assert 40.0 <= seen["field"] <= 50.0

@@ -11,7 +11,7 @@ import numpy as np
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.support_frame import SupportFrame
-from pushpressslide.sim.view.sight import Moment, seen_share, shown_share
+from pushpressslide.sim.view.sight import Moment, force_share, seen_share, shown_share
 
 FIELD = math.radians(45.0)  # vertical field of view
 FILL = 0.82  # largest share of a picture that its points fill
@@ -25,7 +25,9 @@ HEIGHTS = tuple(math.radians(a) for a in (0.0, 12.0, 25.0, 38.0, 52.0))
 # [rad] to each side, from where the contact is to be seen too: a near camera sees parts
 # of a scene from other directions
 SWAY = math.radians(12.0)
-BEHIND_COST = 0.5  # of an object behind something, beside a hidden contact
+# beside a hidden contact: of a force and of an object that are behind something
+FORCE_COST = 0.5
+BEHIND_COST = 0.5
 # what a share of hidden contacts is weighed against: a far camera, a slope that is not
 # the best one, and a line of sight along the push, which shortens the force
 FAR_COST = 0.4
@@ -77,7 +79,8 @@ class Directions:
 
 def _hidden(moments: Sequence[Moment], direction: Array) -> float:
     """Return the share of contacts that a camera about ``direction`` (3,) does not see,
-    and that of the object's corners, weighed; all in the support's frame.
+    and those of the forces and of the object's corners, weighed; all in the support's
+    frame.
     """
     x, y, z = direction
     costs = []
@@ -87,8 +90,9 @@ def _hidden(moments: Sequence[Moment], direction: Array) -> float:
         turned = np.array([c * x - s * y, s * x + c * y, z])
         for moment in moments:
             unseen = 1.0 - seen_share(moment, turned)
+            force = 1.0 - force_share(moment, turned)
             behind = 1.0 - shown_share(moment, turned)
-            costs.append(unseen + BEHIND_COST * behind)
+            costs.append(unseen + FORCE_COST * force + BEHIND_COST * behind)
     return float(np.mean(costs)) if costs else 0.0
 
 

@@ -42,13 +42,22 @@ function lightUp(viewer, look) {
   for (const side of ["PointLightNegativeX", "PointLightPositiveX"])
     viewer.set_property(["Lights", side, "<object>"], "intensity", 9);
   viewer.set_property(["Lights", "AmbientLight", "<object>"], "intensity", 1.1);
+  const arrows = [];
   viewer.scene.traverse(part => {
     if (!part.isMesh) return;
     let name = "";
     for (let p = part; p; p = p.parent) name = p.name + "/" + name;
     part.castShadow = !/\/marks\//.test(name) && !part.material.transparent;
     part.receiveShadow = !/\/marks\//.test(name);
+    if (/\/marks\/(force|press)_/.test(name)) arrows.push(part);
   });
+  for (const part of arrows) {  // what hides a force lets it shine through
+    const pale = part.clone();
+    pale.material = part.material.clone();
+    Object.assign(pale.material, { depthFunc: 6, depthWrite: false, transparent: true, opacity: 0.4 });  // 6: three.js's GreaterDepth
+    pale.name = "hidden"; pale.castShadow = pale.receiveShadow = false;
+    part.parent.add(pale);
+  }
   return from;
 }
 

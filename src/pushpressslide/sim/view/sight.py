@@ -47,7 +47,9 @@ class Moment:
     contacts: tuple[Vector3, ...]  # [m] points that are to be seen
     blocks: tuple[Block, ...]
     limbs: tuple[Limb, ...]
-    corners: tuple[Vector3, ...] = ()  # [m] of the object's top, to be seen if possible
+    # to be seen if possible [m]: the object's top, and where the forces are drawn
+    corners: tuple[Vector3, ...] = ()
+    forces: tuple[Vector3, ...] = ()
 
     @cached_property
     def polygons(self) -> tuple[tuple[Any, float], ...]:
@@ -70,6 +72,11 @@ def seen_share(moment: Moment, direction: Array) -> float:
     ``direction`` is a unit vector towards it.
     """
     return _share(moment, moment.contacts, direction)
+
+
+def force_share(moment: Moment, direction: Array) -> float:
+    """Return the share of the points of the drawn forces that the camera sees."""
+    return _share(moment, moment.forces, direction)
 
 
 def shown_share(moment: Moment, direction: Array) -> float:

@@ -56,10 +56,11 @@ def subject(playback: Playback) -> Subject:
         limbs = arm_limbs(playback, context)
         moments.append(
             Moment(
-                tuple(_marks(playback, tick, contacts)),
+                tuple(tips_at(playback, tick, contacts)),
                 blocks_at(playback, tick),
                 limbs,
                 top_corners(playback, tick),
+                tuple(_force_points(playback, tick, contacts)),
             )
         )
         near += object_points(playback, tick) + _tip_points(playback, tick, contacts)
@@ -103,19 +104,26 @@ def body_pose(playback: Playback, tick: int) -> Pose2:
     )
 
 
-def _marks(
+def tips_at(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
-    """Return the tips in contact, and points of where their forces are drawn."""
+    """Return the tips in contact [m]."""
     tips = playback.record.arrays["tip_position"][tick]
+    places = (map(float, tips[contact.arm]) for contact in contacts)
+    return [(x, y, z) for x, y, z in places]
+
+
+def _force_points(
+    playback: Playback, tick: int, contacts: tuple[Contact, ...]
+) -> list[Vector3]:
+    """Return points of where the forces are drawn [m]."""
     drawn = playback.task.object.shape.height + CLEARANCE
     X_WB = body_pose(playback, tick)
+    tips = tips_at(playback, tick, contacts)
     out = []
-    for contact in contacts:
-        x, y, z = (float(v) for v in tips[contact.arm])
+    for contact, (x, y, z) in zip(contacts, tips, strict=True):
         nx, ny, _ = contact.direction(X_WB)
         top = max(drawn, z)
-        out.append((x, y, z))
         out += [(x + far * nx, y + far * ny, top) for far in ALONG_FORCE]
     return out
 
@@ -187,12 +195,8 @@ def _tip_points(
     playback: Playback, tick: int, contacts: tuple[Contact, ...]
 ) -> list[Vector3]:
     """Return the ends of the tools in contact [m]."""
-    tips = playback.record.arrays["tip_position"][tick]
-    out = []
-    for contact in contacts:
-        x, y, z = (float(v) for v in tips[contact.arm])
-        out += [(x, y, z), (x, y, z + WRIST)]
-    return out
+    tips = tips_at(playback, tick, contacts)
+    return [end for x, y, z in tips for end in ((x, y, z), (x, y, z + WRIST))]
 
 
 def other_points(playback: Playback) -> list[Vector3]:
