@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from rich.console import Console
 
 from pushpressslide.cli.app import print_json
+from pushpressslide.cli.shell import print_text
 from pushpressslide.cli.tables import JOINT_PATHS, choice_rows, print_choices
 from pushpressslide.core.bodies import Stage
 from pushpressslide.core.pose import wrap_angle
@@ -56,7 +56,6 @@ def plan_stages_into(task: Task, folder: Path, as_json: bool) -> None:
     planned = plan_stages(task)
     data: dict[str, Any] = stages_to_dict(task, [one.stage for one in planned])
     write_whole(folder / "plan.json", to_json(data))
-    console = Console(markup=False, highlight=False, soft_wrap=True)
     for index, one in enumerate(planned):
         made = one.solution.plan
         own = stage_folder(folder, index)
@@ -67,8 +66,8 @@ def plan_stages_into(task: Task, folder: Path, as_json: bool) -> None:
             continue
         modes = ", ".join(dict.fromkeys(segment.mode for segment in made.segments))
         text = f"{stage_text(index + 1, one.stage)}: {modes}, {made.duration:.1f} s"
-        console.print(text)
-        console.print(f"    {picture}")
+        print_text(text, 4)
+        typer.echo(f"    {picture}")
     if as_json:
         print_json(data)
         return

@@ -1,4 +1,4 @@
-"""The table of ``pps identify``: plain text, as it may be wider than a terminal."""
+"""The tables of ``pps identify``: plain text, at most 80 columns with short names."""
 
 from __future__ import annotations
 
@@ -8,53 +8,43 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pushpressslide.identification.scoring import Identification
 
-GROUPS = (("", 3), ("rho [mm]", 3), ("held-out error of the direction [deg]", 6))
-HEAD = (
-    "set",
-    "pushes",
-    "friction",
-    "fitted",
-    "predicted",
-    "rigid face",
-    "ellipsoid",
-    "full",
-    "quartic",
-    "pressure",
-    "no fit",
-    "even load",
-)
+SUPPORTS = ("pushes", "friction", "rho fitted", "predicted", "rigid face")
+ERRORS = ("ellipsoid", "full", "quartic", "pressure", "no fit", "even load")
 
 
 def lines(
     identifications: Iterable[Identification], result: Mapping[str, Any]
 ) -> list[str]:
-    """Return the table, a line for each set, and a sentence on the errors.
+    """Return two tables, a line for each set, and a sentence on the errors.
 
     The sentence says how much smaller they are than the one-parameter ellipsoid's.
     """
     from pushpressslide.report.identification import cells
 
-    rows = [HEAD, *(tuple(cell or "-" for cell in cells(i)) for i in identifications)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    head, *body = (_line(row, widths) for row in rows)
-    rule = "-" * len(head)
-    return [_group_line(widths), head, rule, *body, _gain(result)]
+    rows = [[cell or "-" for cell in cells(found)] for found in identifications]
+    errors = 1 + len(SUPPORTS)
+    return [
+        "Supports; rho in mm",
+        *_table(SUPPORTS, [row[:errors] for row in rows]),
+        "",
+        "Held-out errors of the direction, in degrees",
+        *_table(ERRORS, [[row[0], *row[errors:]] for row in rows]),
+        "",
+        _gain(result),
+    ]
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return a table in columns: the sets to the left, their figures to the right."""
+    whole = [("set", *columns), *rows]
+    widths = [max(map(len, column)) for column in zip(*whole, strict=True)]
+    head, *body = (_line(row, widths) for row in whole)
+    return [head, "-" * len(head), *body]
 
 
 def _line(row: Sequence[str], widths: Sequence[int]) -> str:
-    """Return a row in columns: the first to the left, the others to the right."""
     numbers = (cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True))
     return "  ".join([row[0].ljust(widths[0]), *numbers])
-
-
-def _group_line(widths: Sequence[int]) -> str:
-    """Return the names of the groups, each above its first column."""
-    text = ""
-    column = 0
-    for name, columns in GROUPS:
-        text = text.ljust(sum(widths[:column]) + 2 * column) + name
-        column += columns
-    return text
 
 
 def _gain(result: Mapping[str, Any]) -> str:

@@ -14,6 +14,7 @@ from datetime import datetime
 from functools import partial
 from itertools import count
 from pathlib import Path
+from shutil import get_terminal_size
 from textwrap import wrap
 from types import FrameType
 from typing import Any
@@ -119,27 +120,25 @@ def _note_interrupts(presses: list[int]) -> Callable[[], object]:
 def complain(line: str) -> None:
     """Write one line on stderr; shipped tasks go by the name of their file."""
     short = line.replace(f"{SHIPPED}{os.sep}", "")
-    typer.echo(f"pps: {' '.join(short.split())}", err=True)
+    print_text(f"pps: {' '.join(short.split())}", indent=4, error=True)
 
 
-def print_text(text: str, indent: int = 0) -> None:
-    """Print a text: on a terminal without cutting words, its further lines indented;
-    elsewhere as one line.
+def print_text(text: str, indent: int = 0, error: bool = False) -> None:
+    """Print a text, on stderr if it is an error: on a terminal without cutting words, its
+    further lines indented; elsewhere as one line.
     """
-    from rich.console import Console
-
-    console = Console(markup=False, highlight=False)
-    if not console.is_terminal:
-        console.print(text, soft_wrap=True)
+    stream = sys.stderr if error else sys.stdout
+    if not stream.isatty():
+        typer.echo(text, err=error)
         return
     lines = wrap(
         text,
-        console.width,
+        get_terminal_size().columns,
         subsequent_indent=" " * indent,
         break_long_words=False,
         break_on_hyphens=False,
     )
-    console.print(*lines, sep="\n")
+    typer.echo("\n".join(lines), err=error)
 
 
 def show_page(address: str) -> None:
@@ -176,7 +175,7 @@ def explain(error: Exception, as_json: bool) -> int:
     """Say in one line on stderr what went wrong; return the exit status."""
     usage = getattr(error, "format_message", None)
     if usage is not None:
-        complain(usage())
+        complain(usage().replace("Value error, ", ""))  # the parser's own words
         return WRONG_INPUT
     if isinstance(error, PushPressSlideError) and not isinstance(
         error, SimulationError

@@ -24,7 +24,7 @@ from pushpressslide.cli.options import (
     Variation,
     World,
 )
-from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.cli.shell import print_text, progress_bar, results_folder
 from pushpressslide.jobs.engines import DEFAULT
 
 
@@ -240,9 +240,9 @@ def identify(options: IdentifyOptions) -> None:
         """Print the table, and where the page is."""
         from pushpressslide.cli.identification_table import lines
 
-        text = [*lines(identifications, result), *result["notes"]]
-        text.append(str(folder / "report.html"))
-        typer.echo("\n".join(text))
+        for line in [*lines(identifications, result), *result["notes"]]:
+            print_text(line)
+        typer.echo(folder / "report.html")
 
     answer(result, options, show)
 

@@ -8,11 +8,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
 from rich import box
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
+from pushpressslide.cli.shell import print_text
 from pushpressslide.cli.wide_table import print_table
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.planning.segments import describe_points
@@ -145,21 +147,20 @@ def print_legs(plan: Plan) -> None:
     """Print the motions of a plan that were found one after the other, and what it may
     push.
     """
-    console = Console(markup=False, highlight=False, soft_wrap=True)
     if plan.task.yielding:
         names = ", ".join(obstacle.name for obstacle in plan.task.yielding)
         modes = ", ".join(dict.fromkeys(piece.mode for piece in plan.segments))
-        console.print(f"{modes}, with leave to push what may move: {names}")
+        print_text(f"{modes}, with leave to push what may move: {names}", 4)
     if not plan.task.legs:
         return
     count = len(plan.task.legs)
-    console.print(f"{count} motions, one after the other:")
+    print_text(f"{count} motions, one after the other:")
     for number, placement in enumerate(plan.placements, start=1):
         contacts = describe_points(contact.point for contact in placement[0].contacts)
-        console.print(f"contact {number}: {placement[0].mode} at {contacts}")
+        print_text(f"contact {number}: {placement[0].mode} at {contacts}", 4)
         for leg in sorted({segment.leg for segment in placement}):
             goal = plan.task.legs[leg].goal
-            console.print(
+            print_text(
                 f"    {leg + 1}. to ({goal.x:.3f}, {goal.y:.3f}) m, "
                 f"{math.degrees(wrap_angle(goal.yaw)):.0f} deg"
             )
@@ -189,7 +190,6 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
             shown += f" / {_number(result.get('motion_duration'), scale, digits)}"
         table.add_row(name, shown, unit)
     _print(table)
-    console = Console(markup=False, highlight=False, soft_wrap=True)
     for number, stage in enumerate(result.get("stages", ()), start=1):
         reached = "reached" if stage["reached"] else "not reached"
         purpose = "aside" if stage["aside"] else "to its goal"
@@ -197,18 +197,18 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
         text = f"stage {number}: {stage['body']} {purpose}, {modes}, {reached}"
         if stage["time"] is not None:
             text += f" at {stage['time'][1]:.1f} s"
-        console.print(text)
+        print_text(text, 4)
     for event in result["events"]:
         goes_on = (
             "planned anew" if event["recovered"] else f"no way on: {event['lacking']}"
         )
         text = f"{event['time']:.1f} s: {event['code']}, {event['text']}; {goes_on}"
-        console.print(text)
+        print_text(text, 4)
     if not result["success"]:
-        console.print(reason["text"])
+        print_text(reason["text"], 4)
     for name in ("replay.html", "report.html"):
         if (folder / name).exists():
-            console.print(folder / name)
+            typer.echo(folder / name)
 
 
 def print_figures(result: Mapping[str, Any]) -> None:

@@ -21,7 +21,7 @@ def refuse(source: str, faults: Iterable[Fault]) -> None:
 def nearest(name: object, known: Iterable[str]) -> str:
     """Return ``did you mean 'x'? known: ...``, the hint only if a known name is near."""
     names = list(known)
-    close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(str(name)[:64], names, n=1, cutoff=0.6)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"{hint}known: {', '.join(names)}"
 
