@@ -75,6 +75,7 @@ if TYPE_CHECKING:
         Task,
         Tolerance,
     )
+    from pushpressslide.jobs.ask import plan, select
     from pushpressslide.jobs.run import (
         measured_figures as result,
     )
@@ -87,8 +88,6 @@ if TYPE_CHECKING:
     )
     from pushpressslide.report.files import load_run
     from pushpressslide.report.page import write_report as report
-    from pushpressslide.selection.select import select
-    from pushpressslide.selection.solve import plan
     from pushpressslide.taskfile.load import (
         check_task,
         dump_task,
@@ -144,7 +143,7 @@ __all__ = [
     "select",
 ]
 
-_ROOMS = frozenset({"mechanics", "allocation", "modes", "batch", "planar"})
+_ROOMS = frozenset({"mechanics", "allocation", "modes", "batch", "planar", "report"})
 _HOMES = {
     "Box": "core.shapes.Box",
     "Choice": "core.plan.Choice",
@@ -177,13 +176,12 @@ _HOMES = {
     "dump_task": "taskfile.load.dump_task",
     "load_run": "report.files.load_run",
     "load_task": "taskfile.load.load_task",
-    "plan": "selection.solve.plan",
+    "plan": "jobs.ask.plan",
     "push_sticks": "mechanics.line_push.push_sticks",
-    "report": "report.page.write_report",
     "result": "jobs.run.measured_figures",
     "run": "jobs.run.run",
     "run_loop": "control.run_loop.run_loop",
-    "select": "selection.select.select",
+    "select": "jobs.ask.select",
 }
 """Where each name stands."""
 

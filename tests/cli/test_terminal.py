@@ -111,22 +111,24 @@ def test_a_page_is_opened_only_where_there_is_a_screen(
 
 
 @pytest.mark.parametrize("error", [False, True])
+@pytest.mark.parametrize("terminal", [False, True])
 def test_a_text_is_one_line_in_a_file_and_whole_words_on_a_terminal(
-    error: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    terminal: bool,
+    error: bool,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     text = "pps: nope: no such task; known: press-slide-forklift, press-slide-pivot"
     monkeypatch.setenv("COLUMNS", "40")
-    for terminal in (False, True):
-        monkeypatch.setattr(
-            shell.sys.stderr if error else shell.sys.stdout, "isatty", lambda: terminal
-        )
-        shell.print_text(text, indent=4, error=error)
-        out, err = capsys.readouterr()
-        lines = (err if error else out).splitlines()
-        assert " ".join(line.strip() for line in lines) == text
-        assert (len(lines) > 1) is terminal
-        assert all(line.startswith("    ") for line in lines[1:])
-        assert not terminal or max(map(len, lines)) <= 40
+    stream = shell.sys.stderr if error else shell.sys.stdout
+    monkeypatch.setattr(stream, "isatty", lambda: terminal)
+    shell.print_text(text, indent=4, error=error)
+    out, err = capsys.readouterr()
+    lines = (err if error else out).splitlines()
+    assert " ".join(line.strip() for line in lines) == text
+    assert (len(lines) > 1) is terminal
+    assert all(line.startswith("    ") for line in lines[1:])
+    assert not terminal or max(map(len, lines)) <= 40
 
 
 def test_a_wrong_choice_of_an_option_names_the_choices(refusal: Refusal) -> None:

@@ -1,6 +1,7 @@
 """What a record says of itself."""
 
 import importlib.util
+import sys
 from dataclasses import replace
 
 import pytest
@@ -21,10 +22,18 @@ def test_a_record_that_was_not_measured_says_so() -> None:
 
 
 def test_reprs_are_one_short_line() -> None:
-    for thing in (RUN, RUN.plan, pps.select(RUN.plan.task)[0]):
+    for thing in (RUN, RUN.plan, RUN.plan.task, pps.select(RUN.plan.task)[0]):
         text = repr(thing)
         assert "\n" not in text
         assert len(text) < 200
+
+
+def test_a_table_without_pandas_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(pps.PushPressSlideError, match="pip install pandas"):
+        RUN.to_dataframe()
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("pandas"), reason="needs pandas")
@@ -36,7 +45,7 @@ def test_a_record_becomes_a_table() -> None:
 
 def test_rooms_can_be_explored() -> None:
     assert "friction" in dir(pps.mechanics)
-    assert "MODES" in dir(pps.modes)
+    assert dir(pps.modes) == ["MODES", *sorted(pps.modes.MODES)]
     assert "world" in dir(pps.planar)
     assert pps.mechanics.friction.push_outcome
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):

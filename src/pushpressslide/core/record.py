@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.core.notebook import html_of
 from pushpressslide.core.plan import Plan
 
@@ -75,9 +76,14 @@ class Record:
         """Return the time series that have a value for each tick as a pandas DataFrame
         by time [s]; columns of an array (N, 3) end in ``_0``, ``_1`` and ``_2``.
 
-        Raises ModuleNotFoundError where pandas is not installed.
+        Raises PushPressSlideError where pandas is not installed.
         """
-        pandas = importlib.import_module("pandas")
+        try:
+            pandas = importlib.import_module("pandas")
+        except ModuleNotFoundError:
+            raise PushPressSlideError(
+                "to_dataframe: pandas is not installed; pip install pandas"
+            ) from None
         ticks = len(self.arrays["time"])
         columns = {}
         for name, values in self.arrays.items():

@@ -439,6 +439,12 @@ class Task:
     # whether it is planned to push what may move
     pushes: bool = field(default=False, compare=False)
 
+    def __repr__(self) -> str:
+        """Return one line; ``dump_task`` returns all of it."""
+        shape = type(self.object.shape).__name__
+        arms = ", ".join(robot.model for robot in self.robots)
+        return f"Task({self.name!r}: {shape} of {self.object.mass:g} kg; {arms})"
+
     @property
     def yielding(self) -> tuple[Obstacle, ...]:
         """The obstacles that the object may push on the way that is planned."""

@@ -14,6 +14,7 @@ from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Choice, Plan
 from pushpressslide.core.record import Figures, Record
 from pushpressslide.core.task import Task
+from pushpressslide.jobs.ask import checked
 from pushpressslide.jobs.engines import DEFAULT, ArmOptions, engine_named
 from pushpressslide.jobs.goals import run_goals
 from pushpressslide.jobs.interrupt import Interrupt, Interrupted
@@ -98,19 +99,17 @@ def run(
     Raises TaskError for a task that a file could not say, and InfeasibleTaskError
     before anything moves where it cannot be done.
     """
-    if isinstance(what, Task):
-        from pushpressslide.taskfile.load import check_task
-
-        check_task(what)
+    if not isinstance(what, Plan):
+        task = checked(what)
         monitor = Monitor(progress)
-        if what.goals:
+        if task.goals:
             options = StageOptions(engine, seed, False, models, monitor)
-            figures, record = run_goals(what, options)
+            figures, record = run_goals(task, options)
             return replace(record, figures=figures)
         _, record, _ = simulate(
-            what, engine=engine, seed=seed, models=models, monitor=monitor
+            task, engine=engine, seed=seed, models=models, monitor=monitor
         )
-        return measured(record, what)
+        return measured(record, task)
     record = engine_named(engine).run(
         what, RunOptions(seed, progress), ArmOptions(models)
     )

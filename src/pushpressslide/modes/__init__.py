@@ -32,3 +32,7 @@ def discovered() -> dict[str, Mode]:
 
 MODES: dict[str, Mode] = discovered()
 """Every mode by its name."""
+
+
+def __dir__() -> list[str]:
+    return ["MODES", *sorted(MODES)]

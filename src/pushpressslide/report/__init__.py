@@ -1,4 +1,29 @@
 """What became of a run: figures, files, plots and pages.
 
-Everything follows from task, plan and record alone.
+Everything follows from task, plan and record alone. ``pps.report(folder)`` is both this
+package and the function that writes a page.
 """
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+
+
+class _Report(ModuleType):
+    """The package; once imported it hides a function of the same name above it, and is
+    that function.
+    """
+
+    def __call__(
+        self, dirs: str | Path | Sequence[str | Path], out: str | Path | None = None
+    ) -> Path:
+        """Write the page of finished runs, as ``report.page.write_report``."""
+        from pushpressslide.report.page import write_report
+
+        return write_report(dirs, out)
+
+
+sys.modules[__name__].__class__ = _Report

@@ -52,6 +52,10 @@ class Run:
     # all that were weighed, refused ones too; empty if not kept
     choices: tuple[Choice, ...] = ()
 
+    def __repr__(self) -> str:
+        """Return one line."""
+        return f"Run({str(self.folder)!r}: {self.record!r})"
+
 
 def save_run(
     out: Path,
@@ -75,13 +79,14 @@ def save_run(
     write_whole(out / RESULT, to_json(result))
 
 
-def load_run(folder: Path) -> Run:
+def load_run(folder: str | Path) -> Run:
     """Return the run in ``folder``.
 
     Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
     from pushpressslide.taskfile.load import load_task
 
+    folder = Path(folder)
     if not folder.is_dir():
         raise PushPressSlideError(
             f"{folder}: there is no such folder; give one that `pps run` has written"

@@ -57,25 +57,29 @@ CAPTIONS = {
 }
 
 
-def write_report(dirs: Sequence[Path], out: Path | None = None) -> Path:
-    """Write the page of the runs in ``dirs`` and return its path.
+def write_report(
+    dirs: str | Path | Sequence[str | Path], out: str | Path | None = None
+) -> Path:
+    """Write the page of the run, or of the runs, in ``dirs`` and return its path.
 
     Also writes each run's plots/*.png. ``out`` is the HTML file: by default report.html
     in the run's folder, or for several runs in the folder that holds them all. Several
     runs are compared first. Raises PushPressSlideError where a folder holds no finished
     run.
     """
-    if not dirs:
+    folders = [dirs] if isinstance(dirs, str | Path) else dirs
+    if not folders:
         raise PushPressSlideError(
             "report: no folder given; give at least one that `pps run` has written"
         )
-    runs = [load_run(Path(folder)) for folder in dirs]
+    runs = [load_run(folder) for folder in folders]
     single = len(runs) == 1
     if out is None:
         home = runs[0].folder
         if not single:
             home = Path(os.path.commonpath([run.folder.resolve() for run in runs]))
         out = home / "report.html"
+    out = Path(out)
     if single:
         title = runs[0].task.name
         sections = [_run_section(runs[0], out, "")]
