@@ -234,9 +234,9 @@ def test_every_choice_of_every_task_has_a_reason_and_feasible_ones_have_a_path(
             assert "\n" not in choice.reason
             if choice.feasible:
                 assert choice.segments
-                total = sum(segment.path.length for segment in choice.segments)
+                total = sum(segment.path.distance for segment in choice.segments)
                 assert choice.path_length == pytest.approx(total)
-                assert 0.0 < choice.path_length < math.inf
+                assert 0.0 <= choice.path_length < math.inf
                 assert 0.0 < (choice.time or 0.0) <= task.limits.time
                 assert (choice.friction_margin or 0.0) > 0.0
                 assert len(choice.contacts) == mode.arms

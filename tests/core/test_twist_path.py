@@ -89,3 +89,10 @@ def test_a_lead_in_ends_where_the_path_began() -> None:
     led = path.led_in(0.05)
     assert led.pose(0.05).position == pytest.approx(path.start.position)
     assert led.length == pytest.approx(path.length + 0.05)
+
+
+def test_a_turn_on_the_spot_covers_no_distance() -> None:
+    poses = (Pose2(), Pose2(0.3, 0.0, 0.0), Pose2(0.3, 0.0, 1.0))
+    path = TwistPath.between(poses, radius=0.1)
+    assert path.length == pytest.approx(0.4)
+    assert path.distance == pytest.approx(0.3)

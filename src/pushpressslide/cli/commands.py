@@ -159,7 +159,7 @@ def plan(
         print_text(f"{choice.mode}: {choice.reason}", 4)
     if made.task.searched or made.task.pushes:
         print_legs(made)
-    length = sum(segment.path.length for segment in made.segments)
+    length = sum(segment.path.distance for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
     typer.echo(JOINT_PATHS)
     typer.echo(folder / "plan.png")

@@ -58,6 +58,11 @@ class ArcPath:
         return sum(length for _, length in self.pieces)
 
     @property
+    def distance(self) -> float:
+        """Distance [m] that the tracking point covers."""
+        return self.length
+
+    @property
     def turning(self) -> float:
         """Total turn [rad], to the left > 0, whole turns included."""
         return sum(curvature * length for curvature, length in self.pieces)

@@ -148,10 +148,10 @@ class Choice:
 
     @property
     def path_length(self) -> float | None:
-        """Length of the tracking point's path [m]."""
+        """Distance [m] that the tracking point covers."""
         if not self.segments:
             return None
-        return sum(segment.path.length for segment in self.segments)
+        return sum(segment.path.distance for segment in self.segments)
 
     @property
     def friction_margin(self) -> float | None:

@@ -137,6 +137,11 @@ class TwistPath:
         return self.starts[-1][0]
 
     @property
+    def distance(self) -> float:
+        """Distance [m] that the tracking point covers; turns on the spot add nothing."""
+        return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in self.pieces)
+
+    @property
     def end(self) -> Pose2:
         """Last pose."""
         return self.starts[-1][1]

@@ -11,16 +11,17 @@ if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice, Plan
 
 
-def select(task: Task) -> list[Choice]:
+def select(task: Task, enough: int = 1) -> list[Choice]:
     """Return all choices for ``task``, the quickest feasible one first; never empty.
 
-    A choice that cannot do the task has a refusal with the number that decides. Joint
-    paths are not looked at: ``run`` looks for them. Raises TaskError for a task that a
+    A choice that cannot do the task has a refusal with the number that decides; or it
+    was passed over because ``enough`` choices of its mode are feasible and at least as
+    fast. Joint paths are not looked at: ``run`` looks for them. Raises TaskError for a task that a
     file could not say.
     """
     from pushpressslide.selection import select as selection
 
-    return selection.select(checked(task))
+    return selection.select(checked(task), enough)
 
 
 def plan(task: Task, choice: Choice | None = None, *, force: bool = False) -> Plan:

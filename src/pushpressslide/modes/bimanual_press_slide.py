@@ -140,7 +140,7 @@ class BimanualPressSlide(Mode):
         margin = utilisation_margin(scene.contact_friction, utilisation)
         piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
-            f"{left:.1f} and {right:.1f} N, path {path.length:.3f} m, centre of "
+            f"{left:.1f} and {right:.1f} N, path {path.distance:.3f} m, centre of "
             f"pressure {cop_fraction(scene, contacts):.2f} of the way from left to "
             f"right, {utilisation:.2f} of the tips' friction used"
         )

@@ -151,7 +151,7 @@ class PressAndPush(Mode):
         piece = segment(task, self.name, contacts, drive, path, cone_margin=margin)
         merits = (
             f"{load:.1f} and {drag.forces.normals[1]:.1f} N, lever "
-            f"{lever.length * 1e3:.0f} mm, path {path.length:.3f} m, "
+            f"{lever.length * 1e3:.0f} mm, path {path.distance:.3f} m, "
             f"{utilisation:.2f} of the press's friction used"
         )
         return replace(

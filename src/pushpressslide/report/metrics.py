@@ -173,9 +173,7 @@ def _planned(plan: Plan, record: Record) -> dict[str, Any]:
         if segment.cone_margin is not None
     ]
     return {
-        "path_length": sum(
-            series.path_length(segment.path) for segment in plan.segments
-        ),
+        "path_length": sum(segment.path.distance for segment in plan.segments),
         "motion_duration": sum(segment.profile.duration for segment in plan.segments),
         "friction_margin": min(margins, default=None),
         "joint_limit_margin": record.meta.get("joint_margin_planned"),

@@ -11,7 +11,6 @@ from typing import Any
 
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.scene import arm_title
-from pushpressslide.report.series import path_length
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,7 +357,7 @@ def segments_table(plan: Plan) -> str:
         goal = segment.goal
         axle = segment.X_BV
         cells = (
-            f"{path_length(segment.path):.3f} m",
+            f"{segment.path.distance:.3f} m",
             f"{segment.profile.duration:.1f} s",
             f"({1e3 * axle.x:.0f}, {1e3 * axle.y:.0f}) mm, "
             f"{math.degrees(axle.yaw):.1f}°",

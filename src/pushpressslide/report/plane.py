@@ -88,7 +88,7 @@ def plan_figure(plan: Plan) -> Figure:
 def _plan_title(plan: Plan) -> str:
     """Return modes, length of the paths, and time."""
     segments = plan.segments
-    length = sum(series.path_length(segment.path) for segment in segments)
+    length = sum(segment.path.distance for segment in segments)
     seconds = sum(segment.profile.duration for segment in segments)
     modes = ", ".join(placement.segments[0].mode for placement in plan.by_placement)
     title = f"Plan: {modes}, {length:.3f} m in {seconds:.1f} s"

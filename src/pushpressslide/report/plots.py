@@ -279,7 +279,7 @@ def speeds_figure(plan: Plan, record: Record) -> Figure:
 def _cruise(segment: Segment) -> float:
     """Planned speed [m/s] of the tracking point; its path may be longer than 0 m."""
     path = segment.path
-    return segment.profile.cruise * series.path_length(path) / (path.length or 1.0)
+    return segment.profile.cruise * path.distance / (path.length or 1.0)
 
 
 def comparison_plot(runs: Sequence[tuple[str, Record]], *, title: str = "") -> Figure:

@@ -5,7 +5,6 @@ Poses, contact forces in the contact's axes, errors, travel along the surface.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +12,7 @@ from numpy.typing import NDArray
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import PHASES
-from pushpressslide.core.path import ArcPath
-from pushpressslide.core.plan import Contact, MotionPath, Plan
+from pushpressslide.core.plan import Contact, Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import ObjectModel
@@ -201,13 +199,6 @@ def motion(body: ObjectModel, record: Record) -> Motion:
         tracked_poses(body, record)[move, :2],
         record.arrays["stretch"][move],
     )
-
-
-def path_length(path: MotionPath) -> float:
-    """Return the length [m] of the tracking point's path; 0 for a turn on the spot."""
-    if isinstance(path, ArcPath):
-        return path.length
-    return sum(math.hypot(vx, vy) * length for (vx, vy, _), length in path.pieces)
 
 
 def contact_forces(

@@ -114,8 +114,8 @@ def _lengthened(choice: Choice, ahead: list[Choice]) -> Choice:
         if not (same and after.feasible):
             continue
         time = None
-        if choice.time is not None and after.time is not None:
-            time = choice.time + after.time
+        if choice.time is not None:  # the contacts are kept: nothing but the motion
+            time = choice.time + sum(s.profile.duration for s in after.segments)
         segments = (*choice.segments, *after.segments)
         return replace(choice, segments=segments, time=time)
     return choice.refused(ENDS)

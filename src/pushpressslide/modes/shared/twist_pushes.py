@@ -108,7 +108,7 @@ def driven_by_twists(
     drive = TwistDrive(cone.surface, path.radius, push)
     piece = segment(task, choice.mode, choice.contacts, drive, path, cone_margin=margin)
     merits = (
-        f"path {path.length:.3f} m of {len(path.pieces)} twist(s), "
+        f"path {path.distance:.3f} m of {len(path.pieces)} twist(s), "
         f"{describe_cone_margin(margin)}"
     )
     time = run_time(task.motion, (piece,))
