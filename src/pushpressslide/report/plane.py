@@ -151,11 +151,12 @@ def _pose_at(record: Record, tick: int) -> Pose2:
 
 
 def _other_bodies(ax: Axes, scene: Scene, record: Record) -> list[Point]:
-    """Draw every other body where it ended, if it moved; return the corners [m]."""
+    """Draw every other body where it ended, if it moved; return the corners [m].
+
+    On a wall or a slope no other body may move: it would fall.
+    """
     label = "moved body, end"
     corners: list[Point] = []
-    if not scene.support.frame.faces_up:
-        return corners  # their poses are recorded in the world
     for obstacle in scene.obstacles:
         values = record.arrays.get(f"body_{obstacle.name}")
         if values is None:
