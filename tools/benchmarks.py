@@ -94,9 +94,9 @@ def _fact(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
     quickest = min(row["ratio"] for row in solvers)
     ours, _, hpipm = benchmarks["mpc"][:3]
     return (
-        f"- **It is quick.** Contact forces inside their cones take {one:.2g} us, the "
+        f"- **It is quick.** Contact forces inside their cones take {one:.2g} µs, the "
         f"quickest solver {quickest:.1f} times as long; tracking and allocation "
-        f"together {ours['median_us']:.2g} us, one step of a model-predictive "
+        f"together {ours['median_us']:.2g} µs, one step of a model-predictive "
         f"controller {hpipm['ratio']:.0f} times ([benchmarks](docs/benchmarks.md))."
     )
 
@@ -115,11 +115,11 @@ def _speed(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
     return [
         "| what | measured |",
         "|---|---|",
-        f"| two contact forces inside their cones | {one:.2g} us; DAQP with its workspace "
+        f"| two contact forces inside their cones | {one:.2g} µs; DAQP with its workspace "
         f"kept takes {daqp:.1f} times that, Clarabel in Drake with its program kept "
         f"{clarabel:.0f} times |",
         f"| a whole control tick of a push, off its path: track and allocate | "
-        f"{ours['median_us']:.2g} us; a nonlinear MPC of the same push "
+        f"{ours['median_us']:.2g} µs; a nonlinear MPC of the same push "
         f"{ipopt['ratio']:.0f} times (IPOPT, warm) and {hpipm['ratio']:.0f} times (one "
         "step with HPIPM) |",
         f"| a run in Drake, seconds of wall time a simulated second | {rates} |",

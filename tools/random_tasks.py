@@ -393,7 +393,7 @@ def short() -> list[str]:
     """Return the table of the README: what reached its goal, of how many."""
     groups = (
         ("one motion of a given mode, 10 mm and 2°", KNOWN[: len(MODES)]),
-        ("any mode, the same", KNOWN[len(MODES) :]),
+        ("no mode given, the same", KNOWN[len(MODES) :]),
         ("the same as the first, in an uncertain world", UNCERTAIN),
         ("from anywhere to anywhere among obstacles, refused ones counted too", ()),
         ("knocked aside on the way", KNOCKS),
@@ -402,7 +402,7 @@ def short() -> list[str]:
     for what, tables in groups:
         counted = [(t.what, read(t)[0]) for t in tables or AMONG_OBSTACLES]
         cells = [
-            f"{name} {sum(map(reached_by, rows))} of {number}"
+            f"{name.removeprefix('any mode, ')} {sum(map(reached_by, rows))} of {number}"
             for name, rows in counted
             if (number := len(rows) if not tables else ran(rows))
         ]

@@ -20,6 +20,7 @@ from pushpressslide.planar.engine import run as run_planar
 from pushpressslide.report.metrics import result
 from pushpressslide.rom.drives import HeldDrive
 from pushpressslide.selection.select import select
+from pushpressslide.selection.solve import plan
 
 
 def turn(*overrides: str, contacts=None) -> Task:
@@ -47,7 +48,7 @@ def test_at_the_goal_the_load_is_in_the_middle_while_the_arms_carry_the_weight()
 ):
     task = turn()
     choice = next(c for c in MODE.choices(task) if c.feasible)
-    (segment,) = pps.plan(task, choice).segments
+    (segment,) = plan(task, choice).segments
     tracker = MODE.tracker(task, segment)
     allocate = MODE.allocator(choice.contacts, 0.8, None, segment.drive.center)
     path = segment.path
@@ -123,8 +124,8 @@ def test_the_press_fit_is_lifted_slid_and_turned_on_the_planar_engine(
 
 
 def test_an_object_that_nothing_presses_or_carries_falls() -> None:
-    plan = pps.plan(replace(pps.load_task("press-fit"), obstacles=()))
-    assert (record := run_planar(plan)).reason == "diverged"
+    hanging = replace(pps.load_task("press-fit"), obstacles=())
+    assert (record := run_planar(plan(hanging))).reason == "diverged"
     assert "falls" in record.reason_text
 
 

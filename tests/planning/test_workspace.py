@@ -8,6 +8,7 @@ from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Limits
 from pushpressslide.planning.workspace import STEP, poses_along, workspace_refusal
+from pushpressslide.planning.segments import describe_points
 from pushpressslide.selection.solve import plan
 
 TASK = load_task("rear-push-rear")
@@ -35,3 +36,7 @@ def test_the_frame_of_the_shape_is_bounded_not_that_of_the_body() -> None:
 
 def test_without_a_workspace_every_place_is_allowed() -> None:
     assert workspace_refusal(TASK.object, Limits(), [Pose2(9.0, 9.0, 0.0)]) is None
+
+
+def test_a_point_in_words_has_no_negative_zero() -> None:
+    assert describe_points([(-1e-6, 0.1)]) == "(0.000, 0.100)"

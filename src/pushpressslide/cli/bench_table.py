@@ -12,16 +12,16 @@ from rich.table import Table
 from pushpressslide.cli.wide_table import print_table
 
 HEADINGS = {
-    "median_us": "median us",
-    "p99_us": "99th percentile us",
+    "median_us": "median µs",
+    "p99_us": "99th percentile µs",
     "ratio": "times the first",
     "numpy_over": "NumPy takes, times",
     "one_by_one_over": "one by one takes, times",
     "off_path_mm": "off the path mm",
     "end_mm": "off in the end mm",
     "end_deg": "deg",
-    "tick_us": "median tick us",
-    "longest_us": "longest us",
+    "tick_us": "median tick µs",
+    "longest_us": "longest µs",
     "late": "ticks over the period",
     "run_over_played_back": "run over its torques played back",
     "wall_per_simulated": "wall s per simulated s",

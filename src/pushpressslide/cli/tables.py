@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from pushpressslide.core.task import Task
     from pushpressslide.modes.base import Mode
 
-JOINT_PATHS = "Joint paths were not looked at; `--joints` looks, as `pps run` does."
+JOINT_PATHS = (
+    "Joint paths were not looked at; `pps select --joints` looks, as `pps run` does."
+)
 """Of choices that were ranked without an engine."""
 
 MISSING = "-"
@@ -214,7 +216,8 @@ def print_result(result: Mapping[str, Any], folder: Path) -> None:
 def print_figures(result: Mapping[str, Any]) -> None:
     """Print the single figures of any result by their names."""
     table = simple_table("figure", "value")
-    for name, value in result.items():
+    for key, value in result.items():
+        name = key.replace("_", " ")
         if isinstance(value, float):
             table.add_row(name, f"{value:.4g}")
         elif isinstance(value, (bool, int, str)):

@@ -30,7 +30,7 @@ def segment(
 
 def describe_points(points: Iterable[Point]) -> str:
     """Return points [m] in words: "(0.100, 0.000) and (0.200, 0.000)"."""
-    return " and ".join(f"({x:.3f}, {y:.3f})" for x, y in points)
+    return " and ".join(f"({x:z.3f}, {y:z.3f})" for x, y in points)
 
 
 def run_time(
