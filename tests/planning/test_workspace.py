@@ -7,8 +7,8 @@ import pytest
 from pushpressslide import load_task
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Limits
-from pushpressslide.planning.workspace import STEP, poses_along, workspace_refusal
 from pushpressslide.planning.segments import describe_points
+from pushpressslide.planning.workspace import STEP, poses_along, workspace_refusal
 from pushpressslide.selection.solve import plan
 
 TASK = load_task("rear-push-rear")
