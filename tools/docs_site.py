@@ -43,7 +43,7 @@ LINK = re.compile(r"\]\(([^)\s:]+?)(#[^)\s]*)?\)")
 def program(path: Path) -> str:
     """Return a page that shows an example: its docstring, then all of it."""
     text = path.read_text(encoding="utf-8")
-    title = path.stem[3:].replace("_", " ").capitalize()
+    title = path.stem[3:].replace("_", " ").capitalize().replace("python", "Python")
     about = ast.get_docstring(ast.parse(text)) or ""
     code = text.split('"""', 2)[2].strip()
     return f"# {path.stem[:2]} {title}\n\n{about}\n\n```python\n{code}\n```\n"
