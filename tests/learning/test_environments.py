@@ -16,16 +16,17 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 import pushpressslide as pps  # noqa: E402
 import pushpressslide.learning  # noqa: E402 - registers the environments
 from pushpressslide.learning.environment import PushEnv  # noqa: E402
-from pushpressslide.learning.registration import ENVIRONMENTS  # noqa: E402
+from pushpressslide.learning.registration import COMMANDS, ENVIRONMENTS  # noqa: E402
 from pushpressslide.learning.vector import PushVectorEnv  # noqa: E402
 
-REGISTERED = [name for name in gymnasium.registry if name.startswith("pushpressslide/")]
+REGISTERED = list(ENVIRONMENTS)
 every_environment = pytest.mark.parametrize("name", REGISTERED)
 VECTORISED = [name for name in REGISTERED if gymnasium.spec(name).vector_entry_point]
 
 
 def test_every_environment_is_registered() -> None:
-    assert sorted(REGISTERED) == sorted(ENVIRONMENTS)
+    own = {name for name in gymnasium.registry if name.startswith("pushpressslide/")}
+    assert own == {*ENVIRONMENTS, *COMMANDS}
 
 
 @every_environment

@@ -17,7 +17,13 @@ ENVIRONMENTS: dict[str, dict[str, Any]] = {
     },
 }
 """The arguments of each registered id."""
+COMMANDS: dict[str, dict[str, Any]] = {
+    "pushpressslide/Commands-v0": {"task": "press-slide", "engine": "planar"},
+    "pushpressslide/CommandsDrake-v0": {"task": "press-slide", "engine": "drake"},
+}
+"""The arguments of each id whose tips are commanded tick by tick."""
 SINGLE = "pushpressslide.learning.environment:PushEnv"
+COMMANDED = "pushpressslide.learning.command_env:CommandEnv"
 VECTOR = "pushpressslide.learning.vector:PushVectorEnv"
 MISSING = "gymnasium is not installed: pip install 'pushpressslide[gym]'"
 
@@ -36,3 +42,6 @@ def register() -> None:
                 vector_entry_point=None if "exact" in arguments else VECTOR,
                 kwargs=arguments,
             )
+    for name, arguments in COMMANDS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(id=name, entry_point=COMMANDED, kwargs=arguments)

@@ -1,0 +1,205 @@
+"""Any task of one placement as an environment of Gymnasium, on either engine: what a
+controller is given and what it answers, tick by tick.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from pushpressslide.control.plant import Plant
+from pushpressslide.control.run_loop import RunLoop, RunOptions
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Measurement
+from pushpressslide.core.errors import (
+    InfeasibleTaskError,
+    PushPressSlideError,
+    TaskError,
+)
+from pushpressslide.core.plan import Plan
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Task
+from pushpressslide.learning.command_rows import (
+    FAR,
+    FAST,
+    SEEN,
+    STRONG,
+    WIDTH,
+    CommandScale,
+    observation_row,
+)
+from pushpressslide.learning.options import start_asked
+from pushpressslide.learning.pushing import errors
+from pushpressslide.learning.registration import MISSING
+from pushpressslide.mechanics.pressure import support_pressure
+from pushpressslide.mechanics.rho import rho_fit
+from pushpressslide.modes.base import ENOUGH
+from pushpressslide.selection.preparation import PlansAlone
+from pushpressslide.selection.solve import solve
+from pushpressslide.taskfile.load import check_task, load_task
+
+try:
+    import gymnasium
+except ImportError as error:
+    raise ImportError(MISSING) from error
+
+SPREAD = (0.01, 0.01, math.radians(5.0))
+"""How far starts are drawn from the task's, to either side: x, y [m] and yaw [rad]."""
+DRAWS = 20
+"""Starts that are drawn until one can be planned from."""
+
+
+class CommandEnv(gymnasium.Env):
+    """One task whose tips an agent commands from before the touch on, as our controller
+    does.
+
+    Observations (7 + 9 A,) and actions (25 A,) for A arms as ``command_rows``; a row of
+    an arm that has no contact in the plan is not looked at. A step is one control
+    period. The reward [m] is minus the distance to the goal and minus rho times the
+    angle to it; ``success`` in ``info``: the object is within the task's tolerance,
+    which ends the episode, as does an engine that gives up. ``limits.time`` truncates.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+
+    def __init__(
+        self, task: Task | str | Path = "press-slide", engine: str = "planar"
+    ) -> None:
+        """Prepare a task: itself, the name of a shipped one, or the path of a file.
+
+        Raises TaskError for a task of several goals, PushPressSlideError for an unknown
+        engine, and MissingPackageError for one that is not installed.
+        """
+        self.task = task if isinstance(task, Task) else load_task(task)
+        check_task(self.task)
+        if self.task.goals:
+            raise TaskError(self.task.name, "goals", "several", "allowed: one goal")
+        if engine not in ("drake", "planar"):
+            raise PushPressSlideError(
+                f"engine: {engine!r} is not allowed; allowed: drake, planar"
+            )
+        self.engine = engine
+        arms = len(self.task.robots)
+        load = support_pressure(
+            self.task.object.shape, center_of_mass=self.task.object.center_of_mass
+        )
+        self._rho = rho_fit(load)
+        tip = np.repeat([FAR, FAST, STRONG], 3)
+        turns = 1e3  # [rad]
+        seen = [self.task.limits.time + 1.0, *2 * (FAR, FAR, turns)]
+        high = np.concatenate([seen, np.tile(tip, arms)])
+        low = -high
+        low[0] = 0.0
+        self.observation_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.scale = CommandScale(self.task.motion, self.task.limits)
+        size = (WIDTH * arms,)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, size, dtype=np.float64)
+        self.loop: RunLoop  # of the present episode: plan, controller and plant
+        self._touching: frozenset[int] = frozenset()
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the present episode."""
+        return self.loop.plan
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Plan anew from a start near the task's, or from ``options["start"]``: x, y [m]
+        and yaw [rad] of X_WG; lead the tips to before their contacts.
+
+        Raises InfeasibleTaskError where nothing leads from there to the goal.
+        """
+        super().reset(seed=seed)
+        starts = start_asked(options, 1)
+        plant, plan = self._made(None if starts is None else starts[0])
+        self.loop = RunLoop(plant, plan, RunOptions(), ())
+        self._touching = frozenset(contact.arm for contact in plan.contacts)
+        measurement = plant.measure()
+        while measurement.time < self.loop.approach.arrival:
+            commands, _ = self.loop.approach.step(measurement.time)
+            plant.apply(commands)
+            plant.advance()
+            measurement = plant.measure()
+        return self._told(measurement)
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Command the tips for one control period."""
+        rows = np.reshape(action, (-1, WIDTH))
+        plant = self.loop.plant
+        plant.apply(
+            tuple(
+                self.scale.command(row) if arm in self._touching else None
+                for arm, row in enumerate(rows)
+            )
+        )
+        plant.advance()
+        measurement = plant.measure()
+        observation, info = self._told(measurement)
+        reward = -info["distance"] - self._rho * info["angle"]
+        over = info["success"] or plant.diverged() is not None
+        late = measurement.time >= self.task.limits.time
+        return observation, reward, over, late, info
+
+    def _told(self, measurement: Measurement) -> tuple[Array, dict[str, Any]]:
+        """Return an observation, inside its bounds, and what is known of it."""
+        space = self.observation_space
+        row = observation_row(measurement, self.task.goal)
+        distance, angle = errors(row[1:SEEN])
+        tolerance = self.task.tolerance
+        success = distance <= tolerance.position and angle <= tolerance.yaw
+        info = {
+            "success": bool(success),
+            "distance": float(distance),
+            "angle": float(angle),
+        }
+        return np.clip(row, space.low, space.high), info
+
+    def _made(self, start: Sequence[float] | Array | None) -> tuple[Plant, Plan]:
+        """Return a plant and a plan from a start, drawn where none is given.
+
+        What only arms or a ledge carry begins at the task's own start.
+        """
+        own = self.task.start
+        if start is not None:
+            return self._from(Pose2(*map(float, start)))
+        if not self.task.scene.rests:
+            return self._from(own)
+        for draw in range(DRAWS):
+            x, y, yaw = self.np_random.uniform(-1.0, 1.0, 3) * SPREAD
+            try:
+                return self._from(Pose2(own.x + x, own.y + y, own.yaw + yaw))
+            except (InfeasibleTaskError, TaskError):
+                if draw == DRAWS - 1:
+                    raise
+        raise AssertionError
+
+    def _from(self, start: Pose2) -> tuple[Plant, Plan]:
+        task = replace(self.task, start=start)
+        check_task(task)
+        if self.engine == "planar":
+            from pushpressslide.planar.plant import PlanarPlant
+
+            plan = _lone(solve(PlansAlone(), task, 1).plan)
+            return PlanarPlant(plan), plan
+        from pushpressslide.sim.joints.placements import PlacementPaths
+        from pushpressslide.sim.plant import DrakePlant
+        from pushpressslide.sim.station import Station
+
+        paths = PlacementPaths(False)
+        plan = _lone(solve(paths, task, ENOUGH).plan)
+        station = Station(plan, time_step=task.motion.time_step)
+        return DrakePlant(plan, station, paths.paths, "generated"), plan
+
+
+def _lone(plan: Plan) -> Plan:
+    """Return a plan of one placement; raises InfeasibleTaskError for another."""
+    if len(plan.placements) > 1:
+        count = len(plan.placements)
+        raise InfeasibleTaskError(f"{plan.task.name}: takes {count} placements, not 1")
+    return plan

@@ -1,0 +1,102 @@
+"""Measurements and tip commands as rows of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Measurement, TipCommand, TipState
+from pushpressslide.core.pose import Pose2
+from pushpressslide.core.task import Limits, Motion
+
+YAW = 4.0 * math.pi  # [rad], whole turns included
+LEAST_DAMPING = 500.0  # [N s/m] of which twice can always be asked
+FAST = 10.0  # [m/s] of a tip that is seen
+FAR = 20.0  # [m] of what is seen
+STRONG = 1e5  # [N] of a force that is seen
+SEEN = 7
+"""Numbers of an observation before those of the tips: time, pose, goal."""
+TIP = 9
+"""Numbers of an observation for each tip: position, velocity, force."""
+WIDTH = 25
+"""Numbers of one tip's command."""
+
+
+class CommandScale:
+    """A tip's command as numbers in [-1, 1]: each is from the least to the largest value
+    that its field may have.
+    """
+
+    def __init__(self, motion: Motion, limits: Limits) -> None:
+        """Take the bounds of forces and damping from a task."""
+        force = 2.0 * limits.normal_force
+        damping = 2.0 * max(motion.servo_damping, LEAST_DAMPING)
+        # name, numbers, least and largest value, in the units of TipCommand
+        self._columns = (
+            ("force", 3, -force, force),
+            ("position", 3, -5.0, 5.0),
+            ("velocity", 3, -0.5, 0.5),
+            ("stiffness", 3, 0.0, 5000.0),
+            ("damping", 3, 0.0, damping),
+            ("normal_yaw", 1, -YAW, YAW),
+            ("tool_yaw", 1, -YAW, YAW),
+            ("tool_yaw_rate", 1, -2.0, 2.0),
+            ("servo_cap", 1, 0.0, 100.0),
+            ("progress", 1, -20.0, 20.0),
+            ("acceleration", 3, -5.0, 5.0),
+            ("tool_yaw_acceleration", 1, -10.0, 10.0),
+            ("catches_up", 1, 0.0, 1.0),
+        )
+        low, high = (
+            np.concatenate([np.full(c[1], c[side]) for c in self._columns])
+            for side in (2, 3)
+        )
+        self._middle = 0.5 * (low + high)
+        self._half = 0.5 * (high - low)
+
+    def row(self, command: TipCommand | None) -> Array:
+        """Return a command as numbers (25,); zeros for a tip without a contact."""
+        if command is None:
+            return np.zeros(WIDTH)
+        values = [np.ravel(getattr(command, c[0])) for c in self._columns]
+        scaled = (np.concatenate(values) - self._middle) / self._half
+        return np.asarray(np.clip(scaled, -1.0, 1.0))
+
+    def command(self, row: Array) -> TipCommand:
+        """Return the command of numbers (25,), each inside its bounds."""
+        numbers = (self._middle + self._half * np.clip(row, -1.0, 1.0)).tolist()
+        fields = dict(self._fields(numbers))
+        fields["catches_up"] = fields["catches_up"] >= 0.5
+        return TipCommand(**fields)
+
+    def _fields(self, numbers: Sequence[float]) -> Iterator[tuple[str, Any]]:
+        first = 0
+        for name, count, _, _ in self._columns:
+            values = tuple(numbers[first : first + count])
+            first += count
+            yield name, values if count > 1 else values[0]
+
+
+def observation_row(measurement: Measurement, goal: Pose2) -> Array:
+    """Return time [s], pose X_WG, goal and, of each tip, position [m], velocity [m/s]
+    and force [N] on the object as numbers (7 + 9 A,).
+    """
+    X = measurement.object_pose
+    row = [measurement.time, X.x, X.y, X.yaw, goal.x, goal.y, goal.yaw]
+    for tip in measurement.tips:
+        row += [*tip.position, *tip.velocity, *tip.force]
+    return np.nan_to_num(np.array(row, dtype=np.float64))
+
+
+def row_measurement(row: Array) -> Measurement:
+    """Return what an observation (7 + 9 A,) says was measured."""
+    time, x, y, yaw, *_ = row[:SEEN].tolist()
+    tips = []
+    for numbers in row[SEEN:].reshape(-1, TIP).tolist():
+        px, py, pz, vx, vy, vz, fx, fy, fz = numbers
+        tips.append(TipState((px, py, pz), (vx, vy, vz), (fx, fy, fz)))
+    return Measurement(time, Pose2(x, y, yaw), tuple(tips))
