@@ -1,7 +1,9 @@
 """The documents do not lie: links, functions, tests, commands, fields, examples."""
 
 import importlib
+import json
 import re
+import runpy
 import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
@@ -189,3 +191,11 @@ def test_the_readme_counts_what_the_results_count() -> None:
     results = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
     table = results.partition("results: begin (generated) -->")[2]
     assert renewed(README, "results", summary_of(table)) == README
+
+
+def test_the_table_of_other_planners_is_that_of_its_rows() -> None:
+    tool = runpy.run_path(str(ROOT / "tools" / "other_planners.py"))
+    rows = json.loads(tool["DATA"].read_text(encoding="utf-8"))
+    assert [row["task"] for row in rows] == list(tool["TASKS"])
+    page = tool["PAGE"].read_text(encoding="utf-8")
+    assert renewed(page, "planners", tool["table"](rows)) == page
