@@ -12,7 +12,7 @@ task = pps.Task(
     ),
     start=pps.Pose2(0.40, 0.15, 0.0),  # x, y [m] and yaw [rad] of the shape's frame
     goal=pps.Pose2(0.60, -0.10, math.radians(-30.0)),
-    robots=(pps.Robot(model="panda", base=(0.0, 0.0, 0.0)),),
+    robots=(pps.Robot("panda", base=(0.0, 0.0, 0.0)),),
     support=pps.Support(friction=0.35),
     contact_friction=0.6,
 )

@@ -59,3 +59,12 @@ def test_report_is_a_function_whatever_was_imported() -> None:
 
     assert callable(pps.report)
     assert pushpressslide.report.page.write_report.__doc__
+
+
+def test_an_object_and_an_arm_say_no_more_than_in_a_file() -> None:
+    corner = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.1))
+    body = pps.Object(pps.Prism(corner, height=0.05), mass=1.0)
+    assert body.center_of_mass == pytest.approx((0.2 / 3.0, 0.1 / 3.0))
+    own = pps.Object(body.shape, mass=1.0, center_of_mass=(0.05, 0.02))
+    assert own.center_of_mass == (0.05, 0.02)
+    assert pps.Robot("panda").base == (0.0, 0.0, 0.0)

@@ -106,21 +106,31 @@ class Support:
         return f"an {self.kind}" if self.kind[0] in "aeiou" else f"a {self.kind}"
 
 
+CENTROID: Point = (math.nan, math.nan)
+"""A centre of mass that is not given."""
+
+
 @dataclass(frozen=True, slots=True)
 class ObjectModel:
-    """The object to be moved."""
+    """The object to be moved; without ``center_of_mass`` that of even density."""
 
     shape: Shape = field(metadata=entry("exactly one shape; it defines the frame G"))
     mass: float = field(metadata=entry("mass", "kg", "(0, 1000]"))
     center_of_mass: Point = field(
+        default=CENTROID,
         metadata=entry(
             "centre of mass in G, projected on the support, inside the footprint; null: "
             "the centroid",
             "m",
             "[-5, 5]",
             default_in_file=None,
-        )
+        ),
     )
+
+    def __post_init__(self) -> None:
+        """Put the centre of mass at the centroid where none is given."""
+        if self.center_of_mass is CENTROID:
+            object.__setattr__(self, "center_of_mass", self.shape.centroid)
 
     @property
     def X_GB(self) -> Pose2:
@@ -146,7 +156,9 @@ class Robot:
         )
     )
     # [m] position in the world
-    base: tuple[float, float, float] = field(metadata=entry("pose of the base"))
+    base: tuple[float, float, float] = field(
+        default=(0.0, 0.0, 0.0), metadata=entry("pose of the base")
+    )
     base_yaw: float = 0.0  # [rad] in the file part of the base
     tip_frame: str | None = setting(
         None, "frame at the tip's centre; required for a model given by its path"
