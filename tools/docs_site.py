@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import ast
 import importlib
-import json
 import posixpath
 import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import nbclient
+import nbformat
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
@@ -50,13 +52,29 @@ def program(path: Path) -> str:
 
 
 def notebook(path: Path) -> str:
-    """Return a page that shows a notebook: its words, and its code in blocks."""
+    """Return a page that shows a notebook: its words, its code, and what that prints and
+    draws when it is run.
+    """
+    cells = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(cells, timeout=300, kernel_name="python3").execute()
     parts = []
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
-        source = "".join(cell["source"])
-        code = cell["cell_type"] == "code"
-        parts.append(f"```python\n{source}\n```" if code else source)
+    for cell in cells.cells:
+        if cell.cell_type != "code":
+            parts.append(cell.source)
+            continue
+        parts.append(f"```python\n{cell.source}\n```")
+        parts += filter(None, map(shown, cell.outputs))
     return "\n\n".join(parts) + f"\n\nThe notebook: `examples/{path.name}`.\n"
+
+
+def shown(output: Any) -> str:
+    """Return an output of a notebook as Markdown: a picture, or a text."""
+    picture = output.get("data", {}).get("image/png")
+    if picture is not None:
+        source = f"data:image/png;base64,{picture.strip()}"
+        return f'<img alt="What the code above draws" src="{source}">'
+    text = output.get("text") or output.get("data", {}).get("text/plain", "")
+    return f"```text\n{text.rstrip()}\n```" if text else ""
 
 
 def title_of(text: str) -> str:
@@ -112,7 +130,8 @@ def api() -> Iterator[tuple[str, str]]:
     """Yield name and text of the pages of the Python API: a room each, their list."""
     top = importlib.import_module("pushpressslide")
     rows = ["# Python API", "", "## Names of `pushpressslide`", ""]
-    for name, home in vars(top)["_HOMES"].items():
+    homes = {**vars(top)["_HOMES"], "report": "report.page.write_report"}
+    for name, home in sorted(homes.items()):
         about = (getattr(top, name).__doc__ or "").partition("\n\n")[0]
         line = " ".join(about.split())
         rows.append(f"- [`{name}`][pushpressslide.{home}]: {line}")

@@ -260,7 +260,7 @@ def command_line() -> str:
 @app.command()
 def report(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="Folders of finished runs.")
+        list[Path], typer.Argument(metavar="DIR", help="Folders of finished runs.")
     ],
     out: Out = None,
 ) -> None:

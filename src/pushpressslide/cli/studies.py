@@ -252,7 +252,7 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME...]",
+            metavar="NAME",
             help=f"Of {', '.join(complete.BENCHMARKS)}; default: all.",
             autocompletion=complete.benchmarks,
         ),
