@@ -47,6 +47,7 @@ def test_nothing_is_refused_that_selection_could_do() -> None:
 
     from pushpressslide.core.errors import TaskError
     from pushpressslide.core.pose import Pose2
+    from pushpressslide.selection.select import select
     from pushpressslide.taskfile.checks import check_reach
 
     loaded = 0
@@ -56,7 +57,7 @@ def test_nothing_is_refused_that_selection_could_do() -> None:
             check_reach(moved)
             loaded += 1
         except TaskError:
-            assert not pps.select(moved)[0].feasible, x
+            assert not select(moved)[0].feasible, x
     assert 1 < loaded < 7
 
 

@@ -11,6 +11,7 @@ from typer.testing import CliRunner, Result
 
 from pushpressslide.cli import app, shell
 from pushpressslide.cli.bench_table import print_benchmarks
+from pushpressslide.cli.text import print_text
 
 Refusal = Callable[..., str]
 SLIPPERY = ("any-mode", "--set", "contact.friction=0.05", "--set", "limits.legs=1")
@@ -122,7 +123,7 @@ def test_a_text_is_one_line_in_a_file_and_whole_words_on_a_terminal(
     monkeypatch.setenv("COLUMNS", "40")
     stream = shell.sys.stderr if error else shell.sys.stdout
     monkeypatch.setattr(stream, "isatty", lambda: terminal)
-    shell.print_text(text, indent=4, error=error)
+    print_text(text, indent=4, error=error)
     out, err = capsys.readouterr()
     lines = (err if error else out).splitlines()
     assert " ".join(line.strip() for line in lines) == text

@@ -32,11 +32,11 @@ from pushpressslide.cli.shell import (
     WRONG_INPUT,
     Interruption,
     complain,
-    print_text,
     progress_bar,
     results_folder,
     show_page,
 )
+from pushpressslide.cli.text import print_text
 from pushpressslide.core.errors import InfeasibleTaskError, PushPressSlideError
 from pushpressslide.jobs.engines import DEFAULT, ENGINES
 

@@ -11,8 +11,8 @@ from typing import Any
 import typer
 
 from pushpressslide.cli.app import print_json
-from pushpressslide.cli.shell import print_text
 from pushpressslide.cli.tables import JOINT_PATHS, choice_rows, print_choices
+from pushpressslide.cli.text import print_text
 from pushpressslide.core.bodies import Stage
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.core.task import Task

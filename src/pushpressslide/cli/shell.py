@@ -14,14 +14,13 @@ from datetime import datetime
 from functools import partial
 from itertools import count
 from pathlib import Path
-from shutil import get_terminal_size
-from textwrap import wrap
 from types import FrameType
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
+from pushpressslide.cli.text import print_text
 from pushpressslide.core.errors import (
     InfeasibleTaskError,
     PushPressSlideError,
@@ -121,24 +120,6 @@ def complain(line: str) -> None:
     """Write one line on stderr; shipped tasks go by the name of their file."""
     short = line.replace(f"{SHIPPED}{os.sep}", "")
     print_text(f"pps: {' '.join(short.split())}", indent=4, error=True)
-
-
-def print_text(text: str, indent: int = 0, error: bool = False) -> None:
-    """Print a text, on stderr if it is an error: on a terminal without cutting words, its
-    further lines indented; elsewhere as one line.
-    """
-    stream = sys.stderr if error else sys.stdout
-    if not stream.isatty():
-        typer.echo(text, err=error)
-        return
-    lines = wrap(
-        text,
-        get_terminal_size().columns,
-        subsequent_indent=" " * indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    typer.echo("\n".join(lines), err=error)
 
 
 def show_page(address: str) -> None:

@@ -24,7 +24,8 @@ from pushpressslide.cli.options import (
     Variation,
     World,
 )
-from pushpressslide.cli.shell import print_text, progress_bar, results_folder
+from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.cli.text import print_text
 from pushpressslide.jobs.engines import DEFAULT
 
 

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 
-from pushpressslide.cli.shell import print_text
+from pushpressslide.cli.text import print_text
 from pushpressslide.cli.wide_table import print_table
 from pushpressslide.core.pose import wrap_angle
 from pushpressslide.planning.segments import describe_points

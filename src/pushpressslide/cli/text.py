@@ -1,0 +1,27 @@
+"""Texts on a terminal and in a file."""
+
+from __future__ import annotations
+
+import sys
+from shutil import get_terminal_size
+from textwrap import wrap
+
+import typer
+
+
+def print_text(text: str, indent: int = 0, error: bool = False) -> None:
+    """Print a text, on stderr if it is an error: on a terminal without cutting words, its
+    further lines indented; elsewhere as one line.
+    """
+    stream = sys.stderr if error else sys.stdout
+    if not stream.isatty():
+        typer.echo(text, err=error)
+        return
+    lines = wrap(
+        text,
+        get_terminal_size().columns,
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    typer.echo("\n".join(lines), err=error)
