@@ -110,8 +110,9 @@ class Diary:
 
     def row(self) -> PlantRow:
         self.asked.append("row")
-        arrays = {"object_twist": ZERO, "extra": self.ticks}
-        return PlantRow((ZERO,) * self.arms, lambda: arrays, 1e-3)
+        ticks = self.ticks
+        forces = (ZERO,) * self.arms
+        return PlantRow(ZERO, forces, 1e-3, lambda: {"extra": ticks})
 
     def diverged(self) -> str | None:
         return "it broke" if self.time > self.breaks_after else None

@@ -42,7 +42,7 @@ def test_without_commands_nothing_moves_but_time(plan: Plan) -> None:
     assert after.time == pytest.approx(3.0 * plan.task.motion.control_period)
     assert after.object_pose == before.object_pose
     assert [tip.position for tip in after.tips] == [tip.position for tip in before.tips]
-    assert plant.row().arrays() == {"object_twist": (0.0, 0.0, 0.0)}
+    assert plant.row().object_twist == (0.0, 0.0, 0.0)
     assert plant.diverged() is None
 
 

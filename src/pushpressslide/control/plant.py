@@ -22,11 +22,13 @@ from pushpressslide.selection.preparation import Preparation
 class PlantRow:
     """What a plant adds to the record of one tick."""
 
+    # of G's origin along x and y [m/s], and the yaw rate [rad/s]
+    object_twist: Vector3
     tip_forces: tuple[Vector3, ...]  # [N] of each tip ON the object during the tick
-    # makes this tick's rows of the arrays of core.record.Record that only a plant can
-    # tell, "object_twist" among them; asked when the run is over
-    arrays: Callable[[], Mapping[str, Any]]
     execution_time: float = 0.0  # [s] of wall time, from commands to actuators
+    # makes this tick's rows of the arrays of core.record.Record that not every plant
+    # has; asked when the run is over
+    extras: Callable[[], Mapping[str, Any]] = dict
 
 
 @dataclass(frozen=True, slots=True)

@@ -106,7 +106,7 @@ class Recorder:
                 **_log_rows(noted.tick),
                 **_arm_rows(noted.tick),
                 **_wall_time_rows(noted.tick),
-                **noted.tick.row.arrays(),
+                **noted.tick.row.extras(),
             }
             for name, value in rows.items():
                 columns[name].append(value)
@@ -173,6 +173,7 @@ def _log_rows(tick: Tick) -> dict[str, Any]:
         "time": tick.truth.time,
         "phase": PHASES.index(log.phase),
         "object_pose": (pose.x, pose.y, pose.yaw),
+        "object_twist": tick.row.object_twist,
         "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
         "tracking_error": log.tracking_error,
         "progress": log.progress,

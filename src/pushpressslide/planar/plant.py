@@ -79,7 +79,7 @@ class PlanarPlant:
         twist = self._now.twist.moved_to(self._X_BG.position)
         velocity = self._before.X_WB.rotate((twist.vx, twist.vy))
         forces = tuple(tip.force for tip in self._now.tips)
-        return PlantRow(forces, lambda: {"object_twist": (*velocity, twist.w)})
+        return PlantRow((*velocity, twist.w), forces)
 
     def diverged(self) -> str | None:
         """Return that the object tips over or falls, or None."""

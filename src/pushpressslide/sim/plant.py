@@ -352,15 +352,17 @@ class DrakePlant:
     def row(self) -> PlantRow:
         """Return what is recorded of the tick that the last measurement began."""
         arms = [arm.row() for arm in self._arms]
-        arrays = partial(self._arrays, self._x, self._truth.tips, arms)
+        start = self._body_velocity
+        twist = planar_twist(self._x[start : start + 6], self._frame)
         forces = tuple(tip.force for tip in self._truth.tips)
-        return PlantRow(forces, arrays, self._executing)
+        extras = partial(self._extras, self._x, self._truth.tips, arms)
+        return PlantRow(twist, forces, self._executing, extras)
 
-    def _arrays(
+    def _extras(
         self, x: Array, tips: Sequence[TipState], arms: Sequence[ArmRow]
     ) -> dict[str, Any]:
-        """Return the rows of the arrays that this plant tells, from the plant's state
-        ``x`` and what tips and arms did.
+        """Return the rows of the arrays that this plant alone has, from the plant's
+        state ``x`` and what tips and arms did.
         """
         rows: dict[str, Any] = {}
         for i, arm in enumerate(arms):
@@ -370,8 +372,6 @@ class DrakePlant:
         ]
         for name, start in self._body_rows.items():
             rows[name] = x[start : start + 7]
-        start = self._body_velocity
-        rows["object_twist"] = planar_twist(x[start : start + 6], self._frame)
         return rows
 
     def diverged(self) -> str | None:
