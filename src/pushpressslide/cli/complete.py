@@ -22,6 +22,7 @@ BENCHMARKS = (
     "engines",
     "mpc",
     "runs",
+    "memory",
     "truths",
     "start",
     "scaling",
