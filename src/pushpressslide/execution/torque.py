@@ -44,11 +44,11 @@ def task_torque(J: Array, wrench: Array, posture: Array, bias: Array) -> Array:
     """Return tau (n,) = J^T ``wrench`` + null-space ``posture`` torque + ``bias``.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``wrench`` (6,) likewise
-    [moment; force]; ``posture`` (n,) [N m]
-    of a joint-space spring and damper, projected so that no force at the tip is needed
-    to hold it, and next to no moment but where the arm can hardly turn the tool: there
-    the posture says how it is held, since nothing else damps those joints. ``bias``
-    (n,) [N m] gravity and Coriolis compensation.
+    [moment; force]. ``posture`` (n,) [N m] is that of a joint-space spring and damper,
+    projected so that no force at the tip is needed to hold it, and next to no moment
+    but where the arm can hardly turn the tool: there the posture says how it is held,
+    since nothing else damps those joints. ``bias`` (n,) [N m] gravity and Coriolis
+    compensation.
     """
     tau: Array = J.T @ wrench + bias
     if J.shape[1] > 6:
