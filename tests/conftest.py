@@ -11,6 +11,19 @@ WITH_DRAKE = ("drake", "report/test_replay.py")
 collect_ignore = list(WITH_DRAKE) if find_spec("pydrake") is None else []
 
 
+@pytest.fixture(scope="session")
+def task_of_mode() -> dict[str, str]:
+    """Return a shipped task for each mode."""
+    return {
+        "rear_push": "rear-push-rear",
+        "press_slide": "press-slide",
+        "parallel_push": "parallel-push",
+        "orthogonal_push": "orthogonal-push",
+        "bimanual_press_slide": "bimanual-slide",
+        "press_and_push": "pivot",
+    }
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say what is left out."""
     if collect_ignore:

@@ -27,14 +27,6 @@ from pushpressslide.learning.command_rows import (  # noqa: E402
 from pushpressslide.learning.mode_policy import ModePolicy  # noqa: E402
 from pushpressslide.learning.registration import COMMANDS  # noqa: E402
 
-TASKS = {
-    "rear_push": "rear-push-rear",
-    "press_slide": "press-slide",
-    "parallel_push": "parallel-push",
-    "orthogonal_push": "orthogonal-push",
-    "bimanual_press_slide": "bimanual-slide",
-    "press_and_push": "pivot",
-}
 DRAKE = pytest.mark.skipif(
     not importlib.util.find_spec("pydrake"), reason="Drake is not installed"
 )
@@ -64,8 +56,8 @@ def test_the_checker_has_nothing_to_say(name):
 
 
 @pytest.mark.parametrize("mode", pps.modes.MODES)
-def test_the_controller_of_every_mode_is_a_policy(mode):
-    env = CommandEnv(TASKS[mode])
+def test_the_controller_of_every_mode_is_a_policy(mode, task_of_mode):
+    env = CommandEnv(task_of_mode[mode])
     seen, info = played(env, seed=3)
     assert {segment.mode for segment in env.plan.segments} == {mode}
     assert info["success"]
@@ -75,8 +67,8 @@ def test_the_controller_of_every_mode_is_a_policy(mode):
 @pytest.mark.long
 @DRAKE
 @pytest.mark.parametrize("mode", pps.modes.MODES)
-def test_the_controller_of_every_mode_is_a_policy_in_drake(mode):
-    _, info = played(CommandEnv(TASKS[mode], engine="drake"), seed=3)
+def test_the_controller_of_every_mode_is_a_policy_in_drake(mode, task_of_mode):
+    _, info = played(CommandEnv(task_of_mode[mode], engine="drake"), seed=3)
     assert info["success"]
 
 

@@ -9,19 +9,12 @@ from pushpressslide.core.plan import same_places
 from pushpressslide.core.pose import Pose2
 from pushpressslide.modes import MODES
 
-TASKS = {
-    "rear_push": "rear-push-rear",
-    "press_slide": "press-slide",
-    "parallel_push": "parallel-push",
-    "orthogonal_push": "orthogonal-push",
-    "bimanual_press_slide": "bimanual-slide",
-    "press_and_push": "pivot",
-}
 
-
-@pytest.mark.parametrize("name", TASKS)
-def test_it_finds_the_motion_of_the_chosen_contacts_again(name: str) -> None:
-    task = pps.load_task(TASKS[name])
+@pytest.mark.parametrize("name", MODES)
+def test_it_finds_the_motion_of_the_chosen_contacts_again(
+    name: str, task_of_mode: dict[str, str]
+) -> None:
+    task = pps.load_task(task_of_mode[name])
     best = next(choice for choice in pps.select(task) if choice.feasible)
     mode = MODES[name]
     again = mode.connect(task.told, task.start, task.goal, best.contacts)
@@ -32,9 +25,11 @@ def test_it_finds_the_motion_of_the_chosen_contacts_again(name: str) -> None:
     assert mode.least_time(task.told) <= again.time <= best.time + 1e-9
 
 
-@pytest.mark.parametrize("name", TASKS)
-def test_it_says_that_there_is_no_such_placement(name: str) -> None:
-    task = pps.load_task(TASKS[name])
+@pytest.mark.parametrize("name", MODES)
+def test_it_says_that_there_is_no_such_placement(
+    name: str, task_of_mode: dict[str, str]
+) -> None:
+    task = pps.load_task(task_of_mode[name])
     best = pps.select(task)[0]
     elsewhere = [replace(contact, point=(9.0, 9.0)) for contact in best.contacts]
     choice = MODES[name].connect(task.told, task.start, task.goal, elsewhere)
