@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 from pydrake.common.value import Value
+from pydrake.geometry import ContactSurface
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
@@ -169,22 +170,29 @@ class Standing:
         self.simulator.AdvanceTo(duration)
         return self.plant.EvalBodyPoseInWorld(self.context, self.body)
 
-    def faces(self) -> list[int]:
-        """Return the polygons of each contact."""
+    def surfaces(self) -> list[ContactSurface]:
+        """Return the surface of each contact."""
         results = self.plant.get_contact_results_output_port().Eval(self.context)
         assert results.num_point_pair_contacts() == 0
         contacts = range(results.num_hydroelastic_contacts())
         infos = [results.hydroelastic_contact_info(i) for i in contacts]
-        return [info.contact_surface().num_faces() for info in infos]
+        return [info.contact_surface() for info in infos]
 
 
 def test_an_upright_body_stands_on_its_base_alone() -> None:
     standing = Standing(RigidTransform([0.4, 0.1, 0.03]))
     X = standing.rest(0.2)
     assert X.translation()[2] == pytest.approx(0.03, abs=1e-4)
-    (faces,) = standing.faces()
+    (surface,) = standing.surfaces()
     # seven cells by six, and slivers: one an edge of the rim, one more a corner
-    assert faces == 2 * 7 * 6 + 2 * (7 + 6) + 4
+    assert surface.num_faces() == 2 * 7 * 6 + 2 * (7 + 6) + 4
+    gradients = [
+        surface.EvaluateGradE_N_W(i) @ surface.face_normal(i)
+        for i in range(surface.num_faces())
+    ]
+    # the normal points out of the body; where the pressure does not rise into it, there
+    # is no constraint
+    assert sum(gradient < 0.0 for gradient in gradients) == 2 * 7 * 6
 
 
 def test_a_body_that_has_fallen_over_lies_on_its_side() -> None:

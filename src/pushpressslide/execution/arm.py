@@ -53,7 +53,8 @@ class ArmState:
     angular_velocity: Vector3  # [rad/s]
     J: Array  # (6, n) rows [angular; linear]
     M: Array  # (n, n) mass matrix
-    bias: Array  # (n,) [N m] gravity and Coriolis compensation
+    # (n,) [N m] that makes up for gravity, Coriolis forces and the joints' own damping
+    bias: Array
     # (6,) [rad/s^2; m/s^2] of a tip whose joints turn at constant rates
     drift: Array
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.task import Robot
@@ -32,26 +32,34 @@ class ArmModel:
             world,
         )
         self.size = plant.num_positions(self.instance.model_instance)
+        self._rest = np.zeros(self.size)  # (n,) [rad/s^2]
+        self._forces = MultibodyForces(plant)  # without contact, at the present state
 
     def state(self, q: Array, v: Array) -> ArmState:
         """Return what a torque controller needs at joint positions ``q`` (n,) and
         velocities ``v`` (n,).
         """
+        return self.state_at(np.concatenate([q, v]))
+
+    def state_at(self, x: Array) -> ArmState:
+        """Return the same at ``x`` (2 n,), positions and velocities."""
         plant = self._plant
         context = self._context
-        plant.SetPositionsAndVelocities(context, np.concatenate([q, v]))
+        v = x[self.size :]
+        plant.SetPositionsAndVelocities(context, x)
         J = plant.CalcJacobianSpatialVelocity(context, *self._at_tip)
         drift = plant.CalcBiasSpatialAcceleration(context, *self._at_tip)
-        X = self._tip.CalcPoseInWorld(context)
+        X = self._tip.CalcPoseInWorld(context).GetAsMatrix34()
         M = plant.CalcMassMatrix(context)
-        bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-        x, y, z = X.translation().tolist()
+        plant.CalcForceElementsContribution(context, self._forces)
+        bias = plant.CalcInverseDynamics(context, self._rest, self._forces)
+        px, py, pz = X[:, 3].tolist()
         wx, wy, wz, vx, vy, vz = (J @ v).tolist()
         return ArmState(
-            q,
+            x[: self.size],
             v,
-            (x, y, z),
-            X.rotation().matrix(),
+            (px, py, pz),
+            X[:, :3],
             (vx, vy, vz),
             (wx, wy, wz),
             J,

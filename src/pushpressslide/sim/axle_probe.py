@@ -21,6 +21,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import TABLE
@@ -176,6 +177,8 @@ class _Rig:
         weight and inertia.
         """
         plant = self._plant
+        self.reactions = plant.get_reaction_forces_output_port()
+        self.accelerations = plant.get_body_spatial_accelerations_output_port()
         v0 = plant.num_positions()
         joints = self._hand.joints(plant)
         v = np.array([joint.velocity_start() for joint in joints])
@@ -197,10 +200,12 @@ class _Rig:
         self.simulator.Initialize()
         for i in range(round(END / self.dt)):
             x = self.state.get_discrete_state_vector().CopyToVector()
-            pose = planar_pose_from_positions(x[self.object_q : self.object_q + 7])
+            pose = planar_pose_from_positions(
+                x[self.object_q : self.object_q + 7].tolist()
+            )
             w, vx, vy = (float(x[self.object_v + k]) for k in (2, 3, 4))
             if i * self.dt >= SETTLED:
-                fx, fy, fz = self.sensor.force(self.state)
+                fx, fy, fz = self._force()
                 moved = x[self.hand_q] - self.home
                 tx, ty = pose.unapply((start[0] + moved[0], start[1] + moved[1]))
                 ux, uy = pose.unrotate((vx, vy))
@@ -213,6 +218,14 @@ class _Rig:
             )
             self.simulator.AdvanceTo((i + 1) * self.dt)
         return np.array(rows)
+
+    def _force(self) -> Vector3:
+        """Return the force [N] of the tip ON the object, world axes."""
+        tip = self._hand.tip_body
+        reaction = self.reactions.Eval(self.state)[self.sensor.joint]
+        moved = self.accelerations.Eval(self.state)[tip.index()].translational()
+        R_WT = self._plant.EvalBodyPoseInWorld(self.state, tip).rotation().matrix()
+        return self.sensor.force(reaction, R_WT, moved)
 
     def _torque(self, t: float, x: Array, yaw: float, w: float) -> Array:
         """Return the forces [N] and the torque [N m] of the hand's joints at time

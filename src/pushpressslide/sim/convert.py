@@ -7,6 +7,7 @@ Drake's world is the world. Planar data refer to the support's frame
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +47,12 @@ def planar_pose(X: RigidTransform, frame: SupportFrame = TABLE) -> Pose2:
 
 
 def planar_pose_from_positions(
-    q: NDArray[np.float64], frame: SupportFrame = TABLE
+    q: Sequence[float], frame: SupportFrame = TABLE
 ) -> Pose2:
     """Return the planar pose of a floating body's seven positions: quaternion (w, x, y,
     z), then x, y, z [m].
     """
-    w, x, y, z, px, py, pz = q.tolist()
+    w, x, y, z, px, py, pz = q
     axis = (1.0 - 2.0 * (y * y + z * z), 2.0 * (w * z + x * y), 2.0 * (x * z - w * y))
     return _planar((px, py, pz), axis, frame)
 
@@ -62,12 +63,12 @@ def _planar(position: Vector3, x_axis: Vector3, frame: SupportFrame) -> Pose2:
     return Pose2(x, y, math.atan2(ay, ax))
 
 
-def planar_twist(V: NDArray[np.float64], frame: SupportFrame = TABLE) -> Vector3:
+def planar_twist(V: Sequence[float], frame: SupportFrame = TABLE) -> Vector3:
     """Return the velocity along x and y [m/s] and the yaw rate [rad/s] of a body's
     spatial velocity: angular, then linear.
     """
-    wx, wy, wz, *v = V.tolist()
-    vx, vy, _ = frame.components((v[0], v[1], v[2]))
+    wx, wy, wz, x, y, z = V
+    vx, vy, _ = frame.components((x, y, z))
     ax, ay, az = frame.spin_axis
     return (vx, vy, ax * wx + ay * wy + az * wz)
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context
 
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 from pushpressslide.sim.robot_models import RobotInstance
 
@@ -16,26 +17,18 @@ class ForceSensor:
         """Find mount and tip in the finalized ``plant``."""
         joint = plant.GetJointByName(robot.tip_joint_name, robot.model_instance)
         # reaction forces are listed by ordinal: the joint's place among all joints
-        self._joint = plant.GetJointIndices().index(joint.index())
-        self._reactions = plant.get_reaction_forces_output_port()
-        self._accelerations = plant.get_body_spatial_accelerations_output_port()
-        self._plant = plant
-        self._tip = robot.tip_body
+        self.joint = plant.GetJointIndices().index(joint.index())
         self._mass = robot.tip_body.default_mass()
         self._gravity = plant.gravity_field().gravity_vector()
-        self._R_TJ = (
-            joint.frame_on_child().GetFixedPoseInBodyFrame().rotation().matrix()
-        )
 
-    def force(self, context: Context) -> Vector3:
-        """Return the force [N] of the tip ON what it touches, world axes, in the plant's
-        ``context``: the reaction less what bears and moves the tip's own mass, which is
-        taken to be at its centre.
+    def force(
+        self, reaction: SpatialForce, R_WT: Array, acceleration: Array
+    ) -> Vector3:
+        """Return the force [N] of the tip ON what it touches, world axes: the
+        ``reaction`` in the mount, in T's axes, less what bears the tip's own mass and
+        gives it its ``acceleration`` (3,) [m/s^2]; that mass is taken to be at T's
+        origin. ``R_WT`` (3, 3).
         """
-        reaction = self._reactions.Eval(context)[self._joint].translational()
-        tip = self._tip
-        moved = self._accelerations.Eval(context)[tip.index()].translational()
-        R_WT = self._plant.EvalBodyPoseInWorld(context, tip).rotation().matrix()
-        own = self._mass * (self._gravity - moved)
-        fx, fy, fz = (R_WT @ (self._R_TJ @ reaction) + own).tolist()
+        own = self._mass * (self._gravity - acceleration)
+        fx, fy, fz = (R_WT @ reaction.translational() + own).tolist()
         return (fx, fy, fz)

@@ -8,6 +8,7 @@ The object moves by its contact force alone.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -103,13 +104,13 @@ class Knocker:
         )
 
     def step(
-        self, port: Any, context: Context, x: Array, pose: Pose2, t: float
+        self, port: Any, context: Context, x: Sequence[float], pose: Pose2, t: float
     ) -> None:
         """Write the force for the next control period; ``x`` is the plant's state,
         ``pose`` the object's X_WG.
         """
-        place = x[self._start + 4 : self._start + 7]
-        velocity = x[self._speed + 3 : self._speed + 6]
+        place = np.array(x[self._start + 4 : self._start + 7])
+        velocity = np.array(x[self._speed + 3 : self._speed + 6])
         dt = self.plan.task.motion.control_period
         self._decide(place, pose, t)
         self._last = (t, pose)

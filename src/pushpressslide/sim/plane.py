@@ -51,6 +51,9 @@ Triangle = tuple[int, int, int]
 CELLS = 6.0  # across a base where it is narrow
 FINE = 12  # of the rule that tells a base's mean distance from its middle
 MOST_CELLS = 16  # along a base, however long it is
+# share of a base by which its top is smaller: what the support cuts from sides that lean
+# inwards gives way without a force, and is no constraint
+LEAN = 1e-3
 STRAIGHT = 1e-3  # [rad] of a corner that is only a point of a side
 FINEST = 1e-6  # [m] of the corners of cells; lines that are nearer together are one
 
@@ -275,14 +278,17 @@ def _prism(base: Flat, half: float, middle: float, up: float) -> VolumeMesh:
     triangles joined to a vertex at the height ``middle`` [m], where the pressure is
     greatest.
 
-    Few tetrahedra meet the base but its own: the support cuts slivers from the others.
+    Few tetrahedra meet the base but its own: the support cuts slivers from the others,
+    which do not count, since the sides lean inwards by ``LEAN``.
     """
     sides = base.sides
     n = len(base.points)
     m = len(sides)
     foot = [(x, y, -up * half) for x, y in base.points]
-    head = [(*base.points[side[0]], up * half) for side in sides]
-    inside = (*np.mean([base.points[side[0]] for side in sides], axis=0), up * middle)
+    center = np.mean([base.points[side[0]] for side in sides], axis=0)
+    smaller = base.scaled((center[0], center[1]), 1.0 - LEAN)
+    head = [(*smaller.points[side[0]], up * half) for side in sides]
+    inside = (*center.tolist(), up * middle)
     faces = [(c, b, a) for a, b, c in base.triangles]
     faces += [(n, n + i, n + i + 1) for i in range(1, m - 1)]
     for i, side in enumerate(sides):

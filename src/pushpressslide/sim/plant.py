@@ -59,9 +59,10 @@ class DrivenArm:
         plant = station.plant
         joints = [plant.get_joint(j) for j in plant.GetJointIndices(self.instance)]
         moving = [joint for joint in joints if joint.num_positions() == 1]
-        self._q_indices = np.array([joint.position_start() for joint in moving])
-        self._v_indices = plant.num_positions() + np.array(
-            [joint.velocity_start() for joint in moving]
+        # of its joints' positions, then velocities, in the plant's state
+        self._indices = np.array(
+            [joint.position_start() for joint in moving]
+            + [plant.num_positions() + joint.velocity_start() for joint in moving]
         )
         self._radius = robot.tip_radius
         # (n,) [rad/s] of the reference
@@ -94,7 +95,7 @@ class DrivenArm:
 
     def sense(self, x: Array) -> None:
         """Take joint positions and velocities from the plant's state ``x``."""
-        self.state = self.model.state(x[self._q_indices], x[self._v_indices])
+        self.state = self.model.state_at(x[self._indices])
 
     def execute(self, command: TipCommand | JointCommand | None) -> None:
         """Compute the torque for a command."""
@@ -152,7 +153,7 @@ class DrivenArm:
     def row(self) -> ArmRow:
         """Return what is recorded of this arm in a tick, once its torque is applied."""
         assert self._limited is not None
-        return ArmRow(self.state, self._reference, self._limited)
+        return ArmRow(self.state.q, self.state.v, self._reference, self._limited)
 
     def contact_point(self, tip: TipState) -> Sequence[float]:
         """Return where the tip's sphere is touched [m], by the direction of the force;
@@ -170,15 +171,16 @@ class DrivenArm:
 class ArmRow(NamedTuple):
     """What an arm did in a tick."""
 
-    state: ArmState
+    q: Array  # (n,) [rad]
+    v: Array  # (n,) [rad/s]
     reference: Array  # (n,) [rad]
     limited: LimitedTorque  # as applied
 
     def arrays(self, index: int) -> dict[str, Any]:
         """Return the rows of the arm's arrays in the record; ``index`` is its number."""
         return {
-            f"joint_position_{index}": self.state.q,
-            f"joint_velocity_{index}": self.state.v,
+            f"joint_position_{index}": self.q,
+            f"joint_velocity_{index}": self.v,
             f"joint_torque_{index}": self.limited.torque,
             f"joint_reference_{index}": self.reference,
             f"torque_share_{index}": self.limited.share,
@@ -311,17 +313,18 @@ class DrakePlant:
         station = self._station
         frame = self._frame
         x = station.state_vector()
-        pose = planar_pose_from_positions(x[self._body : self._body + 7], frame)
-        forces = [
-            frame.components(station.contact_force(i)) for i in range(len(self._arms))
-        ]
         began = perf_counter()
-        tips = []
-        for arm, force in zip(self._arms, forces, strict=True):
+        for arm in self._arms:
             arm.sense(x)
-            tips.append(self._tip(arm.state, force))
         self._executing = perf_counter() - began
-        self._x = x
+        states = [arm.state for arm in self._arms]
+        forces = station.contact_forces(states)
+        tips = (
+            self._tip(state, frame.components(force))
+            for state, force in zip(states, forces, strict=True)
+        )
+        self._x = x.tolist()
+        pose = planar_pose_from_positions(self._x[self._body : self._body + 7], frame)
         self._truth = Measurement(self.time, pose, tuple(tips))
         return self._truth
 
@@ -359,7 +362,7 @@ class DrakePlant:
         return PlantRow(twist, forces, self._executing, extras)
 
     def _extras(
-        self, x: Array, tips: Sequence[TipState], arms: Sequence[ArmRow]
+        self, x: Sequence[float], tips: Sequence[TipState], arms: Sequence[ArmRow]
     ) -> dict[str, Any]:
         """Return the rows of the arrays that this plant alone has, from the plant's
         state ``x`` and what tips and arms did.
@@ -382,11 +385,11 @@ class DrakePlant:
         """
         pose = self._truth.object_pose
         off = min(math.dist(pose.position, end.position) for end in self._ends)
-        if not np.isfinite(self._x).all() or off > FAR:
+        if not math.isfinite(sum(self._x)) or off > FAR:
             return f"the object is at ({pose.x:.2f}, {pose.y:.2f})"
         if self._edged:
             place = self._x[self._body + 4 : self._body + 7]
-            if self._frame.coordinates(tuple(place.tolist()))[2] < 0.0:
+            if self._frame.coordinates((place[0], place[1], place[2]))[2] < 0.0:
                 return f"{FALLEN} at ({pose.x:.2f}, {pose.y:.2f})"
         return self._failure
 

@@ -6,7 +6,7 @@ plant and the force sensors of the tips are read where they are.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +17,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
+from pushpressslide.execution.arm import ArmState
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.knock import NAME
@@ -62,8 +63,19 @@ class Station:
         arms = range(len(self.scene.robots))
         torques = [self.diagram.GetInputPort(f"joint_torque_{i}") for i in arms]
         self._sensors = [ForceSensor(self.plant, robot) for robot in self.scene.robots]
+        self._velocities = [
+            np.array([joint.velocity_start() for joint in robot.joints(self.plant)])
+            for robot in self.scene.robots
+        ]
+        self._reactions = self.plant.get_reaction_forces_output_port()
+        self._accelerations = self.plant.get_generalized_acceleration_output_port()
         self._inputs = [
             port.FixValue(self.context, np.zeros(port.size())) for port in torques
+        ]
+        # what is written has to be asked for each time all the same: so Drake learns
+        # that it changes
+        self._torques = [
+            value.GetMutableData().get_mutable_value() for value in self._inputs
         ]
 
     def _export_ports(self) -> None:
@@ -75,7 +87,7 @@ class Station:
             torque = plant.get_actuation_input_port(instance)
             builder.ExportInput(torque, f"joint_torque_{i}")
 
-    def disturb(self, x: Array, pose: Pose2, time: float) -> None:
+    def disturb(self, x: Sequence[float], pose: Pose2, time: float) -> None:
         """Let what knocks the object do so for a control period; ``x`` is the plant's
         state, ``pose`` the object's X_WG.
         """
@@ -101,11 +113,20 @@ class Station:
         x: Array = self.plant.GetPositionsAndVelocities(self.plant_context)
         return x
 
-    def contact_force(self, i: int) -> Vector3:
-        """Return the measured force [N] of tip ``i`` ON what it touches, world axes."""
-        return self._sensors[i].force(self.plant_context)
+    def contact_forces(self, arms: Sequence[ArmState]) -> list[Vector3]:
+        """Return the measured force [N] of each tip ON what it touches, world axes;
+        ``arms`` are the states of the arms now.
+        """
+        reactions = self._reactions.Eval(self.plant_context)
+        vdot = self._accelerations.Eval(self.plant_context)
+        forces = []
+        for sensor, v, arm in zip(self._sensors, self._velocities, arms, strict=True):
+            moved = arm.J[3:] @ vdot[v] + arm.drift[3:]
+            forces.append(sensor.force(reactions[sensor.joint], arm.rotation, moved))
+        return forces
 
     def set_torque(self, i: int, torque: Array) -> None:
         """Write the joint torques [N m] of arm ``i`` until the next call."""
         # a third of what fixing the port anew takes
-        self._inputs[i].GetMutableData().get_mutable_value().SetFromVector(torque)
+        self._inputs[i].GetMutableData()
+        self._torques[i].SetFromVector(torque)

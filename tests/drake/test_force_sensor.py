@@ -1,0 +1,35 @@
+"""What the tips' force sensors feel."""
+
+import numpy as np
+
+import pushpressslide as pps
+from pushpressslide.control.approach import JointApproach
+from pushpressslide.sim.joints.placements import all_joint_paths
+from pushpressslide.sim.plant import DrakePlant
+from pushpressslide.sim.station import Station
+
+TICKS = 150
+STARTED = 5  # ticks after which the arms are under way
+
+
+def test_an_arm_in_free_motion_feels_next_to_nothing() -> None:
+    plan = pps.plan(pps.load_task("parallel-push"))
+    paths = all_joint_paths(plan)
+    station = Station(plan, time_step=0.002)
+    plant = DrakePlant(plan, station, paths, "generated")
+    approach = JointApproach(plan.task.start, plant.joint_paths, (None, None), 0.0)
+    felt = []
+    speeds = []
+    for _ in range(TICKS):
+        tips = plant.measure().tips
+        felt.append([tip.force for tip in tips])
+        speeds.append([tip.velocity for tip in tips])
+        plant.apply(approach.step(plant.time)[0])
+        plant.advance()
+    forces = np.linalg.norm(felt[STARTED:], axis=-1)
+    # both tips are accelerated, which alone takes several times what is felt
+    own = station.scene.robots[0].tip_body.default_mass()
+    change = np.diff(speeds[STARTED:], axis=0) / plan.task.motion.control_period
+    inertial = own * np.linalg.norm(change, axis=-1)
+    assert (inertial.max(axis=0) > 0.01).all()
+    assert forces.max() < 0.1 * inertial.max(axis=0).min()
