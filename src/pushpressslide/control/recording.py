@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -18,11 +17,14 @@ from pushpressslide.core.control import (
     ControlLog,
     Measurement,
     TipCommand,
+    Vector3,
 )
 from pushpressslide.core.plan import Plan, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
 from pushpressslide.execution.impedance import tip_force
+
+Column = Sequence[Any]  # what is recorded under one name, a row for each tick
 
 PATH_SAMPLES = 200
 NO_VECTOR = (np.nan, np.nan, np.nan)
@@ -99,30 +101,29 @@ class Recorder:
 
     def arrays(self) -> dict[str, Array]:
         """Return the arrays of all ticks so far."""
-        columns: dict[str, list[Any]] = defaultdict(list)
-        for noted in self._noted:
-            rows = {
-                **self._plan_rows(noted),
-                **_log_rows(noted.tick),
-                **_arm_rows(noted.tick),
-                **_wall_time_rows(noted.tick),
-                **noted.tick.row.extras(),
-            }
-            for name, value in rows.items():
-                columns[name].append(value)
-        return {
-            name: np.asarray(column, dtype=np.float64)
-            for name, column in columns.items()
+        ticks = [noted.tick for noted in self._noted]
+        columns = {
+            **self._plan_columns(),
+            **_log_columns(ticks),
+            **_arm_columns(ticks),
+            **_wall_time_columns(ticks),
+            **_extra_columns(ticks),
         }
+        return {name: _array(column) for name, column in columns.items()}
 
-    def _plan_rows(self, noted: _Noted) -> dict[str, Any]:
+    def _plan_columns(self) -> dict[str, Column]:
         # about the frame B that the run began with
-        X_BV = self._X_BG.compose(noted.X_GB).compose(noted.segment.X_BV)
+        frames = []
+        for _, alike in groupby(self._noted, _place):
+            at_one_place = list(alike)
+            first = at_one_place[0]
+            X_BV = self._X_BG.compose(first.X_GB).compose(first.segment.X_BV)
+            frames += [(X_BV.x, X_BV.y, X_BV.yaw)] * len(at_one_place)
         return {
-            "leg": noted.segment.leg,
-            "placement": noted.placement,
-            "stretch": noted.stretch,
-            "vehicle_frame": (X_BV.x, X_BV.y, X_BV.yaw),
+            "leg": [noted.segment.leg for noted in self._noted],
+            "placement": [noted.placement for noted in self._noted],
+            "stretch": [noted.stretch for noted in self._noted],
+            "vehicle_frame": frames,
         }
 
     def record(
@@ -166,43 +167,75 @@ class Recorder:
         )
 
 
-def _log_rows(tick: Tick) -> dict[str, Any]:
-    log = tick.log
-    pose = tick.truth.object_pose
+def _place(noted: _Noted) -> tuple[int, Pose2]:
+    """What a vehicle frame is told by: the segment's identity, and X_GB."""
+    return id(noted.segment), noted.X_GB
+
+
+def _log_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
+    logs = [tick.log for tick in ticks]
     return {
-        "time": tick.truth.time,
-        "phase": PHASES.index(log.phase),
-        "object_pose": (pose.x, pose.y, pose.yaw),
-        "object_twist": tick.row.object_twist,
-        "reference_pose": (log.reference.x, log.reference.y, log.reference.yaw),
-        "tracking_error": log.tracking_error,
-        "progress": log.progress,
-        "steering": log.steering,
-        "wanted_wrench": log.wanted_wrench,
-        "allocated_wrench": log.allocated_wrench,
+        "time": [tick.truth.time for tick in ticks],
+        "phase": [PHASES.index(log.phase) for log in logs],
+        "object_pose": [_flat(tick.truth.object_pose) for tick in ticks],
+        "object_twist": [tick.row.object_twist for tick in ticks],
+        "reference_pose": [_flat(log.reference) for log in logs],
+        "tracking_error": [log.tracking_error for log in logs],
+        "progress": [log.progress for log in logs],
+        "steering": [log.steering for log in logs],
+        "wanted_wrench": [log.wanted_wrench for log in logs],
+        "allocated_wrench": [log.allocated_wrench for log in logs],
     }
 
 
-def _arm_rows(tick: Tick) -> dict[str, Any]:
-    tip_commands = [c if isinstance(c, TipCommand) else None for c in tick.commands]
-    tips = tick.truth.tips
+def _flat(pose: Pose2) -> Vector3:
+    return (pose.x, pose.y, pose.yaw)
+
+
+def _arm_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
     return {
-        "command_force": [NO_VECTOR if c is None else c.force for c in tip_commands],
-        "demanded_force": [
-            NO_VECTOR if c is None else tip_force(c, tip.position, tip.velocity)
-            for c, tip in zip(tip_commands, tips, strict=True)
+        "command_force": [
+            [NO_VECTOR if c is None else c.force for c in _tip_commands(tick)]
+            for tick in ticks
         ],
-        "tip_reference": [NO_VECTOR if c is None else c.position for c in tip_commands],
-        "tip_position": [tip.position for tip in tips],
-        "measured_force": list(tick.row.tip_forces),
+        "demanded_force": [
+            [
+                NO_VECTOR if c is None else tip_force(c, tip.position, tip.velocity)
+                for c, tip in zip(_tip_commands(tick), tick.truth.tips, strict=True)
+            ]
+            for tick in ticks
+        ],
+        "tip_reference": [
+            [NO_VECTOR if c is None else c.position for c in _tip_commands(tick)]
+            for tick in ticks
+        ],
+        "tip_position": [[tip.position for tip in tick.truth.tips] for tick in ticks],
+        "measured_force": [tick.row.tip_forces for tick in ticks],
     }
 
 
-def _wall_time_rows(tick: Tick) -> dict[str, float]:
-    track, allocate, total = tick.wall_times
+def _tip_commands(tick: Tick) -> list[TipCommand | None]:
+    return [c if isinstance(c, TipCommand) else None for c in tick.commands]
+
+
+def _wall_time_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
     return {
-        "tick_track": track,
-        "tick_allocate": allocate,
-        "tick_execute": tick.row.execution_time,
-        "tick_total": total,
+        "tick_track": [tick.wall_times[0] for tick in ticks],
+        "tick_allocate": [tick.wall_times[1] for tick in ticks],
+        "tick_execute": [tick.row.execution_time for tick in ticks],
+        "tick_total": [tick.wall_times[2] for tick in ticks],
     }
+
+
+def _extra_columns(ticks: Sequence[Tick]) -> dict[str, Column]:
+    rows = [tick.row.extras() for tick in ticks]
+    return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}
+
+
+def _array(column: Column) -> Array:
+    """Return the rows of a column as one array: of many short arrays in a fifth of the
+    time of ``np.array``.
+    """
+    if len(column) > 0 and isinstance(column[0], np.ndarray):
+        return np.concatenate(column).reshape(len(column), *column[0].shape)
+    return np.asarray(column, dtype=np.float64)
