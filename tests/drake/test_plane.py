@@ -12,8 +12,6 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
-    ContactModel,
-    DiscreteContactApproximation,
     ExternallyAppliedSpatialForce,
 )
 from pydrake.systems.analysis import Simulator
@@ -23,6 +21,7 @@ from pushpressslide.core.pose import Pose2
 from pushpressslide.core.shapes import Cylinder, Prism, Shape
 from pushpressslide.core.support_frame import TABLE, SupportFrame
 from pushpressslide.core.task import Box, ObjectModel
+from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.plane import (
     add_plane,
     base_meshes,
@@ -151,8 +150,7 @@ class Standing:
         body = ObjectModel(Box((0.12, 0.08, 0.06)), 0.8, (0.0, 0.0))
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.002)
-        plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
-        plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+        solve_contacts(plant)
         self.body = add_object(plant, body, 1.0, mesh_size(body.shape))
         plane = add_plane(plant, frame, 0.3)
         plane.stand(plant, self.body, body.shape, 1.0)
@@ -219,8 +217,7 @@ def pushed(time_step: float) -> tuple[float, float]:
     along = np.array([-math.cos(0.1), -math.sin(0.1), 0.0])
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
-    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
-    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+    solve_contacts(plant)
     box = add_object(plant, body, 1.0, mesh_size(body.shape))
     plane = add_plane(plant, TABLE, partner_friction(0.4))
     plane.stand(plant, box, body.shape, 1.0)

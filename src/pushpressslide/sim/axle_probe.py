@@ -14,8 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
-    ContactModel,
-    DiscreteContactApproximation,
 )
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
@@ -26,6 +24,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.pose import Point, Pose2
 from pushpressslide.core.support_frame import TABLE
 from pushpressslide.core.task import Robot, Task
+from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import planar_pose_from_positions, rigid_transform
 from pushpressslide.sim.force_sensor import ForceSensor
 from pushpressslide.sim.plane import add_plane
@@ -136,8 +135,7 @@ class _Rig:
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
         self._plant = plant
-        plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
-        plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+        solve_contacts(plant)
         frictions = SurfaceFrictions.of_task(task)
         shape = body.shape
         self._object = add_object(plant, body, frictions.object, mesh_size(shape))

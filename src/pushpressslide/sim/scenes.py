@@ -22,8 +22,6 @@ from pydrake.geometry import Shape as DrakeShape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
-    ContactModel,
-    DiscreteContactApproximation,
     MultibodyPlant,
 )
 from pydrake.multibody.tree import (
@@ -41,6 +39,7 @@ from pushpressslide.core.knock import Knock
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.polygon import counter_clockwise
 from pushpressslide.core.support_frame import TABLE, SupportFrame
+from pushpressslide.sim.contact import solve_contacts
 from pushpressslide.sim.convert import rigid_transform
 from pushpressslide.sim.knock import Knocker
 from pushpressslide.sim.plane import Plane, add_plane
@@ -198,9 +197,7 @@ def build_scene(
     plant, scene_graph = AddMultibodyPlantSceneGraph(
         builder, time_step or task.motion.time_step
     )
-    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
-    # rigid tips and rigid obstacles touch in points, all else hydroelastically
-    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    solve_contacts(plant)
     frictions = SurfaceFrictions.of_task(task)
     shape = task.object.shape
     object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))
