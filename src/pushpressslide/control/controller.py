@@ -560,8 +560,10 @@ class Controller:
         if astray > allowed:
             text = f"{astray * 1e3:.0f} mm off its path, allowed {allowed * 1e3:.0f} mm"
             return self.stop(state, measurement, ("goal_missed", text))
-        state = state._replace(still=self._still(state, X_WB, time))
-        rests = time - state.still.since if state.still else 0.0
+        still = self._still(state, X_WB, time)
+        if still is not state.still:
+            state = state._replace(still=still)
+        rests = time - still.since if still else 0.0
         if rests > margins.ARM.stall_time:
             text = f"stood still for {rests:.0f} s, {left * 1e3:.0f} mm before its end"
             return self.stop(state, measurement, ("goal_missed", text))
@@ -654,7 +656,8 @@ class Controller:
     ) -> ControllerState:
         """Follow a better plan from here, if there is one."""
         found = findings(state)
-        state = state._replace(rho=found.rho)
+        if found.rho != state.rho:
+            state = state._replace(rho=found.rho)
         better = self.replanner.onward(
             (state.binding.segment, *state.ahead),
             X_WB,

@@ -209,10 +209,10 @@ def _rooms(limits: ArmLimits, reading: ArmReading) -> Array:
 
 
 def _speed(arm: int, limits: ArmLimits, reading: ArmReading) -> Ending | None:
-    excess = np.abs(reading.v) - limits.velocity
-    worst = int(excess.argmax())
-    if excess[worst] <= 0.0:
+    speeds = zip(reading.v.tolist(), limits.velocity.tolist(), strict=True)
+    if all(-most <= v <= most for v, most in speeds):
         return None
+    worst = int((np.abs(reading.v) - limits.velocity).argmax())
     return Ending(
         "joint_limit",
         f"arm {arm}: joint {worst + 1} at {abs(float(reading.v[worst])):.2f} rad/s, "

@@ -10,8 +10,3 @@ Array = NDArray[np.float64]
 def least(values: Array) -> float:
     """Return the least of ``values`` (n,): of few, in a third of the time of ``min``."""
     return float(values[values.argmin()])
-
-
-def most(values: Array) -> float:
-    """Return the largest of ``values`` (n,): of few, in a third of the time of ``max``."""
-    return float(values[values.argmax()])

@@ -72,14 +72,17 @@ class ArmExecutor:
     joint_stiffness: float  # [N m/rad] of the joint-tracking term; 0 switches it off
     dt: float  # [s]
     frame: SupportFrame = TABLE  # of the commands
-    _most_change: Array = field(init=False)  # (n,) [N m] of a torque in a tick
+    _most: tuple[float, ...] = field(init=False)  # (n,) [N m] of a torque
+    # (n,) [N m] that a torque may change by in a tick
+    _most_change: tuple[float, ...] = field(init=False)
     _plane: Array = field(
         init=False
     )  # (3, 2) directions in the world along the support
     _spin_axis: Vector3 = field(init=False)  # in the world, of the tool's yaw
 
     def __post_init__(self) -> None:
-        self._most_change = self.rate * self.dt
+        self._most = tuple(self.effort.tolist())
+        self._most_change = tuple((self.rate * self.dt).tolist())
         self._plane = np.array(self.frame.axes)[:, :2]
         self._spin_axis = self.frame.spin_axis
 
@@ -91,7 +94,7 @@ class ArmExecutor:
         """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
-        return limited(tau, previous, self.effort, self._most_change)
+        return limited(tau, previous, self._most, self._most_change)
 
     def contact(
         self,
@@ -125,7 +128,7 @@ class ArmExecutor:
         if self.joint_stiffness > 0.0:
             viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
             tau += self.joint_stiffness * error - viscosity * arm.v
-        return limited(tau, previous, self.effort, self._most_change)
+        return limited(tau, previous, self._most, self._most_change)
 
     def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""
