@@ -7,7 +7,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import inf
 
-from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
+from pushpressslide.core.allocation import (
+    EXACT,
+    Allocation,
+    AllocationStatus,
+    new,
+    nothing,
+)
 from pushpressslide.core.pose import Point, turned_left
 from pushpressslide.mechanics.checks import (
     check_friction,
@@ -15,9 +21,6 @@ from pushpressslide.mechanics.checks import (
     check_point,
     check_rho,
 )
-
-EXACT = (0.0, 0.0, 0.0)  # residual
-new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
 Allocator = Callable[[float, float, float], Allocation]
 

@@ -9,8 +9,8 @@ from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.orthogonal import Feasibility
 from pushpressslide.allocation.projections import Projection
-from pushpressslide.allocation.two_contacts import NONE, two_contact_allocator
-from pushpressslide.core.allocation import Allocation
+from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.core.allocation import EXACT, Allocation, new
 from pushpressslide.core.pose import Point
 
 
@@ -79,7 +79,6 @@ def _linear(
     )
     nx, ny = normal
     cap1, cap2 = caps
-    new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         """Return the allocation of a wrench [N, N m]."""
@@ -94,7 +93,7 @@ def _linear(
             f1y = share * fy
             least = share if share < 0.5 else 1.0 - share
             forces = ((f1x, f1y), (fx - f1x, fy - f1y))
-            return new(Allocation, (forces, (f1n, f2n), least * margin, "ok", NONE))
+            return new(Allocation, (forces, (f1n, f2n), least * margin, "ok", EXACT))
         return general(fx, fy, tau)
 
     return allocate

@@ -14,7 +14,13 @@ from math import hypot, inf, sqrt
 from typing import Protocol
 
 from pushpressslide.allocation.contact_line import ContactLine
-from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
+from pushpressslide.core.allocation import (
+    EXACT,
+    Allocation,
+    AllocationStatus,
+    new,
+    nothing,
+)
 from pushpressslide.core.pose import Point
 from pushpressslide.mechanics.checks import check_friction
 
@@ -58,11 +64,11 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 def _sharing(line: ContactLine, friction: float) -> PressAllocator:
     """Return the allocator; it shares the force along ``line``."""
     ex, ey = line.e
+    half_x = -0.5 * ey
+    half_y = 0.5 * ex
     mid_x, mid_y = line.middle
     per_length = 1.0 / line.length
     scaled = _Discs(line.e).scaled
-    none = (0.0, 0.0, 0.0)
-    new = tuple.__new__  # Allocation(...) without a call in Python
 
     def allocate(
         fx: float, fy: float, tau: float, normals: Point, cop: Point = (0.0, 0.0)
@@ -71,28 +77,32 @@ def _sharing(line: ContactLine, friction: float) -> PressAllocator:
         n1, n2 = normals
         cop_x, cop_y = cop
         along = ex * fx + ey * fy
-        half = 0.5 * (ex * fy - ey * fx)
+        half = half_x * fx + half_y * fy
         turning = (tau - (mid_x - cop_x) * fy + (mid_y - cop_y) * fx) * per_length
         g1 = half - turning
         g2 = half + turning
         most1 = friction * n1
         most2 = friction * n2
-        if -most1 <= g1 <= most1 and -most2 <= g2 <= most2:
-            room1 = sqrt(most1 * most1 - g1 * g1)
-            room2 = sqrt(most2 * most2 - g2 * g2)
-            room = room1 + room2
-            if -room <= along <= room < inf:
-                s = along * room1 / room if room > 0.0 else 0.0
-                f1x = s * ex - g1 * ey
-                f1y = s * ey + g1 * ex
-                f2x = fx - f1x
-                f2y = fy - f1y
-                margin = most1 - sqrt(f1x * f1x + f1y * f1y)
-                margin2 = most2 - sqrt(f2x * f2x + f2y * f2y)
+        across1 = g1 * g1
+        across2 = g2 * g2
+        free1 = most1 * most1 - across1
+        free2 = most2 * most2 - across2
+        if free1 >= 0.0 and free2 >= 0.0:
+            room1 = sqrt(free1)
+            room = room1 + sqrt(free2)
+            if room > 0.0 and room < inf:
+                s1 = along * room1 / room
+                s2 = along - s1
+                margin = most1 - sqrt(s1 * s1 + across1)
+                margin2 = most2 - sqrt(s2 * s2 + across2)
                 if margin2 < margin:
                     margin = margin2
-                forces = ((f1x, f1y), (f2x, f2y))
-                return new(Allocation, (forces, normals, margin, "ok", none))
+                # below zero by rounding alone, at the edges of both discs
+                if margin >= 0.0 or margin >= -ROUNDING * (most1 + most2):
+                    f1x = s1 * ex - g1 * ey
+                    f1y = s1 * ey + g1 * ex
+                    forces = ((f1x, f1y), (fx - f1x, fy - f1y))
+                    return new(Allocation, (forces, normals, margin, "ok", EXACT))
         return scaled(fx, fy, tau, (along, g1, g2), most1, most2, normals)
 
     return allocate

@@ -16,19 +16,26 @@ normals; to the nearest where these two do not help.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from math import inf, isfinite, nan
 
 from pushpressslide.allocation.contact_line import ContactPair, Split
 from pushpressslide.allocation.one_contact import Allocator
 from pushpressslide.allocation.projections import Projection, WrenchCone
-from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
+from pushpressslide.core.allocation import (
+    EXACT,
+    Allocation,
+    AllocationStatus,
+    new,
+    nothing,
+)
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.mechanics.checks import check_caps, check_rho
 from pushpressslide.mechanics.friction import cone_margin
 
 Vector = tuple[float, float, float]
-NONE = (0.0, 0.0, 0.0)
+Force = tuple[float, float, float, float]
+"""A contact's force [N]: x and y in B, normal part, part to the left of the normal."""
 
 
 def two_contact_allocator(
@@ -37,7 +44,7 @@ def two_contact_allocator(
     friction: float,
     rho: float,
     *,
-    caps: Sequence[float] = (math.inf, math.inf),
+    caps: Sequence[float] = (inf, inf),
     projection: Projection = "nearest",
     split: Split = "least_friction",
 ) -> Allocator:
@@ -73,19 +80,10 @@ def _linear(
     x_fx, y_fx = pair.first_force(1.0, 0.0, 0.0)
     x_fy, y_fy = pair.first_force(0.0, 1.0, 0.0)
     x_tau, y_tau = pair.first_force(0.0, 0.0, 1.0)
-    ex, ey = pair.line.e
     (n1x, n1y), (n2x, n2y) = normals
-    n1e = pair.n1e
-    n2e = pair.n2e
-    # q + a d >= 0 bounds d by -q / a: from below where a > 0.
-    up1, up2, up3, up4 = (a > 0.0 for a in pair.slopes)
-    k1, k2, k3, k4 = (-1.0 / a for a in pair.slopes)
     cap1, cap2 = caps
-    uncapped = min(caps) == math.inf
-    capped = elsewhere.capped
-    outside = elsewhere.outside
-    inf = math.inf
-    new = tuple.__new__  # Allocation(...) without a call in Python
+    uncapped = min(caps) == inf
+    moved = _moved(pair, friction, caps, elsewhere)
 
     def allocate(fx: float, fy: float, tau: float) -> Allocation:
         """Return the allocation of a wrench [N, N m]."""
@@ -101,46 +99,74 @@ def _linear(
         margin2 = friction * f2n - (f2t if f2t > 0.0 else -f2t)
         if margin2 < margin:
             margin = margin2
-        if not margin >= 0.0:
-            if not abs(fx) + abs(fy) + abs(tau) < inf:
-                return outside(fx, fy, tau)
-            d1 = k1 * (friction * f1n - f1t)
-            d2 = k2 * (friction * f1n + f1t)
-            d3 = k3 * (friction * f2n - f2t)
-            d4 = k4 * (friction * f2n + f2t)
-            low, high = (d1, inf) if up1 else (-inf, d1)
-            if up2:
-                if d2 > low:
-                    low = d2
-            elif d2 < high:
-                high = d2
-            if up3:
-                if d3 > low:
-                    low = d3
-            elif d3 < high:
-                high = d3
-            if up4:
-                if d4 > low:
-                    low = d4
-            elif d4 < high:
-                high = d4
-            if not low <= high:
-                return outside(fx, fy, tau)
-            more = low
-            if low <= 0.0:
-                more = high if high < 0.0 else 0.0
-            f1x = f1x + more * ex
-            f1y = f1y + more * ey
-            f2x = f2x - more * ex
-            f2y = f2y - more * ey
-            f1n = f1n + more * n1e
-            f2n = f2n - more * n2e
-            margin = 0.0
-        if uncapped or (f1n <= cap1 and f2n <= cap2):
-            return new(
-                Allocation, (((f1x, f1y), (f2x, f2y)), (f1n, f2n), margin, "ok", NONE)
-            )
-        return capped(fx, fy, tau)
+        if margin >= 0.0 and (uncapped or (f1n <= cap1 and f2n <= cap2)):
+            forces = ((f1x, f1y), (f2x, f2y))
+            return new(Allocation, (forces, (f1n, f2n), margin, "ok", EXACT))
+        return moved((fx, fy, tau), (f1x, f1y, f1n, f1t), (f2x, f2y, f2n, f2t))
+
+    return allocate
+
+
+def _moved(
+    pair: ContactPair,
+    friction: float,
+    caps: Sequence[float],
+    elsewhere: _Elsewhere,
+) -> Callable[[Vector, Force, Force], Allocation]:
+    """Return the allocator of wrenches whose forces a cone's edge or a cap stops: they
+    are moved along the line of contacts as little as the cones need.
+    """
+    ex, ey = pair.line.e
+    n1e = pair.n1e
+    n2e = pair.n2e
+    # q + a d >= 0 bounds d by -q / a: from below where a > 0.
+    up1, up2, up3, up4 = (a > 0.0 for a in pair.slopes)
+    k1, k2, k3, k4 = (-1.0 / a for a in pair.slopes)
+    cap1, cap2 = caps
+
+    def allocate(wrench: Vector, first: Force, second: Force) -> Allocation:
+        """Return the allocation of a wrench [N, N m] of which the split asks for the
+        forces ``first`` and ``second``.
+        """
+        f1x, f1y, f1n, f1t = first
+        f2x, f2y, f2n, f2t = second
+        most1 = friction * f1n
+        most2 = friction * f2n
+        if not isfinite(most1 + most2):
+            return elsewhere.outside(*wrench)
+        d1 = k1 * (most1 - f1t)
+        d2 = k2 * (most1 + f1t)
+        d3 = k3 * (most2 - f2t)
+        d4 = k4 * (most2 + f2t)
+        low, high = (d1, inf) if up1 else (-inf, d1)
+        if up2:
+            if d2 > low:
+                low = d2
+        elif d2 < high:
+            high = d2
+        if up3:
+            if d3 > low:
+                low = d3
+        elif d3 < high:
+            high = d3
+        if up4:
+            if d4 > low:
+                low = d4
+        elif d4 < high:
+            high = d4
+        if not low <= high:
+            return elsewhere.outside(*wrench)
+        d = low
+        if low <= 0.0:
+            d = high if high < 0.0 else 0.0
+        f1n = f1n + d * n1e
+        f2n = f2n - d * n2e
+        if not (f1n <= cap1 and f2n <= cap2):
+            return elsewhere.capped(*wrench)
+        dx = d * ex
+        dy = d * ey
+        forces = ((f1x + dx, f1y + dy), (f2x - dx, f2y - dy))
+        return new(Allocation, (forces, (f1n, f2n), 0.0, "ok", EXACT))
 
     return allocate
 
@@ -203,15 +229,13 @@ class _Elsewhere:
         keep their caps.
         """
         rate = self._cap1 * self._pair.n2e + self._cap2 * self._pair.n1e
-        both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else math.nan
+        both = (self._cap1 * f2n - self._cap2 * f1n) / rate if rate != 0.0 else nan
 
         def scale(d: float) -> float:
             """Return the part of the wrench that keeps the caps at ``d``."""
             return self._scale(f1n + d * self._pair.n1e, f2n - d * self._pair.n2e)
 
-        candidates = (
-            d for d in (low, high, min(max(both, low), high)) if math.isfinite(d)
-        )
+        candidates = (d for d in (low, high, min(max(both, low), high)) if isfinite(d))
         best = max(candidates, key=scale, default=0.0)
         return best, scale(best)
 
@@ -224,7 +248,7 @@ class _Elsewhere:
         """Return the allocation of the wrench that one from outside the cone is moved
         to.
         """
-        if not abs(fx) + abs(fy) + abs(tau) < math.inf:
+        if not abs(fx) + abs(fy) + abs(tau) < inf:
             return nothing((0.0, 0.0), (fx, fy, tau))
         moved = (fx, fy, tau)
         if self._projection == "force_priority":
@@ -255,9 +279,7 @@ class _Elsewhere:
             cone_margin(f, n, self._friction)
             for f, n in zip(forces, self._normals, strict=True)
         )
-        status: AllocationStatus = (
-            "ok" if error <= 1e-9 * size < math.inf else "projected"
-        )
+        status: AllocationStatus = "ok" if error <= 1e-9 * size < inf else "projected"
         if status == "projected" and f1x == f1y == f2x == f2y == 0.0:
             status = "infeasible"
         return Allocation(forces, pushes, margin, status, residual)
@@ -265,13 +287,13 @@ class _Elsewhere:
 
 def _interval(slacks: Sequence[float], slopes: Sequence[float]) -> tuple[float, float]:
     """Return the interval of d in which all q + a d >= 0; reversed if there is none."""
-    low = -math.inf
-    high = math.inf
+    low = -inf
+    high = inf
     for q, a in zip(slacks, slopes, strict=True):
         if a > 0.0:
             low = max(low, -q / a)
         elif a < 0.0:
             high = min(high, -q / a)
         elif q < 0.0:
-            return math.inf, -math.inf
+            return inf, -inf
     return low, high
