@@ -80,8 +80,8 @@ def test_another_attempt_is_free_too_and_keeps_its_leg() -> None:
 def guidance(progress: float, across: float) -> Guidance:
     return Guidance(
         progress,
-        Wrench(1.0, 0.0, 0.0),
-        Twist(0.1, 0.0, 0.0),
+        *Wrench(1.0, 0.0, 0.0),
+        *Twist(0.1, 0.0, 0.0),
         0.0,
         (0.0, across, 0.0),
         False,

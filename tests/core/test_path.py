@@ -79,6 +79,18 @@ def test_the_heading_of_an_eased_path_belongs_to_its_curvature(path, half, share
         assert turned / (2.0 * step) == pytest.approx(bent, abs=0.05)
 
 
+@given(paths, st.floats(0.0, 0.1), st.floats(0.0, 1.1), st.floats(-0.01, 0.01))
+def test_the_nearest_place_of_an_eased_path_has_what_easing_adds(
+    path, half, share, left
+):
+    pose = path.pose(share * path.length)
+    x, y = pose.apply((0.0, left))
+    s, off, heading, curvature = path.nearest(x, y, share * path.length)
+    turned, bent = path.eased(s, half)
+    eased = (s, off, heading + turned, curvature + bent)
+    assert path.nearest(x, y, share * path.length, half) == eased
+
+
 @given(poses, curvatures, lengths, lengths)
 def test_advancing_twice_is_advancing_once(pose, curvature, a, b):
     one = advance(pose, curvature, a + b)

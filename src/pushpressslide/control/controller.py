@@ -419,8 +419,7 @@ class Controller:
             binding.segment.path, X_WB, state.progress, speed, state.grip
         )
         tracked = perf_counter()
-        wrench = guidance.wrench
-        allocation = binding.allocate(wrench.fx, wrench.fy, wrench.tau)
+        allocation = binding.allocate(guidance.fx, guidance.fy, guidance.tau)
         ticks = (tracked - started, perf_counter() - tracked)
 
         contacts = binding.segment.contacts
@@ -488,8 +487,9 @@ class Controller:
         if self.entry is not None:
             speeds = self.entry.speeds(measurement, starts)
         holds = self._holds(state, allocation)
+        twist = guidance.twist
         return [
-            TipTask(guidance.twist, center, (gain * fx, gain * fy), load, speed, hold)
+            TipTask(twist, center, (gain * fx, gain * fy), load, speed, hold)
             for center, (fx, fy), load, speed, hold in zip(
                 state.binding.tip_points,
                 allocation.forces,

@@ -4,17 +4,36 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
 
 
 class Guidance(NamedTuple):
-    """Wanted wrench and twist, and where on the path that is."""
+    """Wanted wrench and twist, and where on the path that is.
+
+    As numbers: objects of their own take longer to make than what they hold.
+    """
 
     progress: float  # [m] arc length of the path's nearest point
-    # in B; about the CoM for pushes, about the centre of pressure for presses
-    wrench: Wrench
-    twist: Twist  # of the CoM, in B
+    fx: float  # [N] the wrench, in B
+    fy: float  # [N]
+    tau: float  # [N m] about the point ``about``
+    about: Point  # [m] the CoM for pushes, the centre of pressure for presses
+    vx: float  # [m/s] the twist, in B: of the body point ``of``
+    vy: float  # [m/s]
+    w: float  # [rad/s]
+    of: Point  # [m]
     steering: float  # [rad] force angle from the heading axis
     # along [m], left [m], heading [rad]; reference minus actual
     error: tuple[float, float, float]
     saturated: bool
+
+    @property
+    def wrench(self) -> Wrench:
+        """Wanted wrench, in B."""
+        return Wrench(self.fx, self.fy, self.tau, self.about)
+
+    @property
+    def twist(self) -> Twist:
+        """Wanted twist, in B."""
+        return Twist(self.vx, self.vy, self.w, self.of)

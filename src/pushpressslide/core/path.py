@@ -142,9 +142,9 @@ class ArcPath:
         """Rows for ``nearest``, one per piece and one for the straight line after the
         end.
 
-        All: s at the end, curvature. Arc: the yaw that it had at s = 0, centre (a, b),
-        radius c and side d. Line: its yaw, direction (a, b), s and offset to the left
-        of the world's origin, c and d.
+        All: s at start and end, curvature. Arc: the yaw that it had at s = 0, centre
+        (a, b), radius c and side d. Line: its yaw, direction (a, b), s and offset to
+        the left of the world's origin, c and d.
         """
         rows = []
         pieces = (*self.pieces, (0.0, math.inf))
@@ -160,20 +160,20 @@ class ArcPath:
                 c = 1.0 / curvature
                 d = math.copysign(1.0, curvature)
                 yaw, a, b = yaw - curvature * s, x - c * b, y + c * a
-            rows.append((s + length, curvature, yaw, a, b, c, d))
+            rows.append((s, s + length, curvature, yaw, a, b, c, d))
         return tuple(rows)
 
     def nearest(
-        self, x: float, y: float, s: float
+        self, x: float, y: float, s: float, half: float = 0.0
     ) -> tuple[float, float, float, float]:
         """Return where the path is nearest to (x, y) [m], on the piece of arc length
         ``s`` or one after it.
 
         Arc length [m], offset to the left of (x, y) [m], heading [rad] and curvature
-        [1/m] of that point. Closed form, no iteration; past the end the path goes on
-        straight.
+        [1/m] of that point, both ``eased`` over ``half`` [m]. Closed form, no
+        iteration; past the end the path goes on straight.
         """
-        for end, curvature, yaw_0, a, b, c, d in self._projections:
+        for start, end, curvature, yaw_0, a, b, c, d in self._projections:
             if s > end:
                 continue
             if curvature:
@@ -182,12 +182,16 @@ class ArcPath:
                 guess = yaw_0 + curvature * s  # of the circle's turns that one is meant
                 yaw = guess + remainder(atan2(dx, -dy) - guess, TURN)
                 near = c * (yaw - yaw_0)
-                if near <= end:
-                    return near, d * sqrt(dx * dx + dy * dy) - c, yaw, curvature
+                left = d * sqrt(dx * dx + dy * dy) - c
             else:
+                yaw = yaw_0
                 near = c + a * x + b * y
-                if near <= end:
-                    return near, d + b * x - a * y, yaw_0, 0.0
+                left = d + b * x - a * y
+            if near <= end:
+                if near - half < start or near + half > end:
+                    turned, bent = self.eased(near, half)
+                    return near, left, yaw + turned, curvature + bent
+                return near, left, yaw, curvature
             s = end  # go on with the next piece
         raise AssertionError("the last piece has no end")
 

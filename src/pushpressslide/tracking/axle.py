@@ -11,7 +11,7 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.rom.drives import ORIGIN
 from pushpressslide.rom.pushed_car import PushedCar
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
@@ -59,12 +59,14 @@ class AxleTracker:
         w = speed * turn
         return Guidance(
             progress,
-            Wrench(
-                along * (ex - across * ey),
-                along * (ey + across * ex),
-                along * rho_squared * turn,
-            ),
-            Twist(speed * ex + w * axle * ey, speed * ey - w * axle * ex, w),
+            along * (ex - across * ey),
+            along * (ey + across * ex),
+            along * rho_squared * turn,
+            ORIGIN,
+            speed * ex + w * axle * ey,
+            speed * ey - w * axle * ex,
+            w,
+            ORIGIN,
             atan(across),
             (0.0, left, turned),
             saturated,

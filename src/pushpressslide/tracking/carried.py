@@ -56,7 +56,8 @@ class CarriedTracker:
         slid = guidance.wrench.moved_to((x, y))
         held = Wrench(wx, wy, 0.0).moved_to((x, y))
         return guidance._replace(
-            wrench=Wrench(
-                slid.fx - held.fx, slid.fy - held.fy, slid.tau - held.tau, (x, y)
-            )
+            fx=slid.fx - held.fx,
+            fy=slid.fy - held.fy,
+            tau=slid.tau - held.tau,
+            about=(x, y),
         )

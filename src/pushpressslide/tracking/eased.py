@@ -40,8 +40,7 @@ class EasedTracker:
         """
         for share in SHARES:
             guidance = self._law.step(path, X_WB, progress, speed, share * grip)
-            fx, fy, tau, _ = guidance.wrench
-            allocation = self._allocate(fx, fy, tau)
+            allocation = self._allocate(guidance.fx, guidance.fy, guidance.tau)
             if allocation.status == "ok" and allocation.margin > 0.0:
                 break
         return guidance

@@ -107,7 +107,7 @@ class HolonomicTracker:
         fy = wrench.fy
         steering = math.atan2(a * fy - b * fx, a * fx + b * fy)
         moved = twist.moved_to((0.0, 0.0))
-        return Guidance(progress, wrench, moved, steering, error, saturated)
+        return Guidance(progress, *wrench, *moved, steering, error, saturated)
 
     def _driven(
         self, twist: Twist, wanted: Wrench, nearest: Wrench

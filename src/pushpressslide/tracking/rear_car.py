@@ -12,7 +12,6 @@ from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
@@ -31,11 +30,8 @@ class RearPushTracker:
 
         ``max_friction`` is mu_s N [N].
         """
-        self._steer = steer
         ex, ey = car.axis
         stretch = 1.0 + (car.lever / car.rho) ** 2
-        self._axle = X_BV.position
-        self._cop = car.cop
         self._figures = (
             math.atan2(ey, ex),
             math.hypot(*X_BV.position),
@@ -47,6 +43,7 @@ class RearPushTracker:
             -car.lever,
             -1.0 / car.effective_wheelbase,
         )
+        self._law = (steer, car.cop, X_BV.position)
 
     def step(
         self, path: MotionPath, X_WB: Pose2, progress: float, speed: float, grip: float
@@ -58,24 +55,32 @@ class RearPushTracker:
         heading_axis, reach, bearing, ex, ey, max_friction, stretch, arm, turning = (
             self._figures
         )
+        steer, cop, axle = self._law
         yaw = X_WB.yaw + heading_axis
         ahead = X_WB.yaw + bearing
+        x = X_WB.x + reach * cos(ahead)
+        y = X_WB.y + reach * sin(ahead)
         progress, left, heading, curvature = path.nearest(
-            X_WB.x + reach * cos(ahead), X_WB.y + reach * sin(ahead), progress
+            x, y, progress, EASING * speed
         )
-        turned, bent = path.eased(progress, EASING * speed)
-        curvature += bent
-        heading_error = remainder(heading + turned - yaw, TURN)
-        delta, saturated = self._steer(left, heading_error, curvature, grip)
+        heading_error = remainder(heading - yaw, TURN)
+        delta, saturated = steer(left, heading_error, curvature, grip)
         k = tan(delta)
         # |f| = mu_s N / sqrt(1 + (D sin(delta) / rho)^2); along e, and to its left
         along = max_friction / sqrt(1.0 + stretch * k * k)
         across = along * k
-        w = turning * speed * k
-        fx = along * ex - across * ey
-        fy = along * ey + across * ex
-        wrench = new(Wrench, (fx, fy, arm * across, self._cop))
-        # the axle moves along e
-        twist = new(Twist, (speed * ex, speed * ey, w, self._axle))
-        error = (0.0, left, heading_error)
-        return new(Guidance, (progress, wrench, twist, delta, error, saturated))
+        guidance = (
+            progress,
+            along * ex - across * ey,
+            along * ey + across * ex,
+            arm * across,
+            cop,
+            speed * ex,  # the axle moves along e
+            speed * ey,
+            turning * speed * k,
+            axle,
+            delta,
+            (0.0, left, heading_error),
+            saturated,
+        )
+        return new(Guidance, guidance)

@@ -12,8 +12,7 @@ from pushpressslide.core.path import ArcPath
 from pushpressslide.core.plan import MotionPath
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.twist_path import TwistPath
-from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.rom.drives import SpinDrive, SteeredDrive
+from pushpressslide.rom.drives import ORIGIN, SpinDrive, SteeredDrive
 from pushpressslide.tracking.lookahead_alignment import LookAheadAlignment
 
 TURN = 2.0 * math.pi
@@ -76,8 +75,14 @@ class UnicycleTracker:
         w = speed * turn
         return Guidance(
             progress,
-            Wrench(size * fx, size * fy, size * lever, cop),
-            Twist(speed * ex + w * qy, speed * ey - w * qx, w),
+            size * fx,
+            size * fy,
+            size * lever,
+            cop,
+            speed * ex + w * qy,
+            speed * ey - w * qx,
+            w,
+            ORIGIN,
             steering,
             (0.0, left, heading_error),
             steering != wanted,
@@ -116,8 +121,14 @@ class PivotTracker:
         d = car.lever
         return Guidance(
             progress,
-            Wrench(fx, fy, d * (ex * fy - ey * fx), car.cop),
-            Twist(v * ex + w * X_BV.y, v * ey - w * X_BV.x, w),
+            fx,
+            fy,
+            d * (ex * fy - ey * fx),
+            car.cop,
+            v * ex + w * X_BV.y,
+            v * ey - w * X_BV.x,
+            w,
+            ORIGIN,
             math.atan2(car.effective_wheelbase * w, v) if w else 0.0,
             (along, left, remainder(wanted.yaw - X_WV.yaw, TURN)),
             False,

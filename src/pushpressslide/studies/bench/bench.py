@@ -131,8 +131,8 @@ def track_and_allocate(name: str) -> Callable[[], object]:
 
     def one_tick() -> object:
         """Track and allocate."""
-        wrench = tracker.step(path, X_WB, s, 0.05, 1.0).wrench
-        return allocate(wrench.fx, wrench.fy, wrench.tau)
+        wanted = tracker.step(path, X_WB, s, 0.05, 1.0)
+        return allocate(wanted.fx, wanted.fy, wanted.tau)
 
     return one_tick
 

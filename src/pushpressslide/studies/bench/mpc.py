@@ -209,8 +209,7 @@ def closed_form(push: Push) -> Controller:
             return None
         guidance = tracker.step(segment.path, X, progress, SPEED, 1.0)
         progress = guidance.progress
-        wrench = guidance.wrench
-        allocate(wrench.fx, wrench.fy, wrench.tau)
+        allocate(guidance.fx, guidance.fy, guidance.tau)
         at_contact = guidance.twist.moved_to(push.contact)
         return at_contact.vx, at_contact.vy
 

@@ -103,8 +103,8 @@ def _tick(length: int | float) -> Callable[[], object]:
     X = path.pose(s).compose(Pose2(0.0, 0.002, 0.02)).compose(led.X_BV.inverse())
 
     def tick() -> object:
-        wrench = tracker.step(path, X, s, 0.05, 1.0).wrench
-        return allocate(wrench.fx, wrench.fy, wrench.tau)
+        wanted = tracker.step(path, X, s, 0.05, 1.0)
+        return allocate(wanted.fx, wanted.fy, wanted.tau)
 
     return tick
 
