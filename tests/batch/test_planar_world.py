@@ -1,7 +1,5 @@
 """Many bodies under tips, like one of them on the planar engine."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -86,8 +84,8 @@ def alone(chosen, places, velocities, friction, X_WB):
     )
     world = World(task, contacts, DT)
     state = world.start(X_WB, X_WB, 0.0)
-    state = replace(
-        state, tips=tuple(resting((*X_WB.apply(place), 0.0)) for place in places)
+    state = state._replace(
+        tips=tuple(resting((*X_WB.apply(place), 0.0)) for place in places)
     )
     commands = [
         TipCommand(

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from pushpressslide.core.pose import Point
+from pushpressslide.core.pose import Point, from_axis, in_axis
 from pushpressslide.mechanics.checks import check_friction, check_normal
 
 Split = Literal["least_friction", "least_force"]
@@ -45,13 +45,11 @@ class ContactLine:
 
     def in_axes(self, v: Point) -> Point:
         """Return (v.e, v.m) of a vector in B."""
-        ex, ey = self.e
-        return (ex * v[0] + ey * v[1], ex * v[1] - ey * v[0])
+        return in_axis(self.e, v)
 
     def in_body(self, v: Point) -> Point:
         """Return in B the vector with components ``v`` in the axes e and m."""
-        ex, ey = self.e
-        return (ex * v[0] - ey * v[1], ey * v[0] + ex * v[1])
+        return from_axis(self.e, v)
 
     def parts(
         self, fx: float, fy: float, tau: float, about: Point = (0.0, 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 Point = tuple[float, float]
@@ -23,6 +24,18 @@ def cross(a: Point, b: Point) -> float:
 def turned_left(a: Point) -> Point:
     """Return J a: the vector turned by +90 degrees."""
     return (-a[1], a[0])
+
+
+def in_axis(axis: Point, v: Sequence[float]) -> Point:
+    """Return the components of a vector along a unit vector ``axis``, and to its left."""
+    c, s = axis
+    return (c * v[0] + s * v[1], c * v[1] - s * v[0])
+
+
+def from_axis(axis: Point, v: Point) -> Point:
+    """Return the vector with the components ``v`` along ``axis``, and to its left."""
+    c, s = axis
+    return (c * v[0] - s * v[1], s * v[0] + c * v[1])
 
 
 @dataclass(frozen=True, slots=True)

@@ -182,11 +182,16 @@ class Shape:
 
         It grows in proportion along each ray (the Minkowski gauge).
         """
-        edges = self._outward_edges()
+        edges = [(x / depth, y / depth) for (x, y), depth in self._outward_edges()]
 
         def gauge(x: float, y: float) -> float:
             """Return 0 at the middle, 1 on the outline."""
-            return max((x * out[0] + y * out[1]) / depth for out, depth in edges)
+            farthest = 0.0
+            for a, b in edges:
+                out = a * x + b * y
+                if out > farthest:
+                    farthest = out
+            return farthest
 
         return gauge
 

@@ -11,7 +11,6 @@ Plain floats; frame B, places relative to the centre of pressure.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point
@@ -37,8 +36,7 @@ class Response(NamedTuple):
 FREE = Response((0.0, 0.0), (0.0, 0.0, 0.0, 0.0), "free")
 
 
-@dataclass(frozen=True, slots=True)
-class TipLaw:
+class TipLaw(NamedTuple):
     """f = f_0 - B v of one tip in the plane."""
 
     axis: Point  # unit; the other axis is to its left
@@ -47,16 +45,13 @@ class TipLaw:
 
     def velocity(self, force: Point) -> Point:
         """Return the velocity [m/s] of a tip that exerts ``force`` [N], both in B."""
-        ax, ay = self.axis
-        f1, f2 = self.force
-        d1, d2 = self.damping
+        (ax, ay), (f1, f2), (d1, d2) = self
         v1 = (f1 - (ax * force[0] + ay * force[1])) / d1
         v2 = (f2 - (ax * force[1] - ay * force[0])) / d2
         return (ax * v1 - ay * v2, ay * v1 + ax * v2)
 
 
-@dataclass(frozen=True, slots=True)
-class SideContact:
+class SideContact(NamedTuple):
     """A tip at a side face; its law's axis is the inward normal."""
 
     point: Point  # [m] of the face
@@ -73,23 +68,24 @@ class SideContact:
         The normal force is what keeps the tip out of the face, or none; it is free of
         the friction, which is what holds the tip on the face, up to the cone's edge.
         """
-        nx, ny = self.law.axis
-        fn, ft = self.law.force
-        bn, bt = self.law.damping
-        vx = twist[0] - twist[2] * self.center[1]
-        vy = twist[1] + twist[2] * self.center[0]
-        fn -= bn * (nx * vx + ny * vy + self.approach)
+        _, (x, y), law, friction, approach = self
+        axis, (fn, ft), (bn, bt) = law
+        nx, ny = axis
+        vx, vy, w = twist
+        vx = vx - w * y
+        vy = vy + w * x
+        fn = fn - bn * (nx * vx + ny * vy + approach)
         if fn <= 0.0:
             return FREE
-        ft -= bt * (nx * vy - ny * vx)
-        edge = self.friction * fn
-        if abs(ft) <= edge:
+        ft = ft - bt * (nx * vy - ny * vx)
+        edge = friction * fn
+        if -edge <= ft <= edge:
             return Response(
                 (nx * fn - ny * ft, ny * fn + nx * ft),
-                _turned(self.law.axis, bn, 0.0, bt),
+                _turned(axis, bn, 0.0, bt),
                 "stick",
             )
-        mu = math.copysign(self.friction, ft)
+        mu = math.copysign(friction, ft)
         ex = nx - mu * ny
         ey = ny + mu * nx
         status: ContactStatus = "slip_left" if ft > 0.0 else "slip_right"
@@ -118,8 +114,7 @@ def side_contact(
     return SideContact(point, center, law, friction, gap / dt)
 
 
-@dataclass(frozen=True, slots=True)
-class WedgedContact:
+class WedgedContact(NamedTuple):
     """A tip between its own side and another wall of a notch.
 
     It touches the one that alone keeps it out of both; where neither does, it sticks
@@ -181,8 +176,7 @@ def _enters(
     return into > other.approach + ENTERING
 
 
-@dataclass(frozen=True, slots=True)
-class TopContact:
+class TopContact(NamedTuple):
     """A tip pressed on the top face."""
 
     point: Point  # [m] of the contact, below the tip's centre
@@ -226,8 +220,7 @@ class TopContact:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Pull:
+class Pull(NamedTuple):
     """A force that is always there: a weight in the plane."""
 
     point: Point  # [m] where it acts

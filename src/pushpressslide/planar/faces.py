@@ -53,6 +53,8 @@ class SideFace:
         """Return gap and normal of the wall that a tip comes to next, but for the face
         itself; no wall where none is near.
         """
+        if not self.walls:
+            return NO_WALL
         found = [self._gap(wall, tip, height) for wall in self.walls]
         return min((wall for wall in found if wall[0] < NEAR), default=NO_WALL)
 

@@ -7,7 +7,6 @@ robot would see.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 from pushpressslide.control.limits import ArmLimits, ArmReading
@@ -43,7 +42,7 @@ class PlanarPlant:
         gap = before_contacts(task, plan.contacts)
         self._now = self._world.start(task.true_start, task.start, gap)
         if begin is not None:
-            self._now = replace(self._now, tips=tuple(map(resting, begin.tips)))
+            self._now = self._now._replace(tips=tuple(map(resting, begin.tips)))
         self._before = self._now  # one tick ago
         self._commands: list[TipCommand | None] = []
         self._tipping = 0.0  # [s] since when the load is off the base

@@ -140,14 +140,15 @@ class _Balance:
         """
         force, slope = self.left_over_and_slope(twist)
         for _ in range(STEPS):
-            if self.size(force) < BALANCE * self.limit:
+            size = self.size(force)
+            if size < BALANCE * self.limit:
                 return twist
             step = _newton_step(slope, force)
             if step is None:
                 return None
             end = _moved(twist, step, 1.0)
-            if self.size(force) < CLOSE * self.limit:
-                last = self._ended(end, force, slope)
+            if size < CLOSE * self.limit:
+                last = self._ended(end, size, slope)
                 if last is not None:
                     return last
             twist = end
@@ -158,9 +159,10 @@ class _Balance:
             force = ahead
         return None
 
-    def _ended(self, twist: Vector, force: Vector, slope: Matrix) -> Vector | None:
+    def _ended(self, twist: Vector, before: float, slope: Matrix) -> Vector | None:
         """Return the balanced twist near ``twist``, to which one step of Newton's
-        method led from ``force``; None if one more with the same slope may not do.
+        method led from a force of size ``before`` [N]; None if one more with the same
+        slope may not do.
 
         What it leaves over falls by twice what the first step left over of the force,
         while the contacts go on as they are.
@@ -171,14 +173,14 @@ class _Balance:
         allowed = BALANCE * self.limit
         if size < allowed:
             return twist
-        if 2.0 * size * size > SURE * allowed * self.size(force):
+        if 2.0 * size * size > SURE * allowed * before:
             return None
         step = _newton_step(slope, ahead)
         if step is None:
             return None
         end = _moved(twist, step, 1.0)
-        for before, after in zip(responses, self._responses(end), strict=True):
-            if before.status != after.status:
+        for contact, response in zip(self.contacts, responses, strict=True):
+            if contact.response(end).status != response.status:
                 return None
         return end
 

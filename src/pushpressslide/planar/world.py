@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.control import TipCommand, TipState, Vector3
 from pushpressslide.core.footprint import edge_depths
 from pushpressslide.core.plan import Contact
-from pushpressslide.core.pose import Point, Pose2, cross
+from pushpressslide.core.pose import Point, Pose2, from_axis, in_axis
 from pushpressslide.core.task import Task
 from pushpressslide.core.twist_path import moved
 from pushpressslide.core.wrench import Twist
@@ -40,8 +40,7 @@ STEP = 1e-4  # [m] down, within which the object stands on what is there
 TIP_DRAG = 50.0  # [N s/m] of a tip whose command neither holds nor damps it
 
 
-@dataclass(frozen=True, slots=True)
-class WorldState:
+class WorldState(NamedTuple):
     """Where everything is, and what led there in the tick before."""
 
     X_WB: Pose2
@@ -51,16 +50,14 @@ class WorldState:
     tipping: bool  # the load is off the base
 
 
-@dataclass(frozen=True, slots=True)
-class _Wall:
+class _Wall(NamedTuple):
     """A side that a tip may meet beside its own face."""
 
     gap: float  # [m]
     law: TipLaw
 
 
-@dataclass(frozen=True, slots=True)
-class _Reach:
+class _Reach(NamedTuple):
     """One commanded tip at the start of a tick, in B."""
 
     contact: Contact
@@ -85,16 +82,15 @@ class _Reach:
             return TopContact((x, y), self.law, friction * self.press)
         if self.contact.kind == "top":
             return None
-        near = [] if self.gap == math.inf else [(self.gap, self.law)]
+        own = wall = None
+        if self.gap < math.inf:
+            own = side_contact((x, y), self.radius, self.gap, self.law, friction, dt)
         if self.wall is not None:
-            near.append((self.wall.gap, self.wall.law))
-        sides = [
-            side_contact((x, y), self.radius, gap, law, friction, dt)
-            for gap, law in near
-        ]
-        if len(sides) == 2:
-            return WedgedContact(*sides)
-        return sides[0] if sides else None
+            gap, law = self.wall
+            wall = side_contact((x, y), self.radius, gap, law, friction, dt)
+        if own is None or wall is None:
+            return own or wall
+        return WedgedContact(own, wall)
 
 
 class World:
@@ -116,11 +112,13 @@ class World:
             (0.0, 0.0, -task.object.mass * GRAVITY)
         )
         self.weight = (wx, wy)
+        self.weighs = any(self.weight)  # in the plane
         self.own_load = -press  # [N] in the plane, and on the support
         self.task = task
         self.dt = dt
         # from the believed centre of mass to the true one, the origin of B here
         self.contacts = tuple(c.shifted(task.center_error) for c in contacts)
+        self.arms = {c.arm for c in self.contacts}
         self.support = Support(task.object.shape, task.object.center_of_mass)
         from shapely import Polygon
 
@@ -160,12 +158,13 @@ class World:
         command has it, and touches nothing.
         """
         X_WB = state.X_WB
+        axis = (math.cos(X_WB.yaw), math.sin(X_WB.yaw))
         reaches = [
-            self._reach(state, contact, face, command)
+            self._reach(state, axis, contact, face, command)
             for contact, face in zip(self.contacts, self.faces, strict=True)
             if (command := commands[contact.arm]) is not None
         ]
-        cop, load = self._load(state, reaches)
+        cop, load = self._load(state, axis, reaches)
         tipping = self._over_edge(X_WB, cop)
         cop, friction, off_base = self.support.under(cop)
         tipping = tipping or off_base
@@ -175,12 +174,12 @@ class World:
         vx, vy, w = REST
         held = (mu + self.task.support.friction) * load > math.hypot(*self.weight)
         if held:
-            if any(self.weight):
-                acting.append(Pull((-cop[0], -cop[1]), X_WB.unrotate(self.weight)))
+            if self.weighs:
+                acting.append(Pull((-cop[0], -cop[1]), in_axis(axis, self.weight)))
             guess = state.twist.moved_to(cop)
             limit = self.task.support.friction * load
             vx, vy, w = slide(friction, limit, acting, (guess.vx, guess.vy, guess.w))
-        if any(self.weight):
+        if self.weighs:
             (vx, vy, w), tipping = self._carried(
                 X_WB, Twist(vx, vy, w, cop), tipping or not held
             )
@@ -188,32 +187,34 @@ class World:
         origin = twist.moved_to((0.0, 0.0))
         X_after = moved(X_WB, (origin.vx, origin.vy, w), self.dt)
 
-        tips = [
-            resting(tip.position) if command is None else _led(command)
-            for tip, command in zip(state.tips, commands, strict=True)
-        ]
+        tips = list(state.tips)
+        for arm, command in enumerate(commands):
+            if command is None:
+                tips[arm] = resting(tips[arm].position)
+            elif arm not in self.arms:
+                tips[arm] = _led(command)
         statuses: list[ContactStatus] = ["free"] * len(tips)
         for reach, contact in zip(reaches, touching, strict=True):
             response = FREE if contact is None else contact.response((vx, vy, w))
             arm = reach.contact.arm
-            tips[arm] = self._tip_after(state, reach, response, twist, X_after)
+            tips[arm] = self._tip_after(state, axis, reach, response, twist, X_after)
             statuses[arm] = response.status
         return WorldState(X_after, tuple(tips), tuple(statuses), twist, tipping)
 
     def _tip_after(
         self,
         state: WorldState,
+        axis: Point,
         reach: _Reach,
         response: Response,
         twist: Twist,
         X_after: Pose2,
     ) -> TipState:
         """Return a tip one tick on, of an object that has gone to ``X_after``."""
-        X_WB = state.X_WB
         dt = self.dt
         velocity = reach.law.velocity(response.force)
-        fx, fy = X_WB.rotate(response.force)
-        ux, uy = X_WB.rotate(velocity)
+        fx, fy = from_axis(axis, response.force)
+        ux, uy = from_axis(axis, velocity)
         x, y, z = state.tips[reach.contact.arm].position
         if response.status == "free":
             x = x + dt * ux
@@ -231,15 +232,20 @@ class World:
         )
 
     def _reach(
-        self, state: WorldState, contact: Contact, face: Face, command: TipCommand
+        self,
+        state: WorldState,
+        axis: Point,
+        contact: Contact,
+        face: Face,
+        command: TipCommand,
     ) -> _Reach:
         """Return what a tip does in a tick as far as it does not depend on the object's
-        motion.
+        motion; ``axis`` is that of B.
         """
         X_WB = state.X_WB
         dt = self.dt
         x, y, z = state.tips[contact.arm].position
-        place = X_WB.unapply((x, y))
+        place = in_axis(axis, (x - X_WB.x, y - X_WB.y))
         gap, normal = face.gap(place, z)
         # f_0 in the plane, along the command's axes: what the tip exerts while it does
         # not move
@@ -252,14 +258,15 @@ class World:
         ux, uy, uz = command.velocity
         fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
         ft = kt * (c * dy - s * dx) + bt * (c * uy - s * ux)
-        force = X_WB.unrotate(
-            (command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft)
+        force = in_axis(
+            axis,
+            (command.force[0] + c * fn - s * ft, command.force[1] + s * fn + c * ft),
         )
         # at a side the dampings are taken along the face's own axes, a few degrees off
         # the command's
-        axis = normal if contact.kind == "side" else X_WB.unrotate((c, s))
+        law_axis = normal if contact.kind == "side" else in_axis(axis, (c, s))
         damping_plane = (_damping(bn, kn, dt), _damping(bt, kt, dt))
-        law = _law(axis, force, damping_plane)
+        law = _law(law_axis, force, damping_plane)
         beside, inwards = face.wall(place, z)
         wall = None
         if beside < math.inf:
@@ -273,7 +280,7 @@ class World:
         return _Reach(contact, radius, place, gap, law, 0.0, lift / damping, wall)
 
     def _load(
-        self, state: WorldState, reaches: Sequence[_Reach]
+        self, state: WorldState, axis: Point, reaches: Sequence[_Reach]
     ) -> tuple[Point, float]:
         """Return CoP [m] in B and load [N] on the support, by the presses of this tick
         and the horizontal forces of the one before.
@@ -281,24 +288,21 @@ class World:
         own = self.own_load
         top = self.task.object.shape.height
         presses = [reach.press for reach in reaches]
-        tips = [state.tips[reach.contact.arm] for reach in reaches]
         load = total_load(own, presses)
         if load == 0.0:
             return (0.0, 0.0), load
-        along = [(tip.force[0], tip.force[1]) for tip in tips]
-        kinds = [reach.contact.kind for reach in reaches]
-        heights = [
-            top if k == "top" else t.position[2]
-            for k, t in zip(kinds, tips, strict=True)
-        ]
-        cop = center_of_pressure(
-            own,
-            (0.0, 0.0),
-            presses,
-            [reach.place for reach in reaches],
-            [state.X_WB.unrotate(force) for force in (*along, self.weight)],
-            [*heights, 0.5 * top],
-        )
+        places = []
+        forces = []
+        heights = []
+        for reach in reaches:
+            contact = reach.contact
+            tip = state.tips[contact.arm]
+            places.append(reach.place)
+            forces.append(in_axis(axis, tip.force))
+            heights.append(top if contact.kind == "top" else tip.position[2])
+        forces.append(in_axis(axis, self.weight))
+        heights.append(0.5 * top)
+        cop = center_of_pressure(own, (0.0, 0.0), presses, places, forces, heights)
         return cop, load
 
     def _over_edge(self, X_WB: Pose2, cop: Point) -> bool:
@@ -332,15 +336,15 @@ class World:
 
 def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
     """Return a tip's law along an axis, its force f_0 [N] given in B."""
-    along = axis[0] * force[0] + axis[1] * force[1]
-    return TipLaw(axis, (along, cross(axis, force)), damping)
+    return TipLaw(axis, in_axis(axis, force), damping)
 
 
 def _damping(damping: float, stiffness: float, dt: float) -> float:
     """Return what a tip's force loses with its velocity over a tick: its spring is
     taken at the end of it.
     """
-    return max(damping + stiffness * dt, TIP_DRAG)
+    total = damping + stiffness * dt
+    return total if total > TIP_DRAG else TIP_DRAG
 
 
 def _led(command: TipCommand) -> TipState:
