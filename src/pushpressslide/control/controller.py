@@ -68,6 +68,7 @@ from pushpressslide.core.pose import Point, Pose2, wrap_angle
 from pushpressslide.core.record import Ending, ReasonCode
 from pushpressslide.core.task import Sensing, Task
 from pushpressslide.core.twist_path import moved
+from pushpressslide.core.wrench import Twist
 from pushpressslide.execution.normal_force import NormalForceRegulator, NormalForceState
 from pushpressslide.identification.center import CenterIdentifier, CenterState
 from pushpressslide.identification.online import AxleState
@@ -423,7 +424,8 @@ class Controller:
         ticks = (tracked - started, perf_counter() - tracked)
 
         contacts = binding.segment.contacts
-        tasks = self._tip_tasks(state, measurement, guidance, allocation)
+        twist = guidance.twist
+        tasks = self._tip_tasks(state, measurement, twist, allocation)
         tracking = self.parts[state.segment.leg].motion.joint_tracking
         progress = joint_reference(state, measurement.time, tracking)
         moved = []
@@ -450,7 +452,7 @@ class Controller:
             last_time=measurement.time,
             axle=axle,
             center=center,
-            twist=guidance.twist,
+            twist=twist,
             ticks=ticks,
         )
         next_state = self._after_move(next_state, measurement, X_WB, touched, guidance)
@@ -477,7 +479,7 @@ class Controller:
         self,
         state: ControllerState,
         measurement: Measurement,
-        guidance: Guidance,
+        twist: Twist,
         allocation: Allocation,
     ) -> list[TipTask]:
         """Return what each tip is to do."""
@@ -487,7 +489,6 @@ class Controller:
         if self.entry is not None:
             speeds = self.entry.speeds(measurement, starts)
         holds = self._holds(state, allocation)
-        twist = guidance.twist
         return [
             TipTask(twist, center, (gain * fx, gain * fy), load, speed, hold)
             for center, (fx, fy), load, speed, hold in zip(
