@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.border import Border, border_of
@@ -25,6 +26,30 @@ ORIGIN: Point = (0.0, 0.0)
 
 Ends = tuple[Point, Point]
 """Ends in G [m] of a straight edge of a footprint, counter-clockwise."""
+
+
+InwardEdge = tuple[float, float, float, float]
+"""Of an edge: inward unit normal (x, y), depth [m] of a point of G inside it, width [m]
+of the footprint across.
+"""
+
+KEPT = 256  # footprints of which the edges are remembered
+
+
+@lru_cache(maxsize=KEPT)
+def inward_edges(corners: tuple[Point, ...], origin: Point) -> tuple[InwardEdge, ...]:
+    """Return the edges of a convex polygon, counter-clockwise [m], as seen from
+    ``origin`` [m]. A tip on a top asks for them at every tick.
+    """
+    out = []
+    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
+        length = math.hypot(bx - ax, by - ay)
+        nx = -(by - ay) / length
+        ny = (bx - ax) / length
+        inside = (origin[0] - ax) * nx + (origin[1] - ay) * ny
+        width = max((x - ax) * nx + (y - ay) * ny for x, y in corners)
+        out.append((nx, ny, inside, width))
+    return tuple(out)
 
 
 class Shape:
@@ -268,18 +293,9 @@ class Shape:
         corners = self.corners
         return zip(corners, corners[1:] + corners[:1], strict=True)
 
-    def _inward_edges(self, origin: Point) -> list[tuple[float, float, float, float]]:
-        """Inward unit normal (x, y), depth of ``origin`` in G [m], width across [m]."""
-        corners = self.corners
-        out = []
-        for (ax, ay), (bx, by) in self._edges():
-            length = math.hypot(bx - ax, by - ay)
-            nx = -(by - ay) / length
-            ny = (bx - ax) / length
-            inside = (origin[0] - ax) * nx + (origin[1] - ay) * ny
-            width = max((x - ax) * nx + (y - ay) * ny for x, y in corners)
-            out.append((nx, ny, inside, width))
-        return out
+    def _inward_edges(self, origin: Point) -> tuple[InwardEdge, ...]:
+        """The edges as seen from a point of G."""
+        return inward_edges(self.corners, origin)
 
     def _outward_edges(self) -> list[tuple[Point, float]]:
         """Outward unit normals and distances [m] from the middle."""

@@ -192,22 +192,23 @@ class TopContact(NamedTuple):
         """Return the force under an object's ``twist`` at the CoP: what holds the tip,
         or the limit against its slip.
         """
-        ax, ay = self.law.axis
-        f1, f2 = self.law.force
-        d1, d2 = self.law.damping
-        vx = twist[0] - twist[2] * self.point[1]
-        vy = twist[1] + twist[2] * self.point[0]
-        f1 -= d1 * (ax * vx + ay * vy)
-        f2 -= d2 * (ax * vy - ay * vx)
-        if math.hypot(f1, f2) <= self.limit:
+        (x, y), law, limit = self
+        axis, (f1, f2), (d1, d2) = law
+        ax, ay = axis
+        vx, vy, w = twist
+        vx = vx - w * y
+        vy = vy + w * x
+        f1 = f1 - d1 * (ax * vx + ay * vy)
+        f2 = f2 - d2 * (ax * vy - ay * vx)
+        if math.hypot(f1, f2) <= limit:
             s11 = d1
             s12 = 0.0
             s22 = d2
             status: ContactStatus = "stick"
         else:
-            f1, f2, per_force = _sliding_force((f1, f2), (d1, d2), self.limit)
-            t1 = -f2 / self.limit
-            t2 = f1 / self.limit  # the force can only turn
+            f1, f2, per_force = _sliding_force((f1, f2), (d1, d2), limit)
+            t1 = -f2 / limit
+            t2 = f1 / limit  # the force can only turn
             k = 1.0 / (per_force + t1 * t1 / d1 + t2 * t2 / d2)
             s11 = k * t1 * t1
             s12 = k * t1 * t2
@@ -215,7 +216,7 @@ class TopContact(NamedTuple):
             status = "slip"
         return Response(
             (ax * f1 - ay * f2, ay * f1 + ax * f2),
-            _turned(self.law.axis, s11, s12, s22),
+            _turned(axis, s11, s12, s22),
             status,
         )
 
