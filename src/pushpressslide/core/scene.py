@@ -364,8 +364,10 @@ class Scene:
 
     def on_ledge(self, X_WG: Pose2, within: float = LEDGE_GAP) -> bool:
         """Return whether a fixed obstacle is ``within`` [m] below the object at a pose."""
+        fixed = [obstacle for obstacle in self.obstacles if not obstacle.movable]
+        if not fixed:
+            return False
         below = self.body.shape.placed(self.lowered(X_WG, within))
-        fixed = (obstacle for obstacle in self.obstacles if not obstacle.movable)
         return any(
             below.intersection(obstacle.footprint).area > 0.0 for obstacle in fixed
         )

@@ -321,17 +321,19 @@ class World:
         X_WG = X_WB.compose(self.task.object.X_GB.inverse())
         shape = self.task.object.shape
         opening = self.task.support.opening
+        scene = self.task.scene
         moving = (twist.vx, twist.vy, twist.w)
-        if opening is not None and opening.holds(X_WG, shape):
-            lowest = not opening.holds(self.task.scene.lowered(X_WG, STEP), shape)
-            falling = False
-        else:
-            lowest = self.task.scene.on_ledge(X_WG, STEP)
+        inside = opening is not None and opening.holds(X_WG, shape)
         at_com = twist.moved_to((0.0, 0.0))
         vx, vy = X_WB.rotate((at_com.vx, at_com.vy))
-        if lowest and vx * self.weight[0] + vy * self.weight[1] >= 0.0:
-            return REST, False
-        return moving, falling
+        if vx * self.weight[0] + vy * self.weight[1] >= 0.0:  # not lifted
+            if opening is not None and inside:
+                lowest = not opening.holds(scene.lowered(X_WG, STEP), shape)
+            else:
+                lowest = scene.on_ledge(X_WG, STEP)
+            if lowest:
+                return REST, False
+        return moving, falling and not inside
 
 
 def _law(axis: Point, force: Point, damping: Point) -> TipLaw:
