@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last
-from pushpressslide.batch.elementwise import Argument, Table, run, table
+from pushpressslide.batch.elementwise import Argument, Stage, Table, run, table
 from pushpressslide.batch.formulas import Flag, Formula
 from pushpressslide.batch.wrench_twist import WrenchColumns
 from pushpressslide.core.arrays import Array
@@ -88,19 +88,13 @@ def allocations(
     shape: tuple[int, ...],
     contacts: int,
     first: Formula,
-    stages: Sequence[tuple[int, Formula]],
+    stages: Sequence[Stage],
 ) -> Allocations:
     """Return the answers of ``first`` for all rows, and of each stage for those that
     have its status then.
     """
     out = AllocationColumns.empty(math.prod(shape), contacts)
-    run(first, arguments, out)
-    if out.status.max(initial=OK) < OPEN:
-        return out.shaped(shape)
-    for status, formula in stages:
-        rows = (out.status == status).nonzero()[0]
-        if len(rows):
-            run(formula, arguments, out, rows)
+    run(first, arguments, out, stages, AllocationColumns._fields.index("status"))
     return out.shaped(shape)
 
 

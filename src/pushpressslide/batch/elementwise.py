@@ -16,7 +16,9 @@ from pushpressslide.batch import loops
 from pushpressslide.batch.formulas import Column, Columns, Formula
 from pushpressslide.core.arrays import Array
 
-Rows = NDArray[np.intp]
+EVERY = slice(None)
+Stage = tuple[int, Formula]
+"""A formula for the rows that have this status so far."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,31 +36,33 @@ def run(
     formula: Formula,
     arguments: Sequence[Argument],
     results: Sequence[Column],
-    rows: Rows | None = None,
+    stages: Sequence[Stage] = (),
+    status: int = 0,
 ) -> None:
-    """Write ``formula(*arguments)`` into ``results``; of ``rows`` alone where these are
-    given.
+    """Write ``formula(*arguments)`` into ``results``; then that of each stage, in the
+    rows that have its status in the result number ``status``.
 
     Each argument is a NamedTuple of columns, or a table; the formula is given one row
     of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
     the other.
     """
     if loops.compiler() is None:
-        _run_numpy(formula, arguments, results, rows)
+        _run_numpy(formula, arguments, results)
+        _run_stages(stages, arguments, results, results[status])
         return
+    letters = tuple(map(_letters, arguments))
     layout = loops.Layout(
         tuple(map(_kind, arguments)),
-        tuple(map(_letters, arguments)),
+        letters,
         tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results),
-        rows is not None,
+        tuple(code for code, _ in stages),
+        status,
     )
-    inputs = [
-        float(item) if item.ndim == 0 else item
-        for argument in arguments
-        for item in ((argument.rows,) if isinstance(argument, Table) else argument)
-    ]
-    selection = () if rows is None else (rows,)
-    loops.compiled_loop(formula, layout)(*inputs, *results, *selection)
+    inputs: list[Array] = []
+    for argument, letter in zip(arguments, letters, strict=True):
+        inputs += _arrays(argument, letter)
+    formulas = (formula, *(later for _, later in stages))
+    loops.compiled_loop(formulas, layout)(*inputs, *results)
 
 
 def _kind(argument: Argument) -> type[Columns]:
@@ -66,24 +70,48 @@ def _kind(argument: Argument) -> type[Columns]:
 
 
 def _letters(argument: Argument) -> str:
-    """Return a letter for each array of an argument: t table, c column, s one number."""
+    """Return the letters of ``loops.Layout``."""
     if isinstance(argument, Table):
         return "t"
-    return "".join("s" if c.ndim == 0 else "c" for c in argument)
+    return "".join(map(_letter, argument))
+
+
+def _letter(column: Column) -> str:
+    """Return the letter of a column; one that repeats a number counts as this number."""
+    if column.ndim == 0:
+        return "s"
+    if column.flags.c_contiguous:
+        return "c"
+    return "v" if column.strides[0] else "s"
+
+
+def _arrays(argument: Argument, letters: str) -> list[Array]:
+    """Return the arrays that a loop is given of an argument: a table, or the columns
+    and the single numbers.
+    """
+    if isinstance(argument, Table):
+        return [argument.rows]
+    columns = []
+    numbers = []
+    for column, letter in zip(argument, letters, strict=True):
+        if letter == "s":
+            numbers.append(column if column.ndim == 0 else column[0])
+        else:
+            columns.append(column)
+    return [*columns, np.array(numbers)] if numbers else columns
 
 
 def _run_numpy(
     formula: Formula,
     arguments: Sequence[Argument],
     results: Sequence[Column],
-    rows: Rows | None,
+    rows: NDArray[np.intp] | slice = EVERY,
 ) -> None:
     """Run a formula on whole columns."""
-    selection = slice(None) if rows is None else rows
     inputs = []
     for argument in arguments:
         group = argument.rows.T if isinstance(argument, Table) else argument
-        chosen = (c if c.ndim == 0 else c[selection] for c in group)
+        chosen = (c if c.ndim == 0 else c[rows] for c in group)
         inputs.append(_kind(argument)(*chosen))
     with np.errstate(all="ignore"):
         values = formula(*inputs)
@@ -91,7 +119,23 @@ def _run_numpy(
         c for result in results for c in (result if result.ndim == 2 else [result])
     ]
     for column, value in zip(columns, values, strict=True):
-        column[selection] = value
+        column[rows] = value
+
+
+def _run_stages(
+    stages: Sequence[Stage],
+    arguments: Sequence[Argument],
+    results: Sequence[Column],
+    statuses: Column,
+) -> None:
+    """Run each stage on the rows that have its status."""
+    codes = [code for code, _ in stages]
+    if not codes or statuses.max(initial=min(codes) - 1) < min(codes):
+        return
+    for code, formula in stages:
+        rows = (statuses == code).nonzero()[0]
+        if len(rows):
+            _run_numpy(formula, arguments, results, rows)
 
 
 def table(kind: type[Columns], array: Array, shape: tuple[int, ...]) -> Table:

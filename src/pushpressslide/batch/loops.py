@@ -59,82 +59,138 @@ LANES = 64  # rows that a loop takes at a time
 # so the compiler may work on several rows at once.
 LOOP = """
 def {name}({parameters}):
+    {numbers}
     x = np.zeros(({inputs}, {lanes}))
     y = np.zeros(({outputs}, {lanes}))
-    n = {count}
+    n = r0.shape[-1]
     for start in range(0, n, {lanes}):
         size = min(n - start, {lanes})
         {loads}
         for j in range({lanes}):
-            {results} = formula({arguments})
+            {results} = formula0({arguments})
+        {stages}
         {stores}
 """
+# A stage works on all lanes, and counts in those that have its status: that takes less
+# than to gather them.
+STAGE = """
+        count = 0
+        for j in range({lanes}):
+            count += y[{place}, j] == {status}
+        if count > 0:
+            for j in range({lanes}):
+                z = formula{number}({arguments})
+                open = y[{place}, j] == {status}
+                {choices}"""
 # An index without a sign needs no look at whether it counts from the end.
 MOVE = """
         for j in range(size):
-            i = np.uint64({row})
-            {target} = {source}"""
+            i = np.uint64(start + j)
+            {moves}"""
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
     """What a loop goes over."""
 
-    groups: tuple[type[Columns], ...]  # NamedTuples that the formula is given
-    letters: tuple[str, ...]  # of each group
+    groups: tuple[type[Columns], ...]  # NamedTuples that the formulas are given
+    # of each group: t a table, else for each field c a column in one piece, v one with
+    # gaps, s a single number
+    letters: tuple[str, ...]
     results: tuple[tuple[str, int], ...]  # NumPy's letter, and the columns; 0: one only
-    selected: bool  # whether it goes over chosen rows
+    statuses: tuple[int, ...]  # of the rows that each stage takes
+    status: int  # number of the result that holds them
 
     def text(self, name: str) -> str:
         """Return the loop as Python."""
-        parameters = [f"a{i}" for i in range(len("".join(self.letters)))]
+        arguments, loads = self._inputs()
+        lanes = [f"y[{k}, j]" for k in range(self._lane(len(self.results)))]
+        stores = [
+            [f"{place} = {lane}"]
+            for place, lane in zip(self._places(), lanes, strict=True)
+        ]
+        parameters = [name for name, _ in self._arrays()]
         parameters += [f"r{i}" for i in range(len(self.results))]
-        parameters += ["rows"] * self.selected
-        sources, arguments = self._inputs()
-        places = self._places()
-        lanes = [f"y[{k}, j]" for k in range(len(places))]
         return LOOP.format(
             name=name,
             parameters=", ".join(parameters),
-            inputs=max(len(sources), 1),
-            outputs=len(places),
+            numbers="\n    ".join(self._numbers()),
+            inputs=max(sum(map(len, loads)), 1),
+            outputs=len(lanes),
             lanes=LANES,
-            count="rows.shape[0]" if self.selected else "r0.shape[-1]",
-            loads=self._moves([f"x[{k}, j]" for k in range(len(sources))], sources),
+            loads=_moves(loads),
             results="".join(f"{lane}, " for lane in lanes),
-            arguments=", ".join(arguments),
-            stores=self._moves(places, lanes),
+            arguments=arguments,
+            stages=self._stages(lanes, arguments),
+            stores=_moves(stores),
         )
 
-    def _moves(self, targets: Sequence[str], sources: Sequence[str]) -> str:
-        """Return loops that move a column each."""
-        row = "rows[start + j]" if self.selected else "start + j"
+    def _stages(self, lanes: Sequence[str], arguments: str) -> str:
+        """Return the stages."""
+        choices = [
+            f"{lane} = z[{k}] if open else {lane}" for k, lane in enumerate(lanes)
+        ]
         return "".join(
-            MOVE.format(row=row, target=target, source=source)
-            for target, source in zip(targets, sources, strict=True)
+            STAGE.format(
+                lanes=LANES,
+                place=self._lane(self.status),
+                status=status,
+                number=number,
+                arguments=arguments,
+                choices=("\n" + 16 * " ").join(choices),
+            )
+            for number, status in enumerate(self.statuses, 1)
         ).strip()
 
-    def _inputs(self) -> tuple[list[str], list[str]]:
-        """Return where the lanes come from for row i, and the formula's arguments."""
-        sources: list[str] = []
-        arguments = []
-        number = 0
-        for place, letters in enumerate(self.letters):
-            items = []
-            for k in range(len(self.groups[place]._fields)):  # type: ignore[attr-defined]
-                letter = "t" if letters == "t" else letters[k]
-                item = f"a{number}" + {"t": f"[i, {k}]", "c": "[i]", "s": ""}[letter]
+    def _arrays(self) -> Iterator[tuple[str, str]]:
+        """Yield name and letter of each array that the loop is given: a table, the
+        columns, and the numbers of a group.
+        """
+        for group, letters in enumerate(self.letters):
+            if letters == "t":
+                yield f"t{group}", "t"
+                continue
+            for k, letter in enumerate(letters):
                 if letter != "s":
-                    sources.append(item)
-                    item = f"x[{len(sources) - 1}, j]"
-                items.append(item)
-                number += letter != "t"
-            number += letters == "t"
-            arguments.append(f"g{place}({', '.join(items)})")
-        return sources, arguments
+                    yield f"c{group}_{k}", letter
+            if "s" in letters:
+                yield f"s{group}", "s"
+
+    def _numbers(self) -> Iterator[str]:
+        """Yield a line for each single number."""
+        for group, letters in enumerate(self.letters):
+            fields = [k for k, letter in enumerate(letters) if letter == "s"]
+            for place, k in enumerate(fields):
+                yield f"s{group}_{k} = s{group}[{place}]"
+
+    def _inputs(self) -> tuple[str, list[list[str]]]:
+        """Return the formulas' arguments, and how their lanes are filled for row i: what
+        goes together in a loop.
+        """
+        groups = []
+        loads: list[list[str]] = []
+        number = 0
+        for group, letters in enumerate(self.letters):
+            items = []
+            together = []
+            for k in range(len(self.groups[group]._fields)):  # type: ignore[attr-defined]
+                if letters != "t" and letters[k] == "s":
+                    items.append(f"s{group}_{k}")
+                    continue
+                source = f"t{group}[i, {k}]" if letters == "t" else f"c{group}_{k}[i]"
+                together.append(f"x[{number}, j] = {source}")
+                items.append(f"x[{number}, j]")
+                number += 1
+            groups.append(f"g{group}({', '.join(items)})")
+            loads += [together] if letters == "t" else [[one] for one in together]
+        return ", ".join(groups), loads
+
+    def _lane(self, result: int) -> int:
+        """Return the number of the first lane of a result."""
+        return sum(columns or 1 for _, columns in self.results[:result])
 
     def _places(self) -> list[str]:
-        """Return where each number that the formula returns goes for row i."""
+        """Return where each number that a formula returns goes for row i."""
         return [
             f"r{number}[{k}, i]" if columns else f"r{number}[i]"
             for number, (_, columns) in enumerate(self.results)
@@ -146,33 +202,42 @@ class Layout:
         array = numba.types.Array
         types = {
             "t": array(numba.float64, 2, "C", readonly=True),
-            "c": array(numba.float64, 1, "A", readonly=True),
-            "s": numba.float64,
+            "c": array(numba.float64, 1, "C", readonly=True),
+            "v": array(numba.float64, 1, "A", readonly=True),
+            "s": array(numba.float64, 1, "C", readonly=True),
         }
-        inputs = [types[letter] for letter in "".join(self.letters)]
+        inputs = [types[letter] for _, letter in self._arrays()]
         outputs = [
             array(numba.from_dtype(np.dtype(char)), 2 if columns else 1, "C")
             for char, columns in self.results
         ]
-        rows = [array(numba.intp, 1, "C")] * self.selected
-        return numba.void(*inputs, *outputs, *rows)
+        return numba.void(*inputs, *outputs)
+
+
+def _moves(groups: Sequence[Sequence[str]]) -> str:
+    """Return a loop for each group of moves."""
+    line = "\n" + 12 * " "
+    return "".join(MOVE.format(moves=line.join(group)) for group in groups).strip()
 
 
 @cache
-def compiled_loop(formula: Formula, layout: Layout) -> Callable[..., None]:
-    """Return the compiled loop over rows.
+def compiled_loop(formulas: tuple[Formula, ...], layout: Layout) -> Callable[..., None]:
+    """Return the compiled loop over rows: of the first formula, and of one for each
+    stage.
 
-    numba keeps what it compiles beside the formula's file, and names it by the loop's
-    name: that holds a digest of the formula and of all that it calls, so that a change
-    anywhere is compiled anew.
+    numba keeps what it compiles beside the first formula's file, and names it by the
+    loop's name: that holds a digest of the formulas and of all that they call, so that a
+    change anywhere is compiled anew.
     """
     numba = compiler()
     assert numba is not None
-    parts = registered(numba, formula)
+    parts = [part for formula in formulas for part in registered(numba, formula)]
     types = str(layout.results)
-    name = digest_name(formula, [layout.text("loop"), types], [*parts, *layout.groups])
-    scope = {f"g{i}": group for i, group in enumerate(layout.groups)}
-    loop = loop_of_text(formula, name, layout.text(name), scope)
+    first = formulas[0]
+    name = digest_name(first, [layout.text("loop"), types], [*parts, *layout.groups])
+    scope: dict[str, Any] = {f"g{i}": group for i, group in enumerate(layout.groups)}
+    scope |= {f"formula{i}": formula for i, formula in enumerate(formulas)}
+    loop = loop_of_text(first, name, layout.text(name), scope)
     compiled = numba.njit(layout.signature(numba), cache=True, error_model="numpy")
     out: Callable[..., None] = compiled(loop)
     return out
