@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,10 +22,10 @@ Stage = tuple[int, Formula]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """Columns side by side in one array, which loops read fastest."""
+    """Columns side by side in one array, which loops read fastest; or numbers."""
 
     kind: type[Columns]  # the NamedTuple that a formula is given of it
-    rows: Array  # (n, k) a column for each field
+    rows: Array  # (n, k) a column for each field; (k,) one number for each
 
 
 Argument = Columns | Table
@@ -72,7 +71,7 @@ def _kind(argument: Argument) -> type[Columns]:
 def _letters(argument: Argument) -> str:
     """Return the letters of ``loops.Layout``."""
     if isinstance(argument, Table):
-        return "t"
+        return "t" if argument.rows.ndim == 2 else "s" * len(argument.rows)
     return "".join(map(_letter, argument))
 
 
@@ -165,7 +164,8 @@ def column(array: Array, shape: tuple[int, ...]) -> Column:
     """
     if array.ndim == 0:
         return array
-    return np.broadcast_to(array, shape).reshape(-1)
+    whole = array if array.shape == shape else np.broadcast_to(array, shape)
+    return whole.reshape(-1)
 
 
 def figures(*values: ArrayLike) -> tuple[Array, ...]:
@@ -191,16 +191,14 @@ def values(
     ]
 
 
-NamedColumns = TypeVar("NamedColumns", bound=Columns)
-
-
-def columns_of(figures: NamedColumns, shape: tuple[int, ...]) -> NamedColumns:
+def columns_of(figures: Columns, shape: tuple[int, ...]) -> Argument:
     """Return figures as columns of the leading ``shape``; single numbers as they are."""
+    kind = type(figures)
     if not any(figure.ndim for figure in figures):
-        return figures
-    return type(figures)(*(column(figure, shape) for figure in figures))
+        return Table(kind, np.array(figures))
+    return kind(*(column(figure, shape) for figure in figures))
 
 
 def leading_shape(figures: Columns) -> tuple[int, ...]:
     """Return the leading shape of figures."""
-    return np.broadcast_shapes(*(np.shape(figure) for figure in figures))
+    return np.broadcast_shapes(*{figure.shape for figure in figures})

@@ -270,5 +270,5 @@ def _stepped(
 ) -> list[Array]:
     """Return what a law of path errors gives, and its flag."""
     shape = np.broadcast_shapes(leading_shape(errors), leading_shape(law))
-    rows = PathErrors(*(np.broadcast_to(e, shape).reshape(-1) for e in errors))
-    return values(formula, (rows, columns_of(law, shape)), shape, (0, 0))
+    arguments = (columns_of(errors, shape), columns_of(law, shape))
+    return values(formula, arguments, shape, (0, 0))
