@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,55 +50,52 @@ def run(
         _run_numpy(formula, arguments, results)
         _run_stages(stages, arguments, results, results[status])
         return
-    letters = tuple(map(_letters, arguments))
+    kinds, letters, inputs = zip(*map(_for_loop, arguments), strict=True)
     layout = loops.Layout(
-        tuple(map(_kind, arguments)),
+        kinds,
         letters,
         tuple((r.dtype.char, len(r) if r.ndim == 2 else 0) for r in results),
         tuple(code for code, _ in stages),
         status,
     )
-    inputs: list[Array] = []
-    for argument, letter in zip(arguments, letters, strict=True):
-        inputs += _arrays(argument, letter)
     formulas = (formula, *(later for _, later in stages))
-    loops.compiled_loop(formulas, layout)(*inputs, *results)
+    loops.compiled_loop(formulas, layout)(*chain(*inputs), *results)
 
 
-def _kind(argument: Argument) -> type[Columns]:
-    return argument.kind if isinstance(argument, Table) else type(argument)
+def _for_loop(argument: Argument) -> tuple[type[Columns], str, list[Array]]:
+    """Return the kind of an argument, its letters in ``loops.Layout``, and its arrays: a
+    table, or the columns and then the numbers.
 
-
-def _letters(argument: Argument) -> str:
-    """Return the letters of ``loops.Layout``."""
-    if isinstance(argument, Table):
-        return "t" if argument.rows.ndim == 2 else "s" * len(argument.rows)
-    return "".join(map(_letter, argument))
-
-
-def _letter(column: Column) -> str:
-    """Return the letter of a column; one that repeats a number counts as this number."""
-    if column.ndim == 0:
-        return "s"
-    if column.flags.c_contiguous:
-        return "c"
-    return "v" if column.strides[0] else "s"
-
-
-def _arrays(argument: Argument, letters: str) -> list[Array]:
-    """Return the arrays that a loop is given of an argument: a table, or the columns
-    and the single numbers.
+    A column that repeats a number counts as this number.
     """
     if isinstance(argument, Table):
-        return [argument.rows]
-    columns = []
+        rows = argument.rows
+        return argument.kind, "t" if rows.ndim == 2 else "s" * len(rows), [rows]
+    letters = ""
+    arrays = []
     numbers = []
-    for column, letter in zip(argument, letters, strict=True):
-        if letter == "s":
-            numbers.append(column if column.ndim == 0 else column[0])
+    for column in argument:
+        if column.ndim == 0:
+            letters += "s"
+            numbers.append(column)
+        elif column.flags.c_contiguous:
+            letters += "c"
+            arrays.append(column)
+        elif column.strides[0]:
+            letters += "v"
+            arrays.append(column)
         else:
-            columns.append(column)
-    return [*columns, np.array(numbers)] if numbers else columns
+            letters += "s"
+            numbers.append(column[0])
+    if numbers:
+        arrays.append(np.array(numbers))
+    return type(argument), letters, arrays
+
+
+def _columns(argument: Argument) -> Columns:
+    if isinstance(argument, Table):
+        return argument.kind(*argument.rows.T)
+    return argument
 
 
 def _run_numpy(
@@ -109,9 +107,9 @@ def _run_numpy(
     """Run a formula on whole columns."""
     inputs = []
     for argument in arguments:
-        group = argument.rows.T if isinstance(argument, Table) else argument
+        group = _columns(argument)
         chosen = (c if c.ndim == 0 else c[rows] for c in group)
-        inputs.append(_kind(argument)(*chosen))
+        inputs.append(type(group)(*chosen))
     with np.errstate(all="ignore"):
         values = formula(*inputs)
     columns = [

@@ -34,6 +34,7 @@ from pushpressslide.batch.pushing import Contact, Vector, pushed
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
 
+SIXTH = 1.0 / 6.0  # a product takes less than a quotient
 SMALL = 1e-4  # [rad] turns below which the chord is taken from its series
 
 
@@ -181,7 +182,8 @@ def moved(pose: PoseColumns, twist: TwistColumns, time: Column) -> PoseColumns:
     # along the chord, which is turned by half of the turn
     sine = sin(half)
     cosine = cos(half)
-    chord = where(small, 1.0 - half * half / 6.0, sine / where(small, 1.0, half)) * time
+    series = 1.0 - SIXTH * half * half
+    chord = where(small, series, sine / where(small, 1.0, half)) * time
     c = cos(pose.yaw)
     s = sin(pose.yaw)
     ahead = chord * (c * cosine - s * sine)
