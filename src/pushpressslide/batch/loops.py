@@ -237,8 +237,25 @@ def compiled_loop(formulas: tuple[Formula, ...], layout: Layout) -> Callable[...
     scope |= {f"formula{i}": formula for i, formula in enumerate(formulas)}
     loop = loop_of_text(first, name, layout.text(name), scope)
     compiled = numba.njit(layout.signature(numba), cache=True, error_model="numpy")
-    out: Callable[..., None] = compiled(loop)
+    with _interleaved(2):
+        out: Callable[..., None] = compiled(loop)
     return out
+
+
+@contextmanager
+def _interleaved(vectors: int) -> Iterator[None]:
+    """Let LLVM do so many vectors of rows side by side in loops that are compiled inside.
+
+    A formula is a long chain of operations that wait for each other; meanwhile the
+    processor does those of the next vector, if it finds them near enough. numba has no
+    way to say so of one loop, hence an option of LLVM as a whole.
+    """
+    set_option = importlib.import_module("llvmlite.binding").set_option
+    set_option("", f"-force-vector-interleave={vectors}")
+    try:
+        yield
+    finally:
+        set_option("", "-force-vector-interleave=0")  # as LLVM sees fit
 
 
 def registered(numba: ModuleType, formula: Formula) -> list[FunctionType]:
