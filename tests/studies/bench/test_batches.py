@@ -11,6 +11,7 @@ from pushpressslide.studies.bench import batches, compared
 def quick(monkeypatch):
     monkeypatch.setattr(compared, "ROUNDS", 1)
     monkeypatch.setattr(batches, "SIZES", (500,))
+    monkeypatch.setattr(batches, "ROUND", 500)
     monkeypatch.setattr(batches, "ALONE", 5)
     monkeypatch.setattr(batches, "PATHS", 20)
 
@@ -27,6 +28,21 @@ def test_each_law_stands_beside_a_copy_and_a_missing_compiler_is_said(monkeypatc
     alone = {row["what"]: row["one_by_one_over"] for row in rows}
     assert alone.pop("holonomic law") is None
     assert all(value > 0.0 for value in alone.values())
+
+
+def test_a_short_batch_is_called_several_times_a_round(monkeypatch):
+    monkeypatch.setattr(batches, "ROUND", 2_500)
+    seen = []
+
+    def seen_and_compared(calls, counts):
+        seen.append({name: len(some) for name, some in calls.items()})
+        return compared.compared(calls, counts)
+
+    monkeypatch.setattr(batches, "compared", seen_and_compared)
+    monkeypatch.setattr(batches, "installed", lambda: loops)
+    law = next(batches.allocators(np.random.default_rng(0), 500))
+    batches._row(law, 500)
+    assert seen == [{"copy": 5, "compiled": 5, "NumPy": 5, "one by one": 1}]
 
 
 def test_by_numpy_leaves_the_compiler_out_and_brings_it_back(monkeypatch):
