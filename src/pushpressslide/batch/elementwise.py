@@ -23,13 +23,20 @@ Stage = tuple[int, Formula]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """Columns side by side in one array, which loops read fastest; or numbers."""
+    """Columns side by side in one array, which loops read fastest."""
 
     kind: type[Columns]  # the NamedTuple that a formula is given of it
-    rows: Array  # (n, k) a column for each field; (k,) one number for each
+    rows: Array  # (n, k) a column for each field
 
 
-Argument = Columns | Table
+@dataclass(frozen=True, slots=True, eq=False)
+class Numbers:
+    """Columns that are single numbers, all of them."""
+
+    columns: Columns
+
+
+Argument = Columns | Table | Numbers
 
 
 def run(
@@ -42,8 +49,8 @@ def run(
     """Write ``formula(*arguments)`` into ``results``; then that of each stage, in the
     rows that have its status in the result number ``status``.
 
-    Each argument is a NamedTuple of columns, or a table; the formula is given one row
-    of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
+    Each argument is a NamedTuple of columns, a table or numbers; the formula is given
+    one row of each, as a NamedTuple. The results are arrays (n,) or (k, n), filled one after
     the other.
     """
     if loops.compiler() is None:
@@ -69,8 +76,10 @@ def _for_loop(argument: Argument) -> tuple[type[Columns], str, list[Array]]:
     A column that repeats a number counts as this number.
     """
     if isinstance(argument, Table):
-        rows = argument.rows
-        return argument.kind, "t" if rows.ndim == 2 else "s" * len(rows), [rows]
+        return argument.kind, "t", [argument.rows]
+    if isinstance(argument, Numbers):
+        array = np.array(argument.columns)
+        return type(argument.columns), "s" * len(array), [array]
     letters = ""
     arrays = []
     numbers = []
@@ -92,12 +101,6 @@ def _for_loop(argument: Argument) -> tuple[type[Columns], str, list[Array]]:
     return type(argument), letters, arrays
 
 
-def _columns(argument: Argument) -> Columns:
-    if isinstance(argument, Table):
-        return argument.kind(*argument.rows.T)
-    return argument
-
-
 def _run_numpy(
     formula: Formula,
     arguments: Sequence[Argument],
@@ -105,11 +108,7 @@ def _run_numpy(
     rows: NDArray[np.intp] | slice = EVERY,
 ) -> None:
     """Run a formula on whole columns."""
-    inputs = []
-    for argument in arguments:
-        group = _columns(argument)
-        chosen = (c if c.ndim == 0 else c[rows] for c in group)
-        inputs.append(type(group)(*chosen))
+    inputs = [_chosen(argument, rows) for argument in arguments]
     with np.errstate(all="ignore"):
         values = formula(*inputs)
     columns = [
@@ -117,6 +116,15 @@ def _run_numpy(
     ]
     for column, value in zip(columns, values, strict=True):
         column[rows] = value
+
+
+def _chosen(argument: Argument, rows: NDArray[np.intp] | slice) -> Columns:
+    """Return what a formula is given of an argument in ``rows``."""
+    if isinstance(argument, Numbers):
+        return argument.columns
+    if isinstance(argument, Table):
+        return argument.kind(*(c[rows] for c in argument.rows.T))
+    return type(argument)(*(c if c.ndim == 0 else c[rows] for c in argument))
 
 
 def _run_stages(
@@ -191,10 +199,9 @@ def values(
 
 def columns_of(figures: Columns, shape: tuple[int, ...]) -> Argument:
     """Return figures as columns of the leading ``shape``; single numbers as they are."""
-    kind = type(figures)
     if not any(figure.ndim for figure in figures):
-        return Table(kind, np.array(figures))
-    return kind(*(column(figure, shape) for figure in figures))
+        return Numbers(figures)
+    return type(figures)(*(column(figure, shape) for figure in figures))
 
 
 def leading_shape(figures: Columns) -> tuple[int, ...]:
