@@ -18,7 +18,7 @@ from pushpressslide.core.arrays import Array
 
 EVERY = slice(None)
 Stage = tuple[int, Formula]
-"""A formula for the rows that have this status so far."""
+"""A formula for the rows that have this status so far, greater than any that is final."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

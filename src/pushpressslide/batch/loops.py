@@ -54,6 +54,7 @@ def loaded() -> bool:
 
 
 LANES = 64  # rows that a loop takes at a time
+PART = 16  # rows that a stage takes
 # The arithmetic stands in a loop of its own, of fixed length and on memory of its own:
 # so the compiler may work on several rows at once.
 LOOP = """
@@ -70,17 +71,24 @@ def {name}({parameters}):
         {stages}
         {stores}
 """
-# A stage works on all lanes, and counts in those that have its status: that takes less
-# than to gather them.
-STAGE = """
-        count = 0
+# A stage works on some lanes at a time, wherever one of them has its status, and counts
+# in those that have: that takes less than to gather them.
+STAGES = """
+        left = 0
         for j in range({lanes}):
-            count += y[{place}, j] == {status}
-        if count > 0:
-            for j in range({lanes}):
-                z = formula{number}({arguments})
-                open = y[{place}, j] == {status}
-                {choices}"""
+            left += y[{place}, j] >= {least}
+        if left > 0:
+            {stages}"""
+STAGE = """
+            for part in range(0, {lanes}, {part}):
+                left = 0
+                for j in range(part, part + {part}):
+                    left += y[{place}, j] == {status}
+                if left > 0:
+                    for j in range(part, part + {part}):
+                        z = formula{number}({arguments})
+                        open = y[{place}, j] == {status}
+                        {choices}"""
 # An index without a sign needs no look at whether it counts from the end.
 MOVE = """
         for j in range(size):
@@ -124,20 +132,28 @@ class Layout(NamedTuple):
         )
 
     def _stages(self, lanes: Sequence[str], arguments: str) -> str:
-        """Return the stages."""
+        """Return the stages; their statuses are beyond all that settle a row."""
+        if not self.statuses:
+            return ""
         choices = [
             f"{lane} = z[{k}] if open else {lane}" for k, lane in enumerate(lanes)
         ]
-        return "".join(
+        place = self._lane(self.status)
+        stages = "".join(
             STAGE.format(
                 lanes=LANES,
-                place=self._lane(self.status),
+                part=PART,
+                place=place,
                 status=status,
                 number=number,
                 arguments=arguments,
-                choices=("\n" + 16 * " ").join(choices),
+                choices=("\n" + 24 * " ").join(choices),
             )
             for number, status in enumerate(self.statuses, 1)
+        )
+        least = min(self.statuses)
+        return STAGES.format(
+            lanes=LANES, place=place, least=least, stages=stages.strip()
         ).strip()
 
     def _arrays(self) -> Iterator[tuple[str, str]]:
