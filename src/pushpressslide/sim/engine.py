@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
 from pushpressslide.control.run_loop import RunOptions, run_loop
@@ -48,7 +49,10 @@ def run(
     step = time_step or motion.time_step
     station = Station(plan, models=models, time_step=step, view=view, knock=knock)
     begin = None if options is None else options.begin
-    plant = DrakePlant(plan, station, paths, models, begin)
+    spare = None
+    if view is None and knock is None:  # neither can be handed over
+        spare = partial(Station, plan, models=models, time_step=step, convex=True)
+    plant = DrakePlant(plan, station, paths, models, begin, spare)
     record = run_loop(plant, plan, options)
     clearance, pair = clearance_driven(record)
     driven: dict[str, Any] = {"clearance_driven": clearance, "clearance_pair": pair}

@@ -5,7 +5,7 @@ into joint torques, and keeps what only this plant records.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -200,11 +200,13 @@ class DrakePlant:
         paths: Sequence[tuple[ArmPath, ...]],
         models: str,
         begin: Situation | None = None,
+        spare: Callable[[], Station] | None = None,
     ) -> None:
         """Put the arms of ``station`` where the first of ``paths`` begins, or arms and
         bodies as ``begin`` has them.
 
-        There is one set of joint paths for each placement.
+        There is one set of joint paths for each placement. ``spare`` makes a station
+        that takes over where the solver of ``station`` does not converge.
         """
         task = plan.part(plan.segments[0])
         plant = station.plant
@@ -213,6 +215,7 @@ class DrakePlant:
         self._frame = task.support.frame
         self._period = task.motion.control_period
         self._station = station
+        self._spare = spare
         self._paths = paths
         self._prepared = PlacementPaths()  # of what is ahead
         self._prepared.paths = list(paths[1:])
@@ -345,12 +348,27 @@ class DrakePlant:
         """Simulate one control period."""
         self._station.disturb(self._x, self._truth.object_pose, self.time)
         self._ticks += 1
+        complaint = self._complaint()
+        if complaint is not None and self._spare is not None:
+            other = self._station
+            self._station = self._spare()
+            self._station.take_over(other)
+            self._spare = None
+            self._facts["convex_from"] = other.context.get_time()
+            complaint = self._complaint()
+        self._failure = complaint
+
+    def _complaint(self) -> str | None:
+        """Simulate to the end of the control period; return what the simulator complains
+        of.
+        """
         try:
             self._station.simulator.AdvanceTo(self._ticks * self._period)
         except RuntimeError as error:
             if _raised_in_python(error):
                 raise
-            self._failure = str(error).splitlines()[0]
+            return str(error).splitlines()[0]
+        return None
 
     def row(self) -> PlantRow:
         """Return what is recorded of the tick that the last measurement began."""

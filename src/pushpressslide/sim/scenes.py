@@ -187,8 +187,10 @@ def build_scene(
     models: str = "generated",
     time_step: float | None = None,
     knock: Knock | None = None,
+    convex: bool = False,
 ) -> DrakeScene:
-    """Return the scene of a plan's task, with what knocks its object.
+    """Return the scene of a plan's task, with what knocks its object; ``convex``: with
+    the solver that always converges.
 
     The plant is finalized; the builder is not built yet, so that systems can be added.
     """
@@ -197,7 +199,7 @@ def build_scene(
     plant, scene_graph = AddMultibodyPlantSceneGraph(
         builder, time_step or task.motion.time_step
     )
-    solve_contacts(plant)
+    solve_contacts(plant, convex=convex)
     frictions = SurfaceFrictions.of_task(task)
     shape = task.object.shape
     object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))

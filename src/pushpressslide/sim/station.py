@@ -38,12 +38,16 @@ class Station:
         time_step: float | None = None,
         view: LiveView | None = None,
         knock: Knock | None = None,
+        convex: bool = False,
     ) -> None:
         """Build the scene of ``plan``'s task with the object at its TRUE start.
 
-        ``view`` shows the scene while it is simulated; ``knock`` disturbs it.
+        ``view`` shows the scene while it is simulated; ``knock`` disturbs it; ``convex``
+        as in ``solve_contacts``.
         """
-        self.scene = build_scene(plan, models=models, time_step=time_step, knock=knock)
+        self.scene = build_scene(
+            plan, models=models, time_step=time_step, knock=knock, convex=convex
+        )
         self.plant = self.scene.plant
         self._export_ports()
         if view is not None:
@@ -107,6 +111,16 @@ class Station:
             q = self.plant.GetPositions(context)
             q[first : first + 7] = positions
             self.plant.SetPositions(context, q)
+
+    def take_over(self, other: Station) -> None:
+        """Go on from where another station with the same scene is, with the torques
+        that it has.
+        """
+        self.context.SetTime(other.context.get_time())
+        self.plant.SetPositionsAndVelocities(self.plant_context, other.state_vector())
+        for i, torque in enumerate(other._torques):
+            self.set_torque(i, torque.CopyToVector())
+        self.simulator.Initialize()
 
     def state_vector(self) -> Array:
         """Return a copy of the plant's state: all positions, then all velocities."""
