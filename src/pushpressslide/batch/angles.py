@@ -51,25 +51,27 @@ def quick_arctan2(y: Column, x: Column) -> Column:
 def quick_sin(angle: Column) -> Column:
     """Return the sine, of angles [rad] up to a million."""
     quarters = np.floor(angle * (2.0 / math.pi) + 0.5)
-    sine, cosine = sine_and_cosine(rest_of(angle, quarters))
-    quarter = quarters - 4.0 * np.floor(0.25 * quarters)  # 0 to 3, of the circle
-    value = where((quarter == 1.0) | (quarter == 3.0), cosine, sine)
-    return where(quarter >= 2.0, -value, value)
+    return sine_of_quarters(quarters, rest_of(angle, quarters))
 
 
 def quick_cos(angle: Column) -> Column:
     """Return the cosine, of angles [rad] up to a million."""
     quarters = np.floor(angle * (2.0 / math.pi) + 0.5)
-    sine, cosine = sine_and_cosine(rest_of(angle, quarters))
-    quarter = quarters - 4.0 * np.floor(0.25 * quarters)  # 0 to 3, of the circle
-    value = where((quarter == 1.0) | (quarter == 3.0), sine, cosine)
-    return where((quarter == 1.0) | (quarter == 2.0), -value, value)
+    return sine_of_quarters(quarters + 1.0, rest_of(angle, quarters))
 
 
 def rest_of(angle: Column, quarters: Column) -> Column:
     """Return an angle less so many quarters of a turn."""
     rest = angle - quarters * HALF_PI_1
     return (rest - quarters * HALF_PI_2) - quarters * HALF_PI_3
+
+
+def sine_of_quarters(quarters: Column, rest: Column) -> Column:
+    """Return the sine of so many quarters of a turn and a ``rest`` up to pi/4."""
+    sine, cosine = sine_and_cosine(rest)
+    quarter = quarters - 4.0 * np.floor(0.25 * quarters)  # 0 to 3, of the circle
+    value = where((quarter == 1.0) | (quarter == 3.0), cosine, sine)
+    return where(quarter >= 2.0, -value, value)
 
 
 def sine_and_cosine(rest: Column) -> tuple[Column, Column]:

@@ -15,11 +15,7 @@ from pydrake.geometry import (
     Sphere,
 )
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import (
-    AddMultibodyPlantSceneGraph,
-    CoulombFriction,
-    DiscreteContactApproximation,
-)
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
     PdControllerGains,
@@ -28,6 +24,8 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+
+from pushpressslide.sim.contact import solve_contacts
 
 MODULUS = 1e7  # [Pa] of the box
 FINE = 0.02  # [m] of the meshes
@@ -57,7 +55,7 @@ def pushed_box(
     """
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, step)
-    plant.set_discrete_contact_approximation(DiscreteContactApproximation.kLagged)
+    solve_contacts(plant, convex=True)  # TAMSI has no servo in a joint
     length, _, height = push.size
     inertia = SpatialInertia.SolidBoxWithMass(push.mass, *push.size)
     box = plant.AddRigidBody("box", inertia)

@@ -76,8 +76,7 @@ class Station:
         self._inputs = [
             port.FixValue(self.context, np.zeros(port.size())) for port in torques
         ]
-        # what is written has to be asked for each time all the same: so Drake learns
-        # that it changes
+        # the vectors in these ports
         self._torques = [
             value.GetMutableData().get_mutable_value() for value in self._inputs
         ]
@@ -135,12 +134,13 @@ class Station:
         vdot = self._accelerations.Eval(self.plant_context)
         forces = []
         for sensor, v, arm in zip(self._sensors, self._velocities, arms, strict=True):
-            moved = arm.J[3:] @ vdot[v] + arm.drift[3:]
-            forces.append(sensor.force(reactions[sensor.joint], arm.rotation, moved))
+            acceleration = arm.J[3:] @ vdot[v] + arm.drift[3:]
+            reaction = reactions[sensor.joint]
+            forces.append(sensor.force(reaction, arm.rotation, acceleration))
         return forces
 
     def set_torque(self, i: int, torque: Array) -> None:
         """Write the joint torques [N m] of arm ``i`` until the next call."""
-        # a third of what fixing the port anew takes
+        # a third of what fixing the port anew takes; the call tells Drake of the change
         self._inputs[i].GetMutableData()
         self._torques[i].SetFromVector(torque)

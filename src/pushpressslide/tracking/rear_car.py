@@ -8,6 +8,7 @@ import math
 from math import cos, remainder, sin, sqrt, tan
 
 from pushpressslide.core import margins
+from pushpressslide.core.allocation import new
 from pushpressslide.core.guidance import Guidance
 from pushpressslide.core.path import TURN, ArcPath
 from pushpressslide.core.plan import MotionPath
@@ -16,8 +17,6 @@ from pushpressslide.rom.rear_steer_car import RearSteerCar
 from pushpressslide.tracking.rear_stanley import Steering
 
 EASING = 0.5 * margins.ARM.steering_time  # [s]
-
-new = tuple.__new__  # at half the cost of a NamedTuple's own constructor
 
 
 class RearPushTracker:
