@@ -9,13 +9,29 @@ import pytest
 
 import pushpressslide as pps
 from pushpressslide.core.control import TipCommand
-from pushpressslide.execution.arm import SERVO_TIME, ArmExecutor, ArmState
-from pushpressslide.execution.torque import LEAST_MOBILITY, task_inertia
+from pushpressslide.execution.arm import (
+    POSTURE_DAMPING,
+    POSTURE_STIFFNESS,
+    ROTATION_DAMPING,
+    ROTATION_STIFFNESS,
+    SERVO_TIME,
+    ArmExecutor,
+    ArmState,
+)
+from pushpressslide.execution.torque import (
+    LEAST_MOBILITY,
+    Impedance,
+    end_of_tick,
+    gains,
+    null_space,
+    task_inertia,
+)
 from pushpressslide.sim.arm_model import ArmModel
 
 NONE = (0.0, 0.0, 0.0)
 DAMPING = 1000.0  # [N s/m]
 CAP = 25.0  # [N]
+PERIOD = 0.004  # [s]
 BENT = np.array([0.0, 0.4, 0.0, -2.0, 0.0, 2.3, 0.6])
 STRETCHED = np.array([0.0, 1.2, 0.0, -1.0, 0.0, 1.6, 0.6])
 
@@ -45,7 +61,7 @@ def torque(
         lambda yaw: state.rotation,
         0.0,
         0.0,
-        0.004,
+        PERIOD,
     )
     asked = TipCommand(
         force=NONE,
@@ -62,6 +78,19 @@ def torque(
     )
     limited = executor.contact(state, asked, state.q, state.v, state.bias)
     return limited.torque - state.bias
+
+
+def damped(state: ArmState, force: np.ndarray, share: float = 1.0) -> np.ndarray:
+    """Return the torque (n,) of a tip's damper, ``force`` (3,) [N] at first, with the
+    velocity that it leads to in a tick; a cap leaves a ``share`` of it along the table.
+    """
+    turning = ROTATION_DAMPING + PERIOD * ROTATION_STIFFNESS
+    along = share * DAMPING
+    added = PERIOD * np.diag([turning] * 3 + [along, along, DAMPING])
+    posture = gains(POSTURE_STIFFNESS, POSTURE_DAMPING, PERIOD).added
+    J = state.J
+    growth = J.T @ added @ J + posture * null_space(J, J @ J.T)
+    return end_of_tick(Impedance(J[3:].T @ force, growth), state.M)
 
 
 def radial(state: ArmState) -> tuple[np.ndarray, float]:
@@ -81,8 +110,8 @@ def test_beside_the_damper_a_heavy_tip_is_moved_as_one_body_in_the_servos_time(
     quick = DAMPING * SERVO_TIME  # [kg] that the damper alone moves in that time
     assert mass > 2.0 * quick
     error = 1e-4
-    damper = np.concatenate([np.zeros(3), DAMPING * error * axis, [0.0]])
-    beside = torque(arm, state, error * axis) - state.J.T @ damper
+    damper = damped(state, np.array([*(DAMPING * error * axis), 0.0]))
+    beside = torque(arm, state, error * axis) - damper
     moved = state.J @ np.linalg.solve(state.M, beside)
     wanted = (1.0 - quick / mass) * error / SERVO_TIME
     # what the damped inverse leaves out along the axis of least mobility
@@ -98,8 +127,8 @@ def test_a_light_tip_feels_its_damper_alone(arm: ArmModel) -> None:
     _, mass = radial(state)
     assert mass < DAMPING * SERVO_TIME
     error = np.array([1e-3, 2e-3])
-    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
-    assert torque(arm, state, error) == pytest.approx(state.J.T @ force, abs=1e-9)
+    force = np.array([*(DAMPING * error), 0.0])
+    assert torque(arm, state, error) == pytest.approx(damped(state, force), abs=1e-9)
 
 
 def test_a_light_tip_that_lacks_much_feels_its_damper_up_to_the_cap(
@@ -107,9 +136,10 @@ def test_a_light_tip_that_lacks_much_feels_its_damper_up_to_the_cap(
 ) -> None:
     """There is nothing to make up for, and nothing is left for it."""
     state = arm.state(BENT, np.zeros(7))
-    force = np.concatenate([np.zeros(3), [CAP, 0.0, 0.0]])
+    force = np.array([CAP, 0.0, 0.0])
     lacking = torque(arm, state, np.array([1.0, 0.0]))
-    assert lacking == pytest.approx(state.J.T @ force, abs=1e-9)
+    expected = damped(state, force, share=CAP / DAMPING)
+    assert lacking == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_heavy_tip_that_is_not_to_catch_up_feels_its_damper_alone(
@@ -117,9 +147,9 @@ def test_a_heavy_tip_that_is_not_to_catch_up_feels_its_damper_alone(
 ) -> None:
     state = arm.state(STRETCHED, np.zeros(7))
     error = np.array([1e-3, 2e-3])
-    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
+    force = np.array([*(DAMPING * error), 0.0])
     alone = torque(arm, state, error, catches_up=False)
-    assert alone == pytest.approx(state.J.T @ force, abs=1e-9)
+    assert alone == pytest.approx(damped(state, force), abs=1e-9)
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.03, 0.1, 1.0])
@@ -144,6 +174,7 @@ def test_a_tip_that_a_spring_leads_feels_spring_and_damper_alone(arm: ArmModel) 
     from a contact."""
     state = arm.state(STRETCHED, np.zeros(7))
     error = np.array([1e-3, 2e-3])
-    force = np.concatenate([np.zeros(3), DAMPING * error, [0.0]])
+    share = (DAMPING + PERIOD * 1500.0) / DAMPING  # by which the spring adds to it
+    force = share * np.array([*(DAMPING * error), 0.0])
     led = torque(arm, state, error, stiffness=1500.0)
-    assert led == pytest.approx(state.J.T @ force, abs=1e-9)
+    assert led == pytest.approx(damped(state, force, share), abs=1e-9)

@@ -7,10 +7,12 @@ from pushpressslide.core import margins
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
     SINGULAR,
+    Impedance,
     braked,
+    end_of_tick,
     kept_inside,
+    null_space,
     task_inertia,
-    task_torque,
     yielding,
 )
 
@@ -18,6 +20,7 @@ N = 7
 LOWER = np.full(N, -2.0)
 UPPER = np.full(N, 2.0)
 REST = np.zeros(N)
+PERIOD = 0.004
 
 
 def jacobian(seed: int) -> np.ndarray:
@@ -32,7 +35,9 @@ def near_limit(joint: int, side: float, left: float) -> np.ndarray:
 
 def test_joints_well_inside_their_limits_are_left_alone() -> None:
     q = near_limit(3, 1.0, margins.ARM.joint_buffer + 1e-6)
-    assert not kept_inside(jacobian(0), q, REST + 1.0, LOWER, UPPER).any()
+    kept = kept_inside(jacobian(0), q, REST + 1.0, LOWER, UPPER, PERIOD)
+    assert not kept.torque.any()
+    assert not kept.added.any()
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -42,7 +47,8 @@ def test_a_joint_near_its_limit_is_pushed_back_without_a_force_at_the_tip(
 ) -> None:
     J = jacobian(seed)
     joint = seed % N
-    tau = kept_inside(J, near_limit(joint, side, 0.01), REST, LOWER, UPPER)
+    q = near_limit(joint, side, 0.01)
+    tau = kept_inside(J, q, REST, LOWER, UPPER, PERIOD).torque
     # the power against the joint's way out is positive: it is led back
     assert side * tau[joint] < 0.0
     # no motion of the joints by this torque moves the tip along any axis
@@ -51,10 +57,11 @@ def test_a_joint_near_its_limit_is_pushed_back_without_a_force_at_the_tip(
 
 def test_the_nearer_the_limit_the_harder() -> None:
     J = jacobian(1)
-    sizes = [
-        np.linalg.norm(kept_inside(J, near_limit(2, 1.0, left), REST, LOWER, UPPER))
-        for left in (0.025, 0.02, 0.01, 0.0)
-    ]
+    sizes = []
+    for left in (0.025, 0.02, 0.01, 0.0):
+        q = near_limit(2, 1.0, left)
+        kept = kept_inside(J, q, REST, LOWER, UPPER, PERIOD)
+        sizes.append(np.linalg.norm(kept.torque))
     assert sizes == sorted(sizes)
     assert sizes[0] > 0.0
 
@@ -64,8 +71,9 @@ def test_a_joint_on_its_way_out_is_braked() -> None:
     q = near_limit(4, 1.0, 0.02)
     out = np.zeros(N)
     out[4] = 0.5
-    still = kept_inside(J, q, REST, LOWER, UPPER)
-    assert kept_inside(J, q, out, LOWER, UPPER)[4] < still[4]
+    still = kept_inside(J, q, REST, LOWER, UPPER, PERIOD)
+    moving = kept_inside(J, q, out, LOWER, UPPER, PERIOD)
+    assert moving.torque[4] < still.torque[4]
 
 
 def turning_jacobian(seed: int) -> np.ndarray:
@@ -117,28 +125,30 @@ def squeezed(seed: int, least: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("seed", range(5))
 def test_an_arm_is_braked_along_what_hardly_moves_its_tip(seed: int) -> None:
     J, motion = squeezed(seed, 1e-2 * SINGULAR)
-    v = np.random.default_rng(seed + 10).normal(size=N)
-    tau = braked(J, -14.0 * v)
-    # along that motion alone, against it, by next to all of the damping
-    assert tau == pytest.approx(-14.0 * (motion @ v) * motion, rel=1e-3)
+    brake = braked(J, J @ J.T)
+    assert brake is not None
+    # along that motion alone, by next to all of the damping
+    assert brake == pytest.approx(np.outer(motion, motion), abs=1e-3)
 
 
 def test_an_arm_with_all_its_motions_is_not_braked() -> None:
-    v = np.ones(N)
     sizes = []
-    for share in (0.5, 0.9, 0.999, 1.001):
+    for share in (0.5, 0.9, 0.999):
         J, motion = squeezed(4, share * SINGULAR)
-        sizes.append(abs(float(braked(J, v) @ motion)))
+        brake = braked(J, J @ J.T)
+        assert brake is not None
+        sizes.append(float(motion @ brake @ motion))
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[2] < 1e-4
-    assert sizes[3] == 0.0
+    J, _ = squeezed(4, 1.001 * SINGULAR)
+    assert braked(J, J @ J.T) is None
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_the_posture_makes_no_force_at_the_tip_and_little_moment(seed: int) -> None:
     J = jacobian(seed)
     posture = np.random.default_rng(seed + 10).normal(size=N)
-    tau = task_torque(J, np.zeros(6), posture, np.zeros(N))
+    tau = null_space(J, J @ J.T) @ posture
     # tau = J^T w + what moves neither tip nor tool: w is what holds the posture
     held, *_ = np.linalg.lstsq(J.T, tau, rcond=None)
     assert held[3:] == pytest.approx(np.zeros(3), abs=1e-4)
@@ -153,7 +163,7 @@ def test_where_the_arm_can_hardly_turn_the_tool_the_posture_holds_the_joints() -
     J[:, 6] = J[:, 0]
     J[1, 6] = 0.03  # the axes differ by 2 degrees
     against = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
-    tau = task_torque(J, np.zeros(6), against, np.zeros(N))
+    tau = null_space(J, J @ J.T) @ against
     assert tau @ against > 0.9 * (against @ against)
 
 
@@ -173,3 +183,44 @@ def test_the_nearer_a_singularity_the_less_the_arm_is_driven_out_of_it(
     assert forces == sorted(forces, reverse=True)
     assert forces[0] == pytest.approx(0.5 / np.sqrt(LEAST_MOBILITY))
     assert forces[-1] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_posture_is_felt_by_a_symmetric_share_of_itself(seed: int) -> None:
+    """So that its damper takes energy from the joints, never gives any."""
+    J = jacobian(seed)
+    unfelt = null_space(J, J @ J.T)
+    assert unfelt == pytest.approx(unfelt.T, abs=1e-9)
+    shares = np.linalg.eigvalsh(unfelt)
+    assert shares.min() > -1e-9
+    assert shares.max() < 1.0 + 1e-9
+
+
+@pytest.mark.parametrize("inertia", [1e-4, 1e-2, 1.0, 10.0])
+@pytest.mark.parametrize("period", [0.001, 0.004, 0.008])
+def test_a_damper_brings_an_inertia_nearer_to_rest_and_not_past_it(
+    inertia: float, period: float
+) -> None:
+    damping = 14.0
+    speed = 2.0
+    impedance = Impedance(np.array([-damping * speed]), np.array([[period * damping]]))
+    torque = end_of_tick(impedance, np.array([[inertia]]))
+    after = speed + period * float(torque[0]) / inertia
+    assert 0.0 < after < speed
+    # as the implicit Euler method has it: the torque is the damper's own at the end
+    assert float(torque[0]) == pytest.approx(-damping * after)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_springs_and_dampers_at_the_end_of_a_tick_never_act_harder(seed: int) -> None:
+    """In the energy that they give an arm at rest."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(N, N))
+    M = root @ root.T + 1e-4 * np.eye(N)
+    J = jacobian(seed)
+    added = J.T @ J
+    torque = J.T @ rng.normal(size=6)
+    at_end = end_of_tick(Impedance(torque, added), M)
+    given = at_end @ np.linalg.solve(M, at_end)
+    assert given < torque @ np.linalg.solve(M, torque)
+    assert at_end @ np.linalg.solve(M, torque) > 0.0

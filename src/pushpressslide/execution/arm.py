@@ -14,19 +14,25 @@ from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
 from pushpressslide.core.pose import Point
 from pushpressslide.core.support_frame import TABLE, SupportFrame
-from pushpressslide.execution.impedance import tip_force, tip_moment
+from pushpressslide.execution.impedance import servo, tip_moment
 from pushpressslide.execution.torque import (
+    Gains,
+    Impedance,
     LimitedTorque,
     braked,
+    end_of_tick,
+    gains,
     joint_torque,
     kept_inside,
     limited,
     near_limit,
+    null_space,
+    plus,
     task_inertia,
-    task_torque,
     yielding,
 )
 
+TIP_FREEDOMS = 6  # of a tip's motion: an arm of more joints has a posture to choose
 ROTATION_STIFFNESS = 60.0
 ROTATION_DAMPING = 6.0  # [N m/rad], [N m s/rad] of the tool's orientation
 # [N m/rad], [N m s/rad] of the joints, felt in the null space only
@@ -79,11 +85,26 @@ class ArmExecutor:
         init=False
     )  # (3, 2) directions in the world along the support
     _spin_axis: Vector3 = field(init=False)  # in the world, of the tool's yaw
+    _axes: Array = field(init=False)  # (3, 3) x, y and height as columns in the world
+    _lower: tuple[float, ...] = field(init=False)
+    _upper: tuple[float, ...] = field(init=False)
+    _rotation: Gains = field(init=False)  # of the tool's attitude
+    _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
+    _posture: Gains = field(init=False)
+    _tracking: Gains = field(init=False)
 
     def __post_init__(self) -> None:
         self._most = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
-        self._plane = np.array(self.frame.axes)[:, :2]
+        self._axes = np.array(self.frame.axes)
+        self._plane = self._axes[:, :2]
+        self._lower = tuple(self.lower.tolist())
+        self._upper = tuple(self.upper.tolist())
+        self._rotation = gains(ROTATION_STIFFNESS, ROTATION_DAMPING, self.dt)
+        self._turning = (self._rotation.added,) * 3
+        self._posture = gains(POSTURE_STIFFNESS, POSTURE_DAMPING, self.dt)
+        viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
+        self._tracking = gains(self.joint_stiffness, viscosity, self.dt)
         self._spin_axis = self.frame.spin_axis
 
     def free(
@@ -108,27 +129,75 @@ class ArmExecutor:
         [rad] that changes by ``v_ref`` (n,) [rad/s]; ``previous`` (n,) [N m] are those
         of the tick before.
         """
-        frame = self.frame
-        place = frame.coordinates(arm.position)
-        velocity = frame.components(arm.velocity)
-        force = frame.direction(tip_force(command, place, velocity))
-        moment = self._moment(arm, command)
-        error = q_ref - arm.q
-        damping = POSTURE_DAMPING * (v_ref - arm.v)
-        posture = POSTURE_STIFFNESS * error + damping
+        velocity = self.frame.components(arm.velocity)
         J = arm.J
-        near = near_limit(arm.q, self.lower, self.upper)
+        near = near_limit(arm.q, self._lower, self._upper)
+        moment = self._moment(arm, command)
         if near:
             J = yielding(J, moment, arm.q, self.lower, self.upper)
-        tau = task_torque(J, np.array(moment + force), posture, arm.bias)
-        tau += braked(arm.J, damping)
-        tau += arm.J.T @ self._inertial(arm, command, velocity)
+        push = np.array(self.frame.direction(command.force))
+        inertial = self._inertial(arm, command, velocity)
+        impedance = self._of_tip(arm, J, command, moment, velocity)
+        impedance = plus(impedance, self._of_posture(arm, q_ref - arm.q, v_ref - arm.v))
         if near:
-            tau += kept_inside(arm.J, arm.q, arm.v, self.lower, self.upper)
-        if self.joint_stiffness > 0.0:
-            viscosity = JOINT_DAMPING * math.sqrt(self.joint_stiffness)
-            tau += self.joint_stiffness * error - viscosity * arm.v
+            lower = self.lower
+            kept = kept_inside(arm.J, arm.q, arm.v, lower, self.upper, self.dt)
+            impedance = plus(impedance, kept)
+        tau = arm.bias + arm.J[3:].T @ push + arm.J.T @ inertial
+        tau += end_of_tick(impedance, arm.M)
         return limited(tau, previous, self._most, self._most_change)
+
+    def _of_tip(
+        self,
+        arm: ArmState,
+        J: Array,
+        command: TipCommand,
+        moment: Vector3,
+        velocity: Vector3,
+    ) -> Impedance:
+        """Impedance of the tool's attitude, by a ``moment`` [N m], and of the tip, whose
+        ``velocity`` [m/s] is in the support's frame; ``J`` (6, n) may be one of a tool
+        that gives way.
+        """
+        place = self.frame.coordinates(arm.position)
+        force, added = servo(command, place, velocity, self.dt)
+        axes = self._contact_axes(command.normal_yaw)
+        along = np.vstack((J[:3], axes @ J[3:]))
+        weights = np.array((*self._turning, *added))
+        return Impedance(along.T @ (moment + force), (along.T * weights) @ along)
+
+    def _contact_axes(self, yaw: float) -> Array:
+        """Axes n, t and height of a contact frame at a ``yaw`` [rad], as rows (3, 3) in
+        the world.
+        """
+        c = math.cos(yaw)
+        s = math.sin(yaw)
+        axes: Array = np.array(((c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)))
+        return axes @ self._axes.T
+
+    def _of_posture(self, arm: ArmState, error: Array, speed: Array) -> Impedance:
+        """Impedance of the joints about their reference, ``error`` (n,) [rad] and
+        ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
+        hardly moves the tip.
+        """
+        J = arm.J
+        JJt = J @ J.T
+        spring, damper, added = self._posture
+        torque = np.zeros(len(error))
+        growth = np.zeros((len(error), len(error)))
+        if len(error) > TIP_FREEDOMS:
+            unfelt = null_space(J, JJt)
+            torque = unfelt @ (spring * error + damper * speed)
+            growth = added * unfelt
+        brake = braked(J, JJt)
+        if brake is not None:
+            torque = torque + brake @ (damper * speed)
+            growth = growth + added * brake
+        if self.joint_stiffness > 0.0:
+            spring, damper, added = self._tracking
+            torque = torque + spring * error - damper * arm.v
+            growth = growth + added * np.eye(len(error))
+        return Impedance(torque, growth)
 
     def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""
@@ -138,7 +207,7 @@ class ArmExecutor:
             _times(command.tool_yaw_rate, self._spin_axis),
             arm.angular_velocity,
             ROTATION_STIFFNESS,
-            ROTATION_DAMPING,
+            self._rotation.damping,
         )
 
     def _inertial(self, arm: ArmState, command: TipCommand, velocity: Vector3) -> Array:

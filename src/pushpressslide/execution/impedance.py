@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import TipCommand, Vector3
 
 
-def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
-    """Return the force [N] that the tip is to exert on what it touches, in the
-    command's axes as all else.
+class Servo(NamedTuple):
+    """Springs and dampers of a tip along n, t and height of its contact frame."""
 
-    Feed-forward plus stiffness and damping about the moving reference along n, t, z of
-    the contact frame. The feed-forward is inside the friction cone already; the
-    impedance part may leave it, since it also accelerates the arm's own inertia, but is
-    held below ``command.servo_cap``: along the support, and along the height.
+    force: Vector3  # [N] on what the tip touches
+    added: Vector3  # [kg] as of ``execution.torque.Impedance``, along each axis
+
+
+def servo(
+    command: TipCommand, position: Vector3, velocity: Vector3, period: float = 0.0
+) -> Servo:
+    """Springs and dampers about the command's moving reference, at the end of a tick of
+    ``period`` [s].
+
+    Their force may leave the friction cone, since it also accelerates the arm's own
+    inertia, but is held below ``command.servo_cap``: along the support, and along the
+    height. ``position`` [m] and ``velocity`` [m/s] are the tip's, in the command's axes.
     """
     c = math.cos(command.normal_yaw)
     s = math.sin(command.normal_yaw)
@@ -24,23 +33,40 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     dy = command.position[1] - position[1]
     ux = command.velocity[0] - velocity[0]
     uy = command.velocity[1] - velocity[1]
+    uz = command.velocity[2] - velocity[2]
     kn, kt, kz = command.stiffness
     bn, bt, bz = command.damping
+    bn += period * kn
+    bt += period * kt
+    bz += period * kz
     fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
     ft = kt * (-s * dx + c * dy) + bt * (-s * ux + c * uy)
-    size = math.hypot(fn, ft)
-    if size > command.servo_cap:
-        fn = fn * command.servo_cap / size
-        ft = ft * command.servo_cap / size
-    fz = kz * (command.position[2] - position[2]) + bz * (
-        command.velocity[2] - velocity[2]
+    fz = kz * (command.position[2] - position[2]) + bz * uz
+    along = _share_within(math.hypot(fn, ft), command.servo_cap)
+    up = _share_within(abs(fz), command.servo_cap)
+    return Servo(
+        (along * fn, along * ft, up * fz),
+        (period * along * bn, period * along * bt, period * up * bz),
     )
-    fz = min(max(fz, -command.servo_cap), command.servo_cap)
+
+
+def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vector3:
+    """Force [N] that the tip is to exert on what it touches, in the command's axes: its
+    feed-forward, which is inside the friction cone, and its servo's.
+    """
+    c = math.cos(command.normal_yaw)
+    s = math.sin(command.normal_yaw)
+    fn, ft, fz = servo(command, position, velocity).force
     return (
         command.force[0] + c * fn - s * ft,
         command.force[1] + s * fn + c * ft,
         command.force[2] + fz,
     )
+
+
+def _share_within(size: float, most: float) -> float:
+    """Share of something of a ``size`` that is no larger than ``most``."""
+    return most / size if size > most else 1.0
 
 
 def rotation_error(R_wanted: Array, R: Array) -> Vector3:

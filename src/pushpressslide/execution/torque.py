@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv, dpotrf
 
 from pushpressslide.core import margins
-from pushpressslide.core.arrays import Array, least
+from pushpressslide.core.arrays import Array
 from pushpressslide.core.control import Vector3
 
 LIMIT_STIFFNESS = 600.0  # [N m/rad], [N m s/rad] of a joint near its limit
@@ -41,64 +41,121 @@ class LimitedTorque(NamedTuple):
     rate_share: float  # largest demanded change of a torque as a share of its limit
 
 
-def task_torque(J: Array, wrench: Array, posture: Array, bias: Array) -> Array:
-    """Return tau (n,) = J^T ``wrench`` + null-space ``posture`` torque + ``bias``.
+class Impedance(NamedTuple):
+    """Torque of springs and dampers on an arm's joints, and how it changes in a tick."""
 
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``wrench`` (6,) likewise
-    [moment; force]. ``posture`` (n,) [N m] is that of a joint-space spring and damper,
-    projected so that no force at the tip is needed to hold it, and next to no moment
-    but where the arm can hardly turn the tool: there the posture says how it is held,
-    since nothing else damps those joints. ``bias`` (n,) [N m] gravity and Coriolis
-    compensation.
+    torque: Array  # (n,) [N m] of springs and dampers, see ``Gains``
+    # (n, n) [kg m^2], symmetric and positive semidefinite: h (D + h K) of all dampers D
+    # and springs K, as they act on the joints, over a tick of h
+    added: Array
+
+
+class Gains(NamedTuple):
+    """A spring and a damper that a torque law evaluates at the end of a tick of h.
+
+    By then the error has changed by h times that of the velocity, so that the spring
+    adds h K to the damper: K e + (D + h K) u.
     """
-    tau: Array = J.T @ wrench + bias
-    if J.shape[1] > 6:
-        JJt = J @ J.T
-        unfelt = _unfelt(J, posture, JJt + SOFTENING)
-        tau += _forceless(J, unfelt, JJt + FULL_RANK)
-    return tau
+
+    stiffness: float  # K [N m/rad] or [N/m]
+    damping: float  # D + h K [N m s/rad] or [N s/m]
+    added: float  # h (D + h K) [kg m^2] or [kg]
 
 
-def near_limit(q: Array, lower: Array, upper: Array) -> bool:
-    """Return whether one of the joints ``q`` (n,) is nearer to its limit, ``lower`` or
+def gains(stiffness: float, damping: float, period: float) -> Gains:
+    """Gains at the end of a tick of ``period`` [s] of a spring [N m/rad] and a damper
+    [N m s/rad], or [N/m] and [N s/m].
+    """
+    effective = damping + period * stiffness
+    return Gains(stiffness, effective, period * effective)
+
+
+def end_of_tick(impedance: Impedance, M: Array) -> Array:
+    """Torque (n,) [N m] of springs and dampers with the velocity that it leads to at
+    the end of a tick: M (M + h D + h^2 K)^-1 times their torque now.
+
+    ``M`` (n, n) mass matrix. This is one step of the implicit Euler method: whatever
+    the gains, the inertia and the period, springs and dampers take energy from the arm.
+    Held constant over a tick, a damper D adds energy to an inertia below h D / 2.
+    """
+    out: Array = M @ _solved(M + impedance.added, impedance.torque)
+    return out
+
+
+def null_space(J: Array, JJt: Array) -> Array:
+    """Projector (n, n), symmetric, on the torques that neither a force at the tip nor
+    much of a moment on the tool has to hold.
+
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) its
+    square. Where the arm can hardly turn the tool its joints are left to such torques:
+    nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
+    its force has to be zero: J_v torque = 0 is not enough, since a tip that is held
+    while a moment keeps the tool's attitude feels the force of this wrench.
+    """
+    n = J.shape[1]
+    identity = np.eye(n)
+    unfelt = identity - J.T @ _solved(JJt + SOFTENING, J)
+    held = _solved(JJt + FULL_RANK, J)[3:]
+    forceless = identity - held.T @ _solved(held @ held.T, held)
+    out: Array = forceless @ unfelt @ forceless
+    return out
+
+
+def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool:
+    """Whether one of the joints ``q`` (n,) is nearer to its limit, ``lower`` or
     ``upper`` (n,) [rad], than ``margins.ARM.joint_buffer``.
     """
-    inside = np.minimum(q - lower, upper - q)
-    return least(inside) < margins.ARM.joint_buffer
+    buffer = margins.ARM.joint_buffer
+    ranges = zip(q.tolist(), lower, upper, strict=True)
+    return any(at - least < buffer or most - at < buffer for at, least, most in ranges)
 
 
-def kept_inside(J: Array, q: Array, v: Array, lower: Array, upper: Array) -> Array:
-    """Return the torque (n,) that keeps joints inside their limits, without a force at
-    the tip: the tool's attitude gives way.
+def plus(one: Impedance, other: Impedance) -> Impedance:
+    """Two impedances at once."""
+    return Impedance(one.torque + other.torque, one.added + other.added)
 
-    ``J`` (6, n) as in ``task_torque``; ``lower``, ``upper`` (n,) [rad]. Zero where all
-    joints are farther inside than ``margins.ARM.joint_buffer``.
+
+def kept_inside(
+    J: Array, q: Array, v: Array, lower: Array, upper: Array, period: float
+) -> Impedance:
+    """Impedance that keeps joints inside their limits, without a force at the tip: the
+    tool's attitude gives way.
+
+    ``J`` (6, n) as in ``null_space``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s]
+    of a tick. Zero where all joints are farther inside than
+    ``margins.ARM.joint_buffer``.
     """
     buffer = margins.ARM.joint_buffer
     inside = np.minimum(q - lower, upper - q)
     below = np.maximum(lower + buffer - q, 0.0)
     above = np.maximum(q - upper + buffer, 0.0)
-    near = inside < buffer
-    spring: Array = LIMIT_STIFFNESS * (below - above) - LIMIT_DAMPING * v * near
+    held = gains(LIMIT_STIFFNESS, LIMIT_DAMPING, period)
     moved = J[3:]
-    return _unfelt(moved, spring, moved @ moved.T + SOFTENING[3:, 3:])
+    softened = moved @ moved.T + SOFTENING[3:, 3:]
+    unfelt = np.eye(len(q)) - moved.T @ _solved(softened, moved)
+    near = unfelt * (inside < buffer)  # of the joints that are
+    dampers = near @ unfelt
+    spring: Array = unfelt @ (below - above)
+    torque = held.stiffness * spring - held.damping * (dampers @ v)
+    return Impedance(torque, held.added * dampers)
 
 
-def braked(J: Array, damping: Array) -> Array:
-    """Return what of a ``damping`` torque (n,) acts on the joints' motion that moves
-    the tip least; nothing where that moves it by ``SINGULAR`` or more.
+def braked(J: Array, JJt: Array) -> Array | None:
+    """Projector (n, n) on the joints' motion that moves the tip least, times a share
+    that grows from 0 to 1 as that motion ceases to; None where it moves the tip by
+    ``SINGULAR`` or more.
 
-    ``J`` (6, n) as in ``task_torque``. An arm that is stretched out coasts through that
-    posture, and bends to the other side, while its tip rests.
+    ``J`` (6, n) and ``JJt`` (6, 6) as in ``null_space``. An arm that is stretched out
+    coasts through that posture, and bends to the other side, while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
-    _, indefinite = dpotrf(J @ J.T - BRAKED)
+    _, indefinite = dpotrf(JJt - BRAKED)
     if not indefinite:
-        return np.zeros(len(damping))
+        return None
     _, sizes, motions = np.linalg.svd(J, full_matrices=False)
     motion = motions[-1]
     share = (1.0 - min(float(sizes[-1]) / SINGULAR, 1.0) ** 2) ** 2
-    out: Array = share * float(motion @ damping) * motion
+    out: Array = share * np.outer(motion, motion)
     return out
 
 
@@ -122,14 +179,6 @@ def yielding(J: Array, moment: Vector3, q: Array, lower: Array, upper: Array) ->
     return out
 
 
-def _unfelt(J: Array, torque: Array, softened: Array) -> Array:
-    """Return what of a ``torque`` (n,) is not felt along the rows of ``J`` (k, n): I -
-    J^T S^-1 J, applied to it; S (k, k) is J J^T, ``softened`` along its diagonal.
-    """
-    out: Array = torque - J.T @ _solved(softened, J @ torque)
-    return out
-
-
 def _solved(matrix: Array, right: Array) -> Array:
     """Return the solution of a symmetric system, (k,) or (k, n); quickly of one that is
     positive definite, as all are but for rounding errors.
@@ -141,23 +190,10 @@ def _solved(matrix: Array, right: Array) -> Array:
     return out
 
 
-def _forceless(J: Array, torque: Array, JJt: Array) -> Array:
-    """Return what of a ``torque`` (n,) a moment on the tool holds alone, without a force
-    at the tip; ``J`` (6, n), and J J^T (6, 6), which has an inverse.
-
-    The wrench that holds the torque is (J J^T)^-1 J torque. That J_v torque = 0 is not
-    enough: a tip that is held where it is while a moment keeps the tool's attitude
-    feels the force of this wrench.
-    """
-    held = _solved(JJt, J)[3:]
-    out: Array = torque - held.T @ _solved(held @ held.T, held @ torque)
-    return out
-
-
 def task_inertia(J: Array, M: Array) -> Array:
     """Return Lambda = (J M^-1 J^T)^-1 (6, 6), the inertia that the arm has at its tip.
 
-    ``J`` (6, n) as in ``task_torque``; ``M`` (n, n) mass matrix. Near a singularity,
+    ``J`` (6, n) as in ``null_space``; ``M`` (n, n) mass matrix. Near a singularity,
     where it grows without bound, the arm is not to be driven along what it can hardly
     move: damped least squares, by ``LEAST_MOBILITY``.
     """
