@@ -79,7 +79,8 @@ def drawn(seed: int) -> tuple[RandomArm, np.ndarray, float]:
     arm = RandomArm(
         axes / np.linalg.norm(axes, axis=1, keepdims=True),
         rng.uniform(-0.4, 0.4, (n, 3)),
-        10.0 ** rng.uniform(-3.0, 1.0) * np.geomspace(1.0, 10.0 ** rng.uniform(-3, 0), n),
+        10.0 ** rng.uniform(-3.0, 1.0)
+        * np.geomspace(1.0, 10.0 ** rng.uniform(-3, 0), n),
         10.0 ** rng.uniform(-4.0, 1.0, n),
     )
     return arm, rng.uniform(-np.pi, np.pi, n), float(rng.uniform(1e-3, 8e-3))

@@ -21,6 +21,7 @@ from pushpressslide.control.state import (
     smooth_rate,
 )
 from pushpressslide.core.control import (
+    ArmCommand,
     Commands,
     ControlLog,
     JointCommand,
@@ -88,7 +89,7 @@ class Approach(ABC):
     @abstractmethod
     def _command(
         self, arm: int, held: TipCommand | None, elapsed: float, rate: float
-    ) -> TipCommand | JointCommand | None:
+    ) -> ArmCommand:
         """Return an arm's command ``elapsed`` [s] on its path, passed at ``rate``."""
 
 
@@ -111,7 +112,7 @@ class JointApproach(Approach):
 
     def _command(
         self, arm: int, held: TipCommand | None, elapsed: float, rate: float
-    ) -> TipCommand | JointCommand | None:
+    ) -> ArmCommand:
         position, velocity = approach_reference(self._paths[arm], elapsed)
         if held is None:
             return JointCommand(position, rate * velocity)
@@ -163,23 +164,30 @@ class TipApproach(Approach):
 
     def _command(
         self, arm: int, held: TipCommand | None, elapsed: float, rate: float
-    ) -> TipCommand | JointCommand | None:
+    ) -> ArmCommand:
         path = self._paths[arm]
         if held is not None or path is None:
             return held
         position, (vx, vy, vz) = path.at(elapsed)
-        return TipCommand(
-            force=(0.0, 0.0, 0.0),
-            position=position,
-            velocity=(rate * vx, rate * vy, rate * vz),
-            stiffness=FREE_STIFFNESS,
-            damping=FREE_DAMPING,
-            normal_yaw=0.0,
-            tool_yaw=0.0,
-            tool_yaw_rate=0.0,
-            servo_cap=SERVO_CAP,
-            progress=0.0,
-        )
+        return free_tip(position, (rate * vx, rate * vy, rate * vz))
+
+
+def free_tip(position: Vector3, velocity: Vector3) -> TipCommand:
+    """Command of a tip that touches nothing, about a ``position`` [m] that moves at a
+    ``velocity`` [m/s].
+    """
+    return TipCommand(
+        force=(0.0, 0.0, 0.0),
+        position=position,
+        velocity=velocity,
+        stiffness=FREE_STIFFNESS,
+        damping=FREE_DAMPING,
+        normal_yaw=0.0,
+        tool_yaw=0.0,
+        tool_yaw_rate=0.0,
+        servo_cap=SERVO_CAP,
+        progress=0.0,
+    )
 
 
 def tip_path(begin: Vector3, end: Vector3, above: float) -> TipPath:

@@ -16,7 +16,12 @@ import numpy as np
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array, least
-from pushpressslide.core.control import Commands, JointCommand, TipCommand
+from pushpressslide.core.control import (
+    ArmCommand,
+    Commands,
+    JointCommand,
+    TipCommand,
+)
 from pushpressslide.core.record import Ending
 
 POSITION_MARGIN = 0.01  # [rad] or [m] of a joint to its limit: half of what plans keep
@@ -58,7 +63,7 @@ class _Memory:
     overload: int = 0  # ticks so far at which more than its torque was asked
     # [rad] or [m] that its joints have been from their limits, at the farthest
     room: float | None = None
-    reference: TipCommand | JointCommand | None = None
+    reference: ArmCommand = None
 
 
 @dataclass(slots=True)
@@ -79,6 +84,15 @@ class Guard:
         self._rooms = None
         for memory in self._memories.values():
             memory.reference = None
+
+    def successor(self, normal_force: float, held: Commands) -> Guard:
+        """Guard of what follows a recovery, with another limit of the normal force [N]:
+        it knows the commands that the arms are ``held`` by till then.
+        """
+        other = Guard(normal_force, self.period, self.arms, anew=True)
+        for arm, command in enumerate(held):
+            other._memory(arm).reference = command
+        return other
 
     def breach(
         self,
@@ -169,9 +183,7 @@ class Guard:
             f"{TORQUE_TIME * 1e3:.0f} ms",
         )
 
-    def _jump(
-        self, arm: int, command: TipCommand | JointCommand | None
-    ) -> Ending | None:
+    def _jump(self, arm: int, command: ArmCommand) -> Ending | None:
         memory = self._memory(arm)
         before = memory.reference
         memory.reference = command

@@ -16,26 +16,32 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from pushpressslide.control.approach import (
     Approach,
     JointApproach,
     TipApproach,
     TipPath,
+    free_tip,
     tip_path,
 )
 from pushpressslide.control.controller import Controller
-from pushpressslide.control.limits import Guard
+from pushpressslide.control.limits import ArmReading, Guard
 from pushpressslide.control.plant import Plant, Situation
 from pushpressslide.control.recording import Recorder, Tick
 from pushpressslide.control.recovery import RECOVERABLE, planned_anew, restart
 from pushpressslide.control.sensing import Sensor
 from pushpressslide.control.state import ControllerState, findings, tip_position
+from pushpressslide.control.stopping import JointWatch, Stop, StopLevel
 from pushpressslide.control.watches import Watch
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
     Commands,
     ControlLog,
+    JointCommand,
     Measurement,
+    Phase,
     TipCommand,
     TipCommands,
 )
@@ -43,6 +49,7 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.record import Ending, Record
+from pushpressslide.core.task import Restart
 from pushpressslide.identification.findings import NOTHING
 from pushpressslide.planning.side_contacts import before_contacts
 
@@ -117,7 +124,11 @@ class RunLoop:
         self.guard = Guard(
             task.limits.normal_force, period, plant.arm_limits, anew=goes_on
         )
+        self.joint_watches = [
+            JointWatch(limits.velocity.tolist()) for limits in plant.arm_limits
+        ]
         self.breach: Ending | None = None  # the limit that was broken
+        self.stopping: Stop | None = None  # since then
         self.recorder = Recorder(plan)
         self.watches = (self._finished, *watches, self._diverged, self._stopped)
         self.ticks = 0
@@ -163,14 +174,19 @@ class RunLoop:
         truth = self.plant.measure()
         measurement = self.sensor.measure(truth)
         followed = self.state.reference if self.state is not None else None
+        readings = self.plant.readings()
+        runaways = self._runaways(readings)
         commands, log = self._decide(measurement)
         applied = self._disturbed(truth.time, commands, log)
         if self.breach is None:
-            self.breach = self._judged(measurement, applied)
-            if self.breach is not None:
-                self._stop(self.breach, measurement)
+            breach = _runaway(runaways) or self._judged(measurement, readings, applied)
+            if breach is not None:
+                self._stop(breach, measurement, log.phase)
                 commands, log = self._decide(measurement)
-                applied = commands
+        if self.stopping is not None:
+            time = truth.time
+            applied = self.stopping.step(time, readings, runaways, commands)
+            commands = applied
         self.plant.apply(applied)
         total = perf_counter() - began
         self.plant.advance()
@@ -189,22 +205,36 @@ class RunLoop:
         commands, log, self.state = self.controller.step(self.state, measurement)
         return commands, log
 
-    def _judged(self, measurement: Measurement, commands: Commands) -> Ending | None:
+    def _runaways(self, readings: Sequence[ArmReading]) -> list[str | None]:
+        """What the joints of each arm do that nothing asked for."""
+        watched = zip(self.joint_watches, readings, strict=True)
+        return [watch.step(reading.v.tolist()) for watch, reading in watched]
+
+    def _judged(
+        self,
+        measurement: Measurement,
+        readings: Sequence[ArmReading],
+        commands: Commands,
+    ) -> Ending | None:
         """Return the limit that is broken at this tick."""
         if self.state is None:
             forces = [math.hypot(*tip.force) for tip in measurement.tips]
         else:
             forces = self.controller.normal_forces(self.state, measurement)
-        return self.guard.breach(forces, self.plant.readings(), commands)
+        return self.guard.breach(forces, readings, commands)
 
-    def _stop(self, breach: Ending, measurement: Measurement) -> None:
-        """Stop safely: slow down, then draw back or, where nothing else carries the
-        object, hold it.
+    def _stop(self, breach: Ending, measurement: Measurement, phase: Phase) -> None:
+        """Stop safely because of a ``breach`` in a ``phase``: slow down, then draw back
+        or, where nothing else carries the object, hold it.
         """
+        time = measurement.time
+        text = f"{breach.text} (at {time:.2f} s, {phase})"
+        self.breach = Ending(breach.code, text)
+        self.stopping = Stop(self.plant.arm_limits, time, self.guard.period)
         if self.state is None:
-            self.approach.halt(measurement.time)
+            self.approach.halt(time)
         else:
-            failure = (breach.code, breach.text)
+            failure = (breach.code, text)
             self.state = self.controller.stop(self.state, measurement, failure)
 
     def _disturbed(self, time: float, commands: Commands, log: ControlLog) -> Commands:
@@ -230,7 +260,6 @@ class RunLoop:
             travel = tip_paths(placement, held, measurement)
             self.approach = TipApproach(task.start, travel, held, time)
         self.controller = Controller(self.plan, self.number, gap, back)
-        self.guard.begin()
         self.state = None
 
     def _hand_over(self, tick: Tick, measurement: Measurement) -> None:
@@ -242,14 +271,19 @@ class RunLoop:
         )
         self.number += 1
         self.plant.hand_over(self.placements[self.number], lasting)
+        self.guard.begin()
         self._begin(held, tick.truth.time, measurement)
         self.recorder.begin(self.plan, self.number)
 
     def _recovers(self, ending: Ending, tick: Tick, measurement: Measurement) -> bool:
         """Plan anew what is left, from where object and arms are, and begin it; return
         whether that can be done, and in time.
+
+        The arms hold meanwhile, since planning may take seconds of a plant's time. None
+        is planned from an arm that did not draw back.
         """
-        if self.recoveries == 0:
+        gave_up = self.stopping is not None and self.stopping.took_over
+        if self.recoveries == 0 or gave_up:
             return False
         pose = measurement.object_pose
         if self.state is not None:
@@ -259,12 +293,15 @@ class RunLoop:
             return False
         time = tick.truth.time
         try:
-            plan = self._planned_anew(pose, time)
+            begin = self._restart(pose)
+            held = self._hold(tick.truth)
+            plan = planned_anew(self.plan.task, begin, self.plant.prepare)
+            self._check_in_time(plan)
         except InfeasibleTaskError as error:
             self._note(time, why, str(error))
             return False
         self._note(time, why)
-        self._resume(plan, time, measurement)
+        self._resume(plan, held)
         return True
 
     def _lacks(self, ending: Ending, pose: Pose2) -> Ending | None:
@@ -273,10 +310,10 @@ class RunLoop:
             return self.controller.missed(pose)
         return ending if ending.code in RECOVERABLE else None
 
-    def _planned_anew(self, pose: Pose2, time: float) -> Plan:
-        """Return the plan of what is left from ``pose``, X_WG.
+    def _restart(self, pose: Pose2) -> Restart:
+        """Where the task goes on with the object at ``pose``, X_WG.
 
-        Raises InfeasibleTaskError where there is none that ends in time.
+        Raises InfeasibleTaskError where the arms cannot let go of it.
         """
         task = self.plan.task
         segment = self.controller.segments[0]
@@ -288,15 +325,29 @@ class RunLoop:
             raise InfeasibleTaskError("one arm still holds the object")
         if not task.scene.carried(pose):
             raise InfeasibleTaskError("nothing but the arms carries the object")
-        begin = restart(task, segment, pose, found)
-        plan = planned_anew(task, begin, self.plant.prepare)
+        return restart(task, segment, pose, found)
+
+    def _hold(self, truth: Measurement) -> Commands:
+        """Command all arms, or tips without arms, to stay where they are; return the
+        commands.
+        """
+        readings = self.plant.readings()
+        held: Commands = tuple(
+            JointCommand(reading.q, np.zeros_like(reading.q)) for reading in readings
+        )
+        if not readings:
+            held = tuple(free_tip(tip.position, (0.0, 0.0, 0.0)) for tip in truth.tips)
+        self.plant.apply(held)
+        return held
+
+    def _check_in_time(self, plan: Plan) -> None:
+        """Raise InfeasibleTaskError where ``plan``, begun now, does not end in time."""
         needed = plan.duration + margins.ARM.regrasp * len(plan.placements)
-        if time + needed > self.time_limit:
+        left = self.time_limit - self.plant.time
+        if needed > left:
             raise InfeasibleTaskError(
-                f"another attempt takes {needed:.0f} s; limits.time leaves "
-                f"{self.time_limit - time:.0f} s"
+                f"another attempt takes {needed:.0f} s; limits.time leaves {left:.0f} s"
             )
-        return plan
 
     def _note(self, time: float, why: Ending, lacking: str | None = None) -> None:
         """Note what went wrong, and what was lacking for another attempt."""
@@ -310,20 +361,20 @@ class RunLoop:
             }
         )
 
-    def _resume(self, plan: Plan, time: float, measurement: Measurement) -> None:
-        """Begin ``plan`` in place of the rest of the present one."""
+    def _resume(self, plan: Plan, held: Commands) -> None:
+        """Begin ``plan`` in place of the rest of the present one, now: planning has
+        taken what it has of the plant's time, under the commands ``held``.
+        """
+        measurement = self.plant.measure()
+        time = measurement.time
         self.earlier.append((self.plan, self.number + 1))
         self.plan = plan
         self.placements = plan.by_placement
         self.number = 0
         self.recoveries -= 1
         self.breach = None
-        self.guard = Guard(
-            plan.task.limits.normal_force,
-            plan.task.motion.control_period,
-            self.plant.arm_limits,
-            anew=True,
-        )
+        self.stopping = None
+        self.guard = self.guard.successor(plan.task.limits.normal_force, held)
         self.expected = time + margins.ARM.regrasp + plan.duration
         self.plant.hand_over(self.placements[0], frozenset())
         self._begin((None,) * len(plan.task.robots), time, measurement)
@@ -342,12 +393,27 @@ class RunLoop:
         return None
 
     def _finished(self, tick: Tick) -> Ending | None:
+        stopping = self.stopping
+        if stopping is not None and stopping.took_over:
+            return self._stopped_short(stopping, tick.truth.time)
         if self.state is None:
             return self.breach if self.approach.at_rest(tick.truth.time) else None
         if self.state.phase != "done":
             return None
         failure = self.state.failure
         return Ending("goal_reached") if failure is None else Ending(*failure)
+
+    def _stopped_short(self, stopping: Stop, time: float) -> Ending | None:
+        """How a run ends whose arms did not draw back, once they rest at ``time`` [s]."""
+        assert self.breach is not None
+        if not stopping.at_rest(time):
+            return None
+        if self.breach.code != "runaway":
+            braked = StopLevel.BRAKE in stopping.levels
+            then = "ran away" if braked else "did not draw back"
+            text = f"{self.breach.text}; then an arm {then}"
+            self.breach = Ending(self.breach.code, text)
+        return self.breach
 
     def _diverged(self, tick: Tick) -> Ending | None:
         why = self.plant.diverged()
@@ -364,6 +430,14 @@ class RunLoop:
         progress = self.options.progress
         if progress is not None and self.ticks % PROGRESS_TICKS == 0:
             progress(time, self.expected)
+
+
+def _runaway(runaways: Sequence[str | None]) -> Ending | None:
+    """Ending of a run in which an arm's joints run away, from what each arm's do."""
+    for arm, text in enumerate(runaways):
+        if text is not None:
+            return Ending("runaway", f"arm {arm} runs away: {text}")
+    return None
 
 
 def tip_paths(

@@ -77,10 +77,16 @@ class JointCommand:
     velocity: NDArray[np.float64]  # (n,) [rad/s]
 
 
-# one per robot of the task; None: the arm rests where its joint path along the contact
-# begins
+@dataclass(frozen=True, slots=True)
+class BrakeCommand:
+    """No motion is wanted of an arm: its weight is held, and its joints are damped."""
+
+
+# None: the arm rests where its joint path along the contact begins
+ArmCommand = TipCommand | JointCommand | BrakeCommand | None
+# one per robot of the task
 TipCommands = tuple[TipCommand | None, ...]
-Commands = tuple[TipCommand | JointCommand | None, ...]
+Commands = tuple[ArmCommand, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ ReasonCode = Literal[
     "force_limit",
     "torque_limit",
     "joint_limit",
+    "runaway",
     "reference_jump",
     "collision",
     "body_moved",

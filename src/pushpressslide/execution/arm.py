@@ -45,6 +45,11 @@ FREE_RATE = 15.0  # [1/s] of the joint tracking in free space
 # [s] in which a tip comes to its reference's velocity, however much it weighs: an arm
 # that is nearly stretched weighs hundreds of kilograms along itself, and coasts on
 SERVO_TIME = 0.03
+BRAKE_SHARE = 0.4  # of a joint's speed, that an arm which brakes loses in a tick
+# of a momentum times the rate of a torque, the square of the braking torque that can be
+# taken back until the joint rests: 2, less what a tick's delay costs
+TAKEN_BACK = 1.5
+TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +120,23 @@ class ArmExecutor:
         """
         rate = min(FREE_RATE, 0.25 / self.dt)
         tau = joint_torque(arm.M, arm.bias, arm.q, arm.v, q_ref, v_ref, rate)
+        return limited(tau, previous, self._most, self._most_change)
+
+    def brake(self, arm: ArmState, weight: Array, previous: Array) -> LimitedTorque:
+        """Torques that hold the arm's ``weight`` (n,) [N m] and take the speed from its
+        joints, as fast as its torques allow; ``previous`` (n,) [N m] are those of the
+        tick before.
+
+        All joints lose the same share of their speed, so that whatever the limits leave
+        of such a torque takes energy from the arm: no more than a torque that can be
+        taken back, at the rate that it may change by, until the arm rests.
+        """
+        momentum = arm.M @ arm.v
+        size = np.maximum(np.abs(momentum), TINY)
+        left = np.maximum(self.effort - np.abs(weight), 0.0)
+        in_time = np.sqrt(TAKEN_BACK * self.rate * size)
+        braking = float(np.min(np.minimum(left, in_time) / size))
+        tau = weight - min(BRAKE_SHARE / self.dt, braking) * momentum
         return limited(tau, previous, self._most, self._most_change)
 
     def contact(

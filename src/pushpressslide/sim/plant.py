@@ -19,6 +19,8 @@ from pushpressslide.control.limits import ArmLimits, ArmReading
 from pushpressslide.control.plant import PlantRow, Situation
 from pushpressslide.core import margins
 from pushpressslide.core.control import (
+    ArmCommand,
+    BrakeCommand,
     Commands,
     JointCommand,
     Measurement,
@@ -97,8 +99,12 @@ class DrivenArm:
         """Take joint positions and velocities from the plant's state ``x``."""
         self.state = self.model.state_at(x[self._indices])
 
-    def execute(self, command: TipCommand | JointCommand | None) -> None:
+    def execute(self, command: ArmCommand) -> None:
         """Compute the torque for a command."""
+        if isinstance(command, BrakeCommand):
+            weight = self.model.state(self.state.q, np.zeros(self.model.size)).bias
+            self._limited = self._executor.brake(self.state, weight, self.torque)
+            return
         if isinstance(command, TipCommand):
             self._take_posture(self._posture(command))
             self._limited = self._executor.contact(

@@ -1,0 +1,187 @@
+"""A stop by levels: what the arms do once a limit is broken.
+
+    draw back   the controller leads the tips away, while the arms obey
+    hold        an arm that does not obey stays where it is
+    brake       an arm whose joints run away: its weight is held, its joints are damped
+
+A level is never left for a lower one. An arm that runs away brakes, and the others hold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+
+from pushpressslide.control.limits import TORQUE_TIME, ArmLimits, ArmReading
+from pushpressslide.core.control import ArmCommand, BrakeCommand, Commands, JointCommand
+
+# changes of a joint's direction from tick to tick, one after the other, each time at
+# this share of its speed limit or more: a motion that is led takes tens of ticks to turn
+FLIPS = 3
+FLIP_SPEED = 0.05
+# ticks in each of which a joint grows faster, by this share of its speed limit in five:
+# four times as much as where the arms are led, or meet an object
+GROWTH_TICKS = 5
+GROWTH = 0.3
+BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything
+GRACE = 0.1  # [s] in which an arm that draws back may still be too fast
+REST_SPEED = 0.01  # of a joint's speed limit: slower it counts as at rest
+REST_TIME = 0.05  # [s] that all joints have to be
+LONGEST = 1.5  # [s] that is waited for it
+
+
+class StopLevel(IntEnum):
+    """How far a stop has gone with one arm."""
+
+    DRAW_BACK = 0
+    HOLD = 1
+    BRAKE = 2
+
+
+@dataclass(slots=True)
+class JointWatch:
+    """Watches one arm's joints for speeds that no command asks for: that grow from tick
+    to tick, change sign from tick to tick, or are far above their limit.
+    """
+
+    limits: Sequence[float]  # (n,) [rad/s]
+    _before: list[float] = field(init=False)  # (n,) [rad/s] at the last tick
+    _grown: list[int] = field(init=False)  # (n,) ticks of growth so far
+    _from: list[float] = field(init=False)  # (n,) [rad/s] speed at which it began
+    _flips: list[int] = field(init=False)  # (n,)
+
+    def __post_init__(self) -> None:
+        n = len(self.limits)
+        self._before = [0.0] * n
+        self._grown = [0] * n
+        self._from = [0.0] * n
+        self._flips = [0] * n
+
+    def step(self, rates: Sequence[float]) -> str | None:
+        """What the first joint that runs away does, from its ``rates`` (n,) [rad/s] at
+        this tick; None while all are led.
+        """
+        found = None
+        for j, (rate, before) in enumerate(zip(rates, self._before, strict=True)):
+            speed = abs(rate)
+            was = abs(before)
+            if speed > was:
+                if self._grown[j] == 0:
+                    self._from[j] = was
+                self._grown[j] += 1
+            else:
+                self._grown[j] = 0
+            slowest = min(speed, was)
+            flips = rate * before < 0.0 and slowest > FLIP_SPEED * self.limits[j]
+            self._flips[j] = self._flips[j] + 1 if flips else 0
+            if found is None and not speed < FLIP_SPEED * self.limits[j]:
+                found = self._complaint(j, speed)
+        self._before = list(rates)
+        return found
+
+    def _complaint(self, j: int, speed: float) -> str | None:
+        """What stands against a joint ``j`` at a ``speed`` [rad/s]."""
+        limit = self.limits[j]
+        name = f"joint {j + 1}"
+        if not speed <= BEYOND * limit:  # or no number
+            return f"{name} at {speed:.2f} rad/s, allowed {limit:g} rad/s"
+        if self._flips[j] >= FLIPS:
+            return f"{name} turns about at each of {FLIPS} ticks, at {speed:.2f} rad/s"
+        ticks = self._grown[j]
+        grown = speed - self._from[j]
+        if ticks >= GROWTH_TICKS and grown > GROWTH * limit * ticks / GROWTH_TICKS:
+            return f"{name} became faster by {grown:.2f} rad/s in {ticks} ticks"
+        return None
+
+
+@dataclass(slots=True)
+class Stop:
+    """One stop: the level of each arm, and what it is commanded there."""
+
+    arms: Sequence[ArmLimits]
+    began: float  # [s]
+    period: float  # [s]
+    levels: list[StopLevel] = field(init=False)
+    _held: list[JointCommand | None] = field(init=False)  # where an arm holds
+    _overload: list[int] = field(init=False)  # ticks of too much torque, of each arm
+    _resting: int = 0  # ticks that all joints have been at rest
+
+    def __post_init__(self) -> None:
+        self.levels = [StopLevel.DRAW_BACK] * len(self.arms)
+        self._held = [None] * len(self.arms)
+        self._overload = [0] * len(self.arms)
+
+    @property
+    def took_over(self) -> bool:
+        """Whether an arm no longer draws back."""
+        return any(self.levels)
+
+    def step(
+        self,
+        time: float,
+        readings: Sequence[ArmReading],
+        runaways: Sequence[str | None],
+        commands: Commands,
+    ) -> Commands:
+        """Commands at ``time`` [s], one per robot: the controller's ``commands`` of arms
+        that draw back, else what the arm's level asks for.
+
+        ``runaways`` say of each arm what its joints do that nothing asked for.
+        """
+        if not readings:
+            return commands
+        for i, (reading, runaway) in enumerate(zip(readings, runaways, strict=True)):
+            self.levels[i] = max(self.levels[i], self._level(i, time, reading, runaway))
+        if StopLevel.BRAKE in self.levels:
+            self.levels = [max(level, StopLevel.HOLD) for level in self.levels]
+        self._watch_rest(readings)
+        return tuple(
+            self._command(i, reading, command)
+            for i, (reading, command) in enumerate(zip(readings, commands, strict=True))
+        )
+
+    def at_rest(self, time: float) -> bool:
+        """Whether a stop that took over is done at ``time`` [s]: all joints rest, or
+        have been given long enough.
+        """
+        rested = self._resting * self.period >= REST_TIME
+        return rested or time - self.began > LONGEST
+
+    def _level(
+        self, arm: int, time: float, reading: ArmReading, runaway: str | None
+    ) -> StopLevel:
+        """Level that an arm needs at ``time`` [s]."""
+        if runaway is not None:
+            return StopLevel.BRAKE
+        asked = max(reading.torque_share, reading.rate_share)
+        self._overload[arm] = self._overload[arm] + 1 if asked > 1.0 else 0
+        overloaded = self._overload[arm] * self.period > TORQUE_TIME
+        shares = np.abs(reading.v) / self.arms[arm].velocity
+        fast = time - self.began > GRACE and float(shares.max()) > 1.0
+        return StopLevel.HOLD if overloaded or fast else StopLevel.DRAW_BACK
+
+    def _command(
+        self, arm: int, reading: ArmReading, command: ArmCommand
+    ) -> ArmCommand:
+        level = self.levels[arm]
+        if level is StopLevel.BRAKE:
+            return BrakeCommand()
+        if level is StopLevel.DRAW_BACK:
+            return command
+        held = self._held[arm]
+        if held is None:
+            held = JointCommand(reading.q, np.zeros_like(reading.q))
+            self._held[arm] = held
+        return held
+
+    def _watch_rest(self, readings: Sequence[ArmReading]) -> None:
+        fastest = max(
+            float((np.abs(reading.v) / limits.velocity).max())
+            for reading, limits in zip(readings, self.arms, strict=True)
+        )
+        at_rest = math.isfinite(fastest) and fastest < REST_SPEED
+        self._resting = self._resting + 1 if at_rest else 0
