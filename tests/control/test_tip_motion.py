@@ -82,7 +82,7 @@ def led(
         (x, y, height), (0.0, 0.0, 0.0), (force * push[0], force * push[1], 0.0)
     )
     context = TipContext(contact, state, X_WB, 1.0, 0.004, 0.0, X_WB.yaw)
-    mover = TipMover(500.0, 0.7, 0.2, 0.0, NormalForceRegulator())
+    mover = TipMover(500.0, 0.7, 0.2, 0.0, NormalForceRegulator(), (RADIUS,))
     ahead = Twist(speed, 0.0, 0.0)
     task = TipTask(ahead, tip, (0.5, 0.0), 0.5, None, TipHold(tip, 0.4))
     memory = TipMemory((x, y, height), velocity=X_WB.rotate((speed, 0.0)))
@@ -154,7 +154,9 @@ def test_the_drag_of_a_press_turns_about_in_its_time_and_not_in_a_jump() -> None
     x, y = X_WB.apply(tip)
     state = TipState((x, y, height), (0.0, 0.0, 0.0), (0.0, 0.0, -50.0))
     friction = 0.7
-    mover = TipMover(500.0, friction, 0.2, 0.0, NormalForceRegulator(f_max=90.0))
+    mover = TipMover(
+        500.0, friction, 0.2, 0.0, NormalForceRegulator(f_max=90.0), (RADIUS,)
+    )
     drag = 0.8 * friction * 50.0
     memory = TipMemory((x, y, height), drag=X_WB.rotate((drag, 0.0)))
     dt = 0.004

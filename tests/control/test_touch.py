@@ -66,6 +66,36 @@ def test_a_press_is_as_hard_as_its_contact_asks_for() -> None:
     assert touch.force_of(BEHIND) == 0.1
 
 
+ABOVE = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.06, 40.0)
+
+
+def pressed_at(height: float, aligned: float, felt: float | None) -> str | None:
+    """Return the problem of a press whose tip is ``height`` [m] off its place on top,
+    and feels the side of the object beside it.
+    """
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    x, y, z = tip_position(ABOVE, START, RADIUS, 0.0)
+    tip = TipState((x, y, z + height), (0.0, 0.0, 0.0), (0.6, 0.0, -0.5))
+    context = TipContext(ABOVE, tip, START, 1.0, DT, 0.0, 0.4)
+    memory = TipMemory((x, y, z), found=START, felt=felt)
+    return touch.step(memory, context, 1.0, aligned).problem
+
+
+@pytest.mark.parametrize(("aligned", "felt"), [(0.0, None), (0.5, 0.8)])
+def test_a_tip_that_slid_off_the_top_is_pressed_no_further(
+    aligned: float, felt: float | None
+) -> None:
+    """It would fall beside the object, as fast as the press lets it."""
+    problem = pressed_at(-1.1 * margins.ARM.sunk, aligned, felt)
+    assert problem is not None
+    assert "slid off the top" in problem
+    assert pressed_at(-0.9 * margins.ARM.sunk, aligned, felt) is None
+
+
+def test_a_tip_on_its_way_down_looks_for_an_object_that_is_lower() -> None:
+    assert pressed_at(-2.0 * margins.ARM.sunk, 0.5, None) is None
+
+
 def test_a_contact_that_fades_is_advanced_to_again() -> None:
     """A touch is complete only while the object is felt; a tip that lost it goes on from
     where it is, and its reference does not jump.

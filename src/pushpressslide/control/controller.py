@@ -149,7 +149,8 @@ class Controller:
         friction = task.contact_friction
         noise = task.sensing.force_noise
         self.pose_gain = pose_gain(task.sensing)
-        self.mover = TipMover(damping, friction, threshold, noise, regulator)
+        radii = tuple(robot.tip_radius for robot in task.robots)
+        self.mover = TipMover(damping, friction, threshold, noise, regulator, radii)
         self.patience = min(
             margins.ARM.loss_time(contact.kind)
             + motion.control_period * self.mover.samples(contact)

@@ -157,7 +157,7 @@ class Stop:
         """Level that an arm needs at ``time`` [s]."""
         if runaway is not None:
             return StopLevel.BRAKE
-        asked = max(reading.torque_share, reading.rate_share)
+        asked = reading.torque_share  # a stop itself changes torques quickly
         self._overload[arm] = self._overload[arm] + 1 if asked > 1.0 else 0
         overloaded = self._overload[arm] * self.period > TORQUE_TIME
         shares = np.abs(reading.v) / self.arms[arm].velocity

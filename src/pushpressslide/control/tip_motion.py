@@ -18,6 +18,7 @@ from pushpressslide.control.state import (
     approached,
     contact_yaw,
     pressed,
+    sunk,
 )
 from pushpressslide.core import margins
 from pushpressslide.core.control import TipCommand, Vector3
@@ -90,6 +91,7 @@ class TipMover:
     threshold: float  # [N] that counts as contact
     noise: float  # [N] standard deviation of a measured force, as stated
     regulator: NormalForceRegulator
+    radii: tuple[float, ...]  # [m] of the robots' tips
 
     def samples(self, contact: Contact) -> int:
         """Return over how many measurements the normal force is averaged before a loss
@@ -114,8 +116,9 @@ class TipMover:
         if mean is None:
             mean = normal_force
         mean += (normal_force - mean) / self.samples(contact)
+        radius = self.radii[contact.arm]
         felt = Felt(
-            mean < self._least(contact),
+            mean < self._least(contact) or sunk(contact, tip, radius),
             self._utilisation(tip.force, direction, normal_force),
         )
         force = X_WB.rotate(task.force)

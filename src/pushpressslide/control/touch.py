@@ -21,6 +21,7 @@ from pushpressslide.control.state import (
     pressed,
     ramp_time,
     smooth,
+    sunk,
     tip_position,
 )
 from pushpressslide.core import margins
@@ -83,6 +84,12 @@ class TipTouch:
             before = tip_position(contact, context.X_WB, self.radius, self.gap)
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
+        on_its_way = aligned > 0.0 and memory.felt is None
+        if not on_its_way and sunk(contact, context.tip, self.radius):
+            below = margins.ARM.sunk * 1e3
+            slid = f"the tip slid off the top: it is over {below:.0f} mm below it"
+            command = held_at(context, context.tip.position)
+            return TouchStep(command, memory, False, slid)
         # from here on what the tip does to the object does not lead the tip
         found = memory.found or context.X_WB
         memory = memory._replace(found=found)

@@ -379,6 +379,10 @@ class ArmMargins:
     """Of normal force, before a touch is believed."""
     settle_time: float = field(default=0.2, metadata={"unit": "s"})
     """That the force of a touch must hold."""
+    sunk: float = field(default=0.005, metadata={"unit": "m"})
+    """Below where a tip rests on top of an object, at which it is beside it: more than
+    an object tilts by, or is believed too high.
+    """
     longest_touch: float = field(default=2.0, metadata={"unit": "s"})
     """Beyond the way to a contact, that a tip which loses it again may go on trying."""
     push_loss_time: float = field(default=0.12, metadata={"unit": "s"})
