@@ -5,6 +5,7 @@ Every message is one line that says what is wrong, the value, and what is allowe
 
 from __future__ import annotations
 
+import os
 import reprlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -37,6 +38,21 @@ class TaskError(PushPressSlideError):
         self.field = field
         self.value = value
         self.allowed = allowed
+
+
+class RobotFileError(TaskError):
+    """A robot's file that no arm can be made of: names the file, the link or joint, the
+    value and what is allowed.
+    """
+
+    def __init__(self, path: str, place: str, value: object, allowed: str) -> None:
+        super().__init__(_near(path), place, value, allowed)
+
+
+def _near(path: str) -> str:
+    """The path from the working directory, where it is below that."""
+    here = os.path.join(os.getcwd(), "")
+    return path.removeprefix(here)
 
 
 class MissingFrameError(PushPressSlideError):

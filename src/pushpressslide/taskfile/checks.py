@@ -13,6 +13,7 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import (
     MissingFrameError,
     PushPressSlideError,
+    RobotFileError,
     Shown,
     TaskError,
 )
@@ -327,6 +328,8 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
         raise TaskError(
             task.source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
         ) from error
+    except RobotFileError:
+        raise  # names the file itself
     except PushPressSlideError as error:
         raise TaskError(
             task.source, f"{field}.model", robot.model, str(error)
