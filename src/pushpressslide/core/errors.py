@@ -55,6 +55,14 @@ def _near(path: str) -> str:
     return path.removeprefix(here)
 
 
+class WriteError(PushPressSlideError, OSError):
+    """A file or folder of results that cannot be written: no room left, or not allowed."""
+
+    def __init__(self, path: object, error: OSError) -> None:
+        why = error.strerror or str(error) or type(error).__name__
+        super().__init__(f"{path}: it cannot be written ({why})")
+
+
 class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 

@@ -71,12 +71,13 @@ def write_plan(
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 
+    for name in ("plan.png", "legs.png"):  # of an older plan
+        (out / name).unlink(missing_ok=True)
     if len(motions(plan)) > 1:
         write_whole(out / "legs.png", png(filmstrip(plan)))
-    return (
-        write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
-        write_whole(out / "plan.png", png(plan_figure(plan))),
-    )
+    picture = write_whole(out / "plan.png", png(plan_figure(plan)))
+    data = write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices)))
+    return data, picture
 
 
 def _run_to_dict(plan: Plan) -> dict[str, Any]:
