@@ -105,7 +105,7 @@ def _loaded(path: str, scale: float) -> Trimesh:
         raise ValueError("it holds no triangles")
     _check_triangles(len(mesh.faces))
     _check_size(mesh, scale)
-    mesh.process()  # type: ignore[no-untyped-call]
+    mesh.process()
     mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
     if not mesh.is_watertight:
         raise ValueError("its surface is not closed")
