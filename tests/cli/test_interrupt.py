@@ -18,7 +18,7 @@ PRESS = "import os, signal\ndef press(): os.kill(os.getpid(), signal.SIGINT)\n"
 TERM = "def press(): os.kill(os.getpid(), signal.SIGTERM)\n"
 BOTH = pytest.mark.parametrize("press", ["", TERM], ids=["SIGINT", "SIGTERM"])
 AFTER = """
-def pressed_after(function, calls=1, press=press):
+def pressed_after(function, calls=1):
     left = [calls]
     def wrapped(*args, **kwargs):
         answer = function(*args, **kwargs)
@@ -65,7 +65,7 @@ def test_while_planning_nothing_is_left(
 ) -> None:
     patch = (
         f"{press}import pushpressslide.selection.solve as r\n"
-        "r.select = pressed_after(r.select, press=press)"
+        "r.select = pressed_after(r.select)"
     )
     out = tmp_path / "out"
     check(pps(tmp_path, patch, command, "rear-push-rear", "--out", str(out)))
@@ -77,7 +77,7 @@ def test_while_planning_nothing_is_left(
 def test_while_simulating_the_record_so_far_is_kept_whole(
     engine: str, press: str, tmp_path: Path
 ) -> None:
-    add = "Recorder.add = pressed_after(Recorder.add, 100, press)"
+    add = "Recorder.add = pressed_after(Recorder.add, 100)"
     patch = f"{press}{RECORDER}\n{add}"
     out = tmp_path / "out"
     line = check(
@@ -106,7 +106,7 @@ def test_while_writing_pages_record_and_result_are_kept(
 ) -> None:
     patch = (
         f"{press}import pushpressslide.planar.replay as r\n"
-        "r.write_replay = pressed_after(r.write_replay, press=press)"
+        "r.write_replay = pressed_after(r.write_replay)"
     )
     out = tmp_path / "out"
     check(
