@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice
 
 
+LONGEST_PATH = 4096  # characters, as of Linux
+
+
 class PushPressSlideError(Exception):
     """Root of every error that this package raises on purpose."""
 
@@ -71,6 +74,11 @@ class MissingPackageError(PushPressSlideError, ImportError):
     """A package of an extra that is not installed; the message holds the command that
     installs it.
     """
+
+
+def path_value(path: str) -> str:
+    """A path as the value of a message: whole, unless no file can have it."""
+    return Shown(repr(path)) if len(path) <= LONGEST_PATH else path
 
 
 class Shown(str):

@@ -32,6 +32,7 @@ from pushpressslide.core.errors import (
     PushPressSlideError,
     RobotFileError,
     TaskError,
+    path_value,
 )
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
@@ -100,7 +101,7 @@ class _ModelField:
     def error(self, advice: str) -> TaskError:
         """Return the error that this model cannot be used."""
         field = f"robots[{self.index}].model"
-        return TaskError(self.source, field, self.model, advice)
+        return TaskError(self.source, field, path_value(self.model), advice)
 
 
 def add_robot(

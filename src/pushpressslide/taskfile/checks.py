@@ -16,6 +16,7 @@ from pushpressslide.core.errors import (
     RobotFileError,
     Shown,
     TaskError,
+    path_value,
 )
 from pushpressslide.core.footprint import (
     around,
@@ -332,7 +333,7 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
         raise  # names the file itself
     except PushPressSlideError as error:
         raise TaskError(
-            task.source, f"{field}.model", robot.model, str(error)
+            task.source, f"{field}.model", path_value(robot.model), str(error)
         ) from error
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.core.errors import TaskError
+from pushpressslide.core.errors import TaskError, path_value
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
@@ -217,7 +217,7 @@ def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
         yield f"{field}.model", robot.model, f"allowed: {models}, {paths}"
     elif not path.is_file():
         allowed = f"no such file; allowed: {models} or a path"
-        yield f"{field}.model", robot.model, allowed
+        yield f"{field}.model", path_value(robot.model), allowed
     elif robot.tip_frame is None:
         allowed = "the name of the frame at the tip, as the model is given by path"
         yield f"{field}.tip_frame", None, f"it is missing; allowed: {allowed}"
