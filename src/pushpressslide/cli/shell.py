@@ -36,7 +36,14 @@ INTERNAL_ERROR = 3
 INTERRUPTED = 130
 """Exit statuses."""
 
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+NO_ROOM = (
+    errno.ENOSPC,
+    errno.EDQUOT,
+    errno.EROFS,
+    errno.EACCES,
+    errno.EPERM,
+    errno.EIO,
+)
 """Errors of the file system that are no fault of the program, wherever they occur."""
 
 SHIPPED = Path(__file__).parents[1] / "tasks"

@@ -156,6 +156,8 @@ def _lines(path: Path) -> Iterator[tuple[int, Row]]:
     with path.open("rb") as file:
         place = 0
         for line in file:
+            if not line.endswith(b"\n"):
+                return
             with suppress(json.JSONDecodeError):
                 yield place, json.loads(line)
             place += len(line)
