@@ -151,8 +151,7 @@ def plan(
         return
     choices = rank(loaded)
     made = make_plan(loaded)
-    # of an older plan: a folder that has one is complete
-    (folder / "plan.json").unlink(missing_ok=True)
+    (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
     write_plan(made, folder, choices)
     if as_json:
         print_json(plan_to_dict(made, choices))
@@ -163,8 +162,7 @@ def plan(
         print_legs(made)
     length = sum(segment.path.distance for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
-    typer.echo(JOINT_PATHS)
-    typer.echo(folder / "plan.png")
+    typer.echo(f"{JOINT_PATHS}\n{folder / 'plan.png'}")
 
 
 @dataclass(frozen=True)

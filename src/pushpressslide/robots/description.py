@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -96,15 +98,35 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
         raise PushPressSlideError("there is no such file")
     if tip_frame is None:
         raise PushPressSlideError(MISSING_TIP_FRAME)
+    with _blaming(model):
+        return _facts(path, tip_frame)
+
+
+def _facts(path: Path, tip_frame: str) -> RobotFacts:
+    """Return the facts of a file that is there, judged."""
+    read = _urdf if path.suffix.lower() == ".urdf" else _sdf
+    description = read(_root(path))
+    check_tree(description.links, description.joints)
+    chain = _chain(description, tip_frame)
+    link = chain[0].parent if chain else tip_frame
+    moving = [joint for joint in chain if joint.kind != "fixed"]
+    if not moving:
+        raise PushPressSlideError(
+            f"no joint moves between its root {link!r} and the tip frame {tip_frame!r}"
+        )
+    check_moving(moving, description.mimics)
+    check_masses(moving, description.joints, description.masses)
+    home = tuple(0.5 * (joint.lower + joint.upper) for joint in moving)
+    return RobotFacts(
+        description.name or path.stem, (), tuple(chain), link, tip_frame, home
+    )
+
+
+@contextmanager
+def _blaming(model: str) -> Iterator[None]:
+    """Let what is wrong inside the block be told as a fault of a model's file."""
     try:
-        root = _root(path)
-        read = _urdf if path.suffix.lower() == ".urdf" else _sdf
-        description = read(root)
-        check_tree(description.links, description.joints)
-        chain = _chain(description, tip_frame)
-        moving = [joint for joint in chain if joint.kind != "fixed"]
-        check_moving(moving, description.mimics)
-        check_masses(moving, description.joints, description.masses)
+        yield
     except UnfitValue as fault:
         raise RobotFileError(
             model, fault.place, fault.value, f"allowed: {fault.allowed}"
@@ -119,16 +141,6 @@ def read_description(model: str, tip_frame: str | None) -> RobotFacts:
     except (ValueError, AttributeError, KeyError, TypeError) as error:
         reason = f"it cannot be read ({error})"
         raise RobotFileError(model, "", model, reason) from error
-    link = chain[0].parent if chain else tip_frame
-    if not moving:
-        reason = (
-            f"no joint moves between its root {link!r} and the tip frame {tip_frame!r}"
-        )
-        raise RobotFileError(model, "", model, reason)
-    home = tuple(0.5 * (joint.lower + joint.upper) for joint in moving)
-    return RobotFacts(
-        description.name or path.stem, (), tuple(chain), link, tip_frame, home
-    )
 
 
 def _root(path: Path) -> Element:
