@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
-from pushpressslide.cli import app, shell
+from pushpressslide.cli import app, folders
 from pushpressslide.core.errors import InfeasibleTaskError, SimulationError
 from pushpressslide.jobs.interrupt import Interrupted
 from pushpressslide.jobs.run import Monitor, Output
@@ -183,14 +183,16 @@ def test_two_commands_in_one_second_get_two_folders(
             return datetime(2026, 1, 2, 3, 4, 5)
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(shell, "datetime", Clock)
+    monkeypatch.setattr(folders, "datetime", Clock)
     with ThreadPoolExecutor(8) as pool:
-        folders = list(
-            pool.map(lambda _: shell.results_folder(None, "run", False), range(8))
+        made = list(
+            pool.map(lambda _: folders.results_folder(None, "run", False), range(8))
         )
-    assert len(set(folders)) == 8
-    assert Path("runs/run-20260102-030405") in folders
-    assert all(folder.is_dir() for folder in folders)
+    assert len(set(made)) == 8
+    assert Path("runs/run-20260102-030405") in made
+    assert all(folder.is_dir() for folder in made)
+    folders.leave_folders()
+    assert not any(folder.exists() for folder in made)
 
 
 def test_a_command_that_fails_leaves_no_folder(run_with: Any, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Ctrl-C at any time: status 130, one line, what was finished is kept, and no file is
+"""Ctrl-C or a request to terminate at any time: status 130, one line, what was finished is kept, and no file is
 there by half.
 
 The process interrupts itself at a chosen place, so that nothing depends on how fast the
@@ -15,6 +15,8 @@ import pytest
 from pushpressslide.report.files import load_run
 
 PRESS = "import os, signal\ndef press(): os.kill(os.getpid(), signal.SIGINT)\n"
+TERM = "def press(): os.kill(os.getpid(), signal.SIGTERM)\n"
+BOTH = pytest.mark.parametrize("press", ["", TERM], ids=["SIGINT", "SIGTERM"])
 AFTER = """
 def pressed_after(function, calls=1):
     left = [calls]
@@ -56,19 +58,27 @@ def names(folder: Path) -> set[str]:
     return {path.name for path in folder.rglob("*") if path.is_file()}
 
 
-def test_while_planning_nothing_is_left(tmp_path: Path) -> None:
+@BOTH
+@pytest.mark.parametrize("command", ["run", "plan"])
+def test_while_planning_nothing_is_left(
+    command: str, press: str, tmp_path: Path
+) -> None:
     patch = (
-        "import pushpressslide.selection.solve as r\nr.select = pressed_after(r.select)"
+        f"{press}import pushpressslide.selection.solve as r\n"
+        "r.select = pressed_after(r.select)"
     )
-    check(pps(tmp_path, patch, "run", "rear-push-rear", "--out", str(tmp_path / "out")))
+    out = tmp_path / "out"
+    check(pps(tmp_path, patch, command, "rear-push-rear", "--out", str(out)))
     assert not (tmp_path / "out").exists()
 
 
+@BOTH
 @pytest.mark.parametrize("engine", ["planar", "drake"])
 def test_while_simulating_the_record_so_far_is_kept_whole(
-    engine: str, tmp_path: Path
+    engine: str, press: str, tmp_path: Path
 ) -> None:
-    patch = f"{RECORDER}\nRecorder.add = pressed_after(Recorder.add, 100)"
+    add = "Recorder.add = pressed_after(Recorder.add, 100)"
+    patch = f"{press}{RECORDER}\n{add}"
     out = tmp_path / "out"
     line = check(
         pps(
@@ -90,8 +100,14 @@ def test_while_simulating_the_record_so_far_is_kept_whole(
     assert names(out) == {"task.yaml", "plan.json", "record.npz", "result.json"}
 
 
-def test_while_writing_pages_record_and_result_are_kept(tmp_path: Path) -> None:
-    patch = "import pushpressslide.planar.replay as r\nr.write_replay = pressed_after(r.write_replay)"
+@BOTH
+def test_while_writing_pages_record_and_result_are_kept(
+    press: str, tmp_path: Path
+) -> None:
+    patch = (
+        f"{press}import pushpressslide.planar.replay as r\n"
+        "r.write_replay = pressed_after(r.write_replay)"
+    )
     out = tmp_path / "out"
     check(
         pps(
@@ -107,7 +123,7 @@ def test_while_writing_pages_record_and_result_are_kept(tmp_path: Path) -> None:
     )
     assert load_run(out).result["success"]
     assert "report.html" not in names(out)
-    assert not [name for name in names(out) if name.endswith(".part")]
+    assert not [name for name in names(out) if ".part" in name]
 
 
 def test_a_run_over_an_older_one_leaves_none_of_its_pages(tmp_path: Path) -> None:

@@ -225,7 +225,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str, str]] = {
     ),
     "pose of a table": (put("support.pose", {"x": 1}), "support.pose:", "only a wall"),
     "legs beside modes": (
-        put("legs", [{"mode": "rear_push"}]),
+        put("legs", [{"mode": "press_slide"}]),
         "modes:",
         "one of the two",
     ),

@@ -15,7 +15,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import DiagramBuilder
 
-from pushpressslide.core.errors import TaskError
+from pushpressslide.core.errors import RobotFileError, TaskError
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, load_facts
 from pushpressslide.robots.kinematics import arm_kinematics
@@ -295,12 +295,25 @@ def test_a_robot_given_by_its_sdf_has_the_kinematics_of_the_file(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"model": "ur5"}, "panda, iiwa7, hand"),
+        ({"model": "nowhere.urdf"}, "no such file"),
+        ({"tip_frame": None}, "needs tip_frame"),
+        ({"tip_frame": "tpc"}, "no frame 'tpc'.*tcp"),
+    ],
+)
+def test_a_model_that_is_not_there_is_refused_with_its_field(tmp_path, change, message):
+    robot = Robot(arm_file(tmp_path), (0.0, 0.0, 0.0), tip_frame="tcp")
+    with pytest.raises(TaskError, match=message) as caught:
+        build(dataclasses.replace(robot, **change), source="task.yaml")
+    assert str(caught.value).startswith("task.yaml: robots[0].model")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("change", "edit", "message"),
     [
-        ({"model": "ur5"}, None, "panda, iiwa7, hand"),
-        ({"model": "nowhere.urdf"}, None, "no such file"),
-        ({"tip_frame": None}, None, "needs tip_frame"),
-        ({"tip_frame": "tpc"}, None, "no frame 'tpc'.*tcp"),
         ({}, lambda text: text[:200], "not XML"),
         (
             {},
@@ -327,9 +340,9 @@ def test_a_model_that_cannot_be_used_is_refused_in_one_line(
         (0.0, 0.0, 0.0),
         tip_frame="tcp",
     )
-    with pytest.raises(TaskError, match=message) as caught:
+    with pytest.raises(RobotFileError, match=message) as caught:
         build(dataclasses.replace(robot, **change), source="task.yaml")
-    assert str(caught.value).startswith("task.yaml: robots[0].model")
+    assert str(caught.value).startswith(f"{robot.model}: ")
     assert "\n" not in str(caught.value)
 
 

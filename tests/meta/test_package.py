@@ -83,6 +83,21 @@ def test_no_default_is_mutable(path: Path) -> None:
             )
 
 
+@every_file
+def test_no_time_is_taken_by_a_clock_that_can_be_set(path: Path) -> None:
+    names = imported(path)
+    named = {
+        node.attr for node in ast.walk(tree_of(path)) if isinstance(node, ast.Attribute)
+    }
+    assert "time.time" not in names
+    if "time" in names:
+        assert not named & {"time_ns", "localtime", "gmtime"}
+        assert "time.time(" not in text_of(path)
+    # a date in the name of a folder decides nothing: one that is taken gets a number
+    dated = any(name.startswith("datetime") for name in names)
+    assert not dated or path == SOURCE / "cli" / "folders.py"
+
+
 def test_no_mode_knows_another() -> None:
     for path in (SOURCE / "modes").glob("*.py"):
         if path.stem in ("__init__", "base"):

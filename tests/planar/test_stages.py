@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -107,6 +108,19 @@ def test_a_run_comes_back_from_its_folder(
     assert back.task == SWAP
     assert [run.stage for run in back.runs] == list(back.stages)
     assert [run.reached for run in back.runs] == [True] * 3
+
+
+@pytest.mark.parametrize("name", ["plan.json", "record.npz", "result.json"])
+def test_a_damaged_run_in_stages_is_refused_with_its_file(
+    finished: tuple[dict[str, Any], Path], tmp_path: Path, name: str
+) -> None:
+    _, folder = finished
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    path = copy / name
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(PushPressSlideError, match=name):
+        load_stages(copy)
 
 
 def test_the_page_shows_every_stage(finished: tuple[dict[str, Any], Path]) -> None:

@@ -175,7 +175,7 @@ def test_a_run_that_was_cut_off_while_saving_never_looks_whole(
         save(run, folder)
     assert replaced
     assert not (folder / "result.json").exists()
-    assert not list(folder.glob(".*.part"))
+    assert not list(folder.glob(".*.part*"))
     with pytest.raises(PushPressSlideError, match=r"result\.json"):
         load_run(folder)
 

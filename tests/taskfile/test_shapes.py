@@ -1,6 +1,7 @@
 """Shapes in the task file: concave prisms, compounds, meshes, and what is refused."""
 
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from pushpressslide.core.shapes import Box, Compound, Cylinder, MeshSolid, Part,
 from pushpressslide.core.task import Task
 from pushpressslide.selection.solve import plan
 from pushpressslide.taskfile.load import dump_task, task_from_data
+from pushpressslide.taskfile.mesh_file import read_mesh
 
 BOX = {"box": [0.2, 0.1, 0.05]}
 L_CORNERS = [[0, 0], [0.16, 0], [0.16, 0.06], [0.06, 0.06], [0.06, 0.16], [0, 0.16]]
@@ -359,3 +361,58 @@ def test_a_changed_mesh_is_read_again(tmp_path: Path) -> None:
     second = task({"mesh": written(trimesh.creation.box((0.1, 0.12, 0.1)), file)})
     assert first.object.shape.breadth == pytest.approx(0.1)
     assert second.object.shape.bounds(Pose2())[3] == pytest.approx(0.06)
+
+
+def _box_obj(size: float) -> str:
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    vertices = "\n".join(
+        f"v {size * x!r} {size * y!r} {size * z!r}" for x, y, z in corners
+    )
+    quads = ((1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7))
+    faces = "\n".join("f " + " ".join(map(str, q)) for q in (*quads, (4, 1, 5, 8)))
+    return f"{vertices}\n{faces}\n"
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        (1e300, "a corner of it is 1e\\+300 m from its origin"),
+        (float("nan"), "no finite number"),
+        (float("inf"), "no finite number"),
+        (120.0, "it is 120 x 120 x 120 m large, allowed up to 10 m .scale is 1; 0.001"),
+    ],
+)
+def test_a_mesh_beyond_all_sizes_is_refused_with_its_size(
+    tmp_path: Path, size: float, words: str
+) -> None:
+    path = tmp_path / "box.obj"
+    path.write_text(_box_obj(size))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ValueError, match=words):
+            read_mesh(str(path), 1.0)
+
+
+@pytest.mark.parametrize("kind", ["binary.stl", "text.stl", "text.obj"])
+def test_a_mesh_of_too_many_triangles_is_not_read(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / kind
+    count = 200_001
+    if kind == "binary.stl":
+        path.write_bytes(bytes(80) + count.to_bytes(4, "little") + bytes(50 * count))
+    elif kind == "text.stl":
+        path.write_bytes(b"solid a\n" + b"facet\nendfacet\n" * count + b"endsolid")
+    else:
+        path.write_bytes(b"v 0 0 0" + b"\nf 1 1 1" * count)
+    monkeypatch.setattr("trimesh.load_mesh", lambda *_, **__: pytest.fail("read"))
+    with pytest.raises(ValueError, match="200001 triangles, allowed up to 200000"):
+        read_mesh(str(path), 1.0)
+
+
+def test_a_mesh_file_of_endless_text_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    with path.open("wb") as file:
+        file.truncate(100_000_000)
+    with pytest.raises(ValueError, match="100 MB, allowed up to 64 MB"):
+        read_mesh(str(path), 1.0)

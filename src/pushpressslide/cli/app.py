@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import json
+import sys
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
 
@@ -80,7 +81,12 @@ def print_json(value: Any) -> None:
     """Print plain data as JSON on stdout."""
     from pushpressslide.report.json_text import to_json
 
-    typer.echo(to_json(value), nl=False)
+    text = to_json(value)
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        text = json.dumps(json.loads(text), indent=2) + "\n"  # by escapes alone
+    typer.echo(text, nl=False)
 
 
 class Answered(Protocol):

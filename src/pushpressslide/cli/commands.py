@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pushpressslide.cli.app import answer, app, command, print_json, task_of
+from pushpressslide.cli.folders import hold, results_folder
 from pushpressslide.cli.options import (
     Engine,
     Force,
@@ -33,7 +34,6 @@ from pushpressslide.cli.shell import (
     Interruption,
     complain,
     progress_bar,
-    results_folder,
     show_page,
 )
 from pushpressslide.cli.text import print_text
@@ -151,6 +151,7 @@ def plan(
         return
     choices = rank(loaded)
     made = make_plan(loaded)
+    (folder / "plan.json").unlink(missing_ok=True)  # one that is there is complete
     write_plan(made, folder, choices)
     if as_json:
         print_json(plan_to_dict(made, choices))
@@ -161,8 +162,7 @@ def plan(
         print_legs(made)
     length = sum(segment.path.distance for segment in made.segments)
     typer.echo(f"path {length:.3f} m in {made.duration:.1f} s")
-    typer.echo(JOINT_PATHS)
-    typer.echo(folder / "plan.png")
+    typer.echo(f"{JOINT_PATHS}\n{folder / 'plan.png'}")
 
 
 @dataclass(frozen=True)
@@ -269,6 +269,11 @@ def report(
     from pushpressslide.report.stage_files import is_staged
     from pushpressslide.report.stage_page import write_stages_report
 
+    for folder in folders:
+        if folder.is_dir():
+            hold(folder)
+    if out is not None:
+        hold(out)
     page = None if out is None else out / "report.html"
     if len(folders) == 1 and is_staged(folders[0]):
         typer.echo(write_stages_report(folders[0], page))

@@ -9,8 +9,9 @@ from typing import Annotated
 import typer
 
 from pushpressslide.cli.app import answer, command, task_of
+from pushpressslide.cli.folders import hold, results_folder
 from pushpressslide.cli.options import Force, Json, Quiet, Sets, TaskName
-from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.cli.shell import progress_bar
 from pushpressslide.core.errors import PushPressSlideError
 
 FILE = "demonstrations.npz"
@@ -67,6 +68,7 @@ def demonstrate(options: DemonstrateOptions) -> None:
     path = _file(options, push.task.name)
     if options.lerobot is not None:
         check_folder(options.lerobot)
+        hold(options.lerobot)
     seeds = range(options.seed, options.seed + options.episodes)
     label = f"{options.episodes} episodes of {push.task.name}"
     with progress_bar(label, not options.quiet) as progress:
@@ -98,4 +100,6 @@ def _file(options: DemonstrateOptions, name: str) -> Path:
         raise PushPressSlideError(
             f"--out: {str(out)!r} is not allowed; allowed: a name that ends in .npz"
         )
-    return results_folder(out.parent, name, options.force, (out.name,)) / out.name
+    lock = f".{out.name}.lock"
+    folder = results_folder(out.parent, name, options.force, (out.name,), lock)
+    return folder / out.name

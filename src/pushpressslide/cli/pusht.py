@@ -9,8 +9,9 @@ from typing import Annotated
 import typer
 
 from pushpressslide.cli.app import answer, command
+from pushpressslide.cli.folders import results_folder
 from pushpressslide.cli.options import Force, Json, Out, Quiet
-from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.cli.shell import progress_bar
 
 FILMED = 20  # episodes
 

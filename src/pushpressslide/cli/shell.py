@@ -1,7 +1,8 @@
-"""What every command shares: exit statuses, one-line errors, folders, progress."""
+"""What every command shares: exit statuses, one-line errors, progress."""
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -9,10 +10,9 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from datetime import datetime
+from contextlib import contextmanager
 from functools import partial
-from itertools import count
+from io import TextIOWrapper
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -20,11 +20,13 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
+from pushpressslide.cli.folders import kept_files, leave_folders
 from pushpressslide.cli.text import print_text
 from pushpressslide.core.errors import (
     InfeasibleTaskError,
     PushPressSlideError,
     SimulationError,
+    WriteError,
 )
 
 REACHED = 0
@@ -34,10 +36,18 @@ INTERNAL_ERROR = 3
 INTERRUPTED = 130
 """Exit statuses."""
 
+NO_ROOM = (
+    errno.ENOSPC,
+    errno.EDQUOT,
+    errno.EROFS,
+    errno.EACCES,
+    errno.EPERM,
+    errno.EIO,
+)
+"""Errors of the file system that are no fault of the program, wherever they occur."""
+
 SHIPPED = Path(__file__).parents[1] / "tasks"
 """Folder of the shipped tasks."""
-
-_made: list[Path] = []  # folders of this command, which are removed if left empty
 
 
 class Interruption(Exception):
@@ -68,9 +78,10 @@ class Commands(TyperGroup):
             **extra,
         )
         presses: list[int] = []
+        _replace_what_no_console_shows()
         restore = _note_interrupts(presses)
         status = _status_of(call, presses, "--json" in words, "--verbose" in words)
-        _remove_empty_folders()
+        leave_folders()
         restore()
         if not standalone_mode:
             return status
@@ -103,17 +114,27 @@ def _status_of(
 
 
 def _note_interrupts(presses: list[int]) -> Callable[[], object]:
-    """Let Ctrl-C also append to ``presses``; return the function that undoes this."""
+    """Let Ctrl-C, and a request to terminate, append to ``presses`` and interrupt;
+    return the function that undoes this.
+    """
     if threading.current_thread() is not threading.main_thread():
         return lambda: None
 
     def handler(number: int, frame: FrameType | None) -> None:
-        """Note Ctrl-C and raise it."""
+        """Note it and interrupt."""
         presses.append(number)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, handler)
-    return lambda: signal.signal(signal.SIGINT, before)
+    endings = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(ending, handler) for ending in endings]
+    return lambda: [*map(signal.signal, endings, before)]
+
+
+def _replace_what_no_console_shows() -> None:
+    """Let letters that a console does not know be replaced, not end the command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def complain(line: str) -> None:
@@ -161,7 +182,12 @@ def explain(error: Exception, as_json: bool) -> int:
     if isinstance(error, PushPressSlideError) and not isinstance(
         error, SimulationError
     ):
-        complain(str(error))
+        kept = kept_files() if isinstance(error, WriteError) else ""
+        complain(f"{error}{kept}")
+        return WRONG_INPUT
+    if isinstance(error, OSError) and error.errno in NO_ROOM:
+        place = error.filename or "a file"
+        complain(f"{WriteError(place, error)}{kept_files()}")
         return WRONG_INPUT
     text = " ".join(f"{type(error).__name__}: {error}".split())
     if os.environ.get("PPS_TRACEBACK"):
@@ -177,64 +203,6 @@ def explain(error: Exception, as_json: bool) -> int:
         }
         typer.echo(json.dumps(failure))
     return INTERNAL_ERROR
-
-
-def results_folder(
-    out: Path | None,
-    name: str,
-    force: bool,
-    results: tuple[str, ...] = ("result.json",),
-) -> Path:
-    """Return the folder for results.
-
-    Without ``out`` it is a new one below runs/, made here so that no other command
-    takes it, and removed after the command if it is still empty. Raises
-    PushPressSlideError if it cannot be made, or holds one of ``results`` without
-    ``force``.
-    """
-    if out is None:
-        return _new_folder(name)
-    present = [result for result in results if (out / result).exists()]
-    if present and not force:
-        raise PushPressSlideError(
-            f"--out: {str(out)!r} is not allowed; it holds {present[0]} already; give "
-            "another folder, or --force"
-        )
-    above = next(path for path in (out, *out.absolute().parents) if path.exists())
-    if not above.is_dir() or not os.access(above, os.W_OK):
-        raise _not_writable(out)
-    return out
-
-
-def _new_folder(name: str) -> Path:
-    """Make a folder below runs/ that was not there, and return it."""
-    runs = Path("runs")
-    stamp = f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-    for n in count(1):
-        folder = runs / (stamp if n == 1 else f"{stamp}-{n}")
-        try:
-            folder.mkdir(parents=True)
-            break
-        except FileExistsError:
-            if not runs.is_dir():
-                raise _not_writable(folder) from None
-        except OSError:
-            raise _not_writable(folder) from None
-    _made.append(folder)
-    return folder
-
-
-def _remove_empty_folders() -> None:
-    """Remove the folders that a command made and left empty."""
-    while _made:
-        with suppress(OSError):
-            _made.pop().rmdir()
-
-
-def _not_writable(folder: Path) -> PushPressSlideError:
-    return PushPressSlideError(
-        f"--out: {str(folder)!r} is not allowed; allowed: a folder that can be written"
-    )
 
 
 @contextmanager

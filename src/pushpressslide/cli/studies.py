@@ -10,6 +10,7 @@ import typer
 
 from pushpressslide.cli import complete
 from pushpressslide.cli.app import answer, app, command, print_json, task_of
+from pushpressslide.cli.folders import results_folder
 from pushpressslide.cli.options import (
     Drawing,
     Engine,
@@ -24,7 +25,7 @@ from pushpressslide.cli.options import (
     Variation,
     World,
 )
-from pushpressslide.cli.shell import progress_bar, results_folder
+from pushpressslide.cli.shell import progress_bar
 from pushpressslide.cli.text import print_text
 from pushpressslide.jobs.engines import DEFAULT
 

@@ -5,12 +5,16 @@ Every message is one line that says what is wrong, the value, and what is allowe
 
 from __future__ import annotations
 
+import os
 import reprlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pushpressslide.core.plan import Choice
+
+
+LONGEST_PATH = 4096  # characters, as of Linux
 
 
 class PushPressSlideError(Exception):
@@ -39,6 +43,29 @@ class TaskError(PushPressSlideError):
         self.allowed = allowed
 
 
+class RobotFileError(TaskError):
+    """A robot's file that no arm can be made of: names the file, the link or joint, the
+    value and what is allowed.
+    """
+
+    def __init__(self, path: str, place: str, value: object, allowed: str) -> None:
+        super().__init__(_near(path), place, value, allowed)
+
+
+def _near(path: str) -> str:
+    """The path from the working directory, where it is below that."""
+    here = os.path.join(os.getcwd(), "")
+    return path.removeprefix(here)
+
+
+class WriteError(PushPressSlideError, OSError):
+    """A file or folder of results that cannot be written: no room left, or not allowed."""
+
+    def __init__(self, path: object, error: OSError) -> None:
+        why = error.strerror or str(error) or type(error).__name__
+        super().__init__(f"{path}: it cannot be written ({why})")
+
+
 class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 
@@ -47,6 +74,11 @@ class MissingPackageError(PushPressSlideError, ImportError):
     """A package of an extra that is not installed; the message holds the command that
     installs it.
     """
+
+
+def path_value(path: str) -> str:
+    """A path as the value of a message: whole, unless no file can have it."""
+    return Shown(repr(path)) if len(path) <= LONGEST_PATH else path
 
 
 class Shown(str):

@@ -49,6 +49,11 @@ class Pose2:
     yaw: float = 0.0
 
     @property
+    def wrapped(self) -> Pose2:
+        """The same pose with its yaw in (-pi, pi]."""
+        return Pose2(self.x, self.y, wrap_angle(self.yaw))
+
+    @property
     def position(self) -> Point:
         """Origin of B in A [m]."""
         return (self.x, self.y)

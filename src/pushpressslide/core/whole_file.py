@@ -3,20 +3,78 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from pushpressslide.core.errors import WriteError
+
+PART = ".part"
+"""In the name of a file that is not whole yet: ``.name.process.part``."""
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Give a temporary file to be written, which becomes ``path`` when the block ends.
+
+    Makes the folders that are missing. An older file stays until the new one is whole,
+    and is on the disk. Raises WriteError where that cannot be done.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}{PART}{path.suffix}")
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield temporary
+            _flush(temporary)
+            os.replace(temporary, path)
+        finally:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
 
 
 def write_whole(path: Path, data: bytes | str) -> Path:
     """Write ``path`` under a temporary name, rename it when whole, and return ``path``.
 
     Makes the folders that are missing; text is UTF-8. An older file stays until the new
-    one is whole.
+    one is whole. Raises WriteError where that cannot be done.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        temporary.write_bytes(data.encode("utf-8") if isinstance(data, str) else data)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole(path) as temporary:
+        temporary.write_bytes(utf8(data) if isinstance(data, str) else data)
     return path
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Let an error of the file system inside the block say that ``path`` cannot be
+    written.
+    """
+    try:
+        yield
+    except WriteError:
+        raise
+    except OSError as error:
+        raise WriteError(path, error) from error
+
+
+def utf8(text: str) -> bytes:
+    """The text in UTF-8; bytes that a command line had in another encoding are replaced
+    where they are none.
+    """
+    try:
+        return text.encode("utf-8")
+    except UnicodeEncodeError:
+        raw = text.encode("utf-8", "surrogateescape")
+        return raw.decode("utf-8", "replace").encode("utf-8")
+
+
+def remove_parts(folder: Path) -> None:
+    """Remove what was left half-written in a folder by a process that was killed."""
+    for path in folder.rglob(f".*{PART}*"):
+        with suppress(OSError):
+            path.unlink()
+
+
+def _flush(path: Path) -> None:
+    """Put a file on the disk: a name must not be there before its content."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())

@@ -13,8 +13,12 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C, after what was finished has been kept; the message says where."""
 
 
+ENDINGS = (signal.SIGINT, signal.SIGTERM)
+"""Ctrl-C, and the request to terminate, which counts as Ctrl-C."""
+
+
 class Interrupt:
-    """Ctrl-C as a question that a loop asks.
+    """Ctrl-C, or a request to terminate, as a question that a loop asks.
 
     Pressed a second time, it interrupts at once.
     """
@@ -40,11 +44,12 @@ class Interrupt:
         if threading.current_thread() is not threading.main_thread():
             yield
             return
-        before = signal.signal(signal.SIGINT, self._note)
+        before = [signal.signal(ending, self._note) for ending in ENDINGS]
         try:
             yield
         finally:
-            signal.signal(signal.SIGINT, before)
+            for ending, handler in zip(ENDINGS, before, strict=True):
+                signal.signal(ending, handler)
 
 
 @contextmanager

@@ -7,6 +7,8 @@ import os
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
+from multiprocessing import connection
+from threading import Thread
 from typing import TypeVar
 
 from pushpressslide.jobs.interrupt import blocked_for_children
@@ -24,7 +26,9 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
     """
     context = multiprocessing.get_context("spawn")
     count = processes or os.cpu_count() or 1
-    with ProcessPoolExecutor(count, mp_context=context) as pool:
+    with ProcessPoolExecutor(
+        count, mp_context=context, initializer=end_with_parent
+    ) as pool:
         try:
             yield pool
         except BaseException:
@@ -33,6 +37,20 @@ def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
                 # its work is lost
                 process.terminate()
             raise
+
+
+def end_with_parent() -> None:
+    """Let this process end as soon as the one that started it does, even by kill -9."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def watch(sentinel: int) -> None:
+        """Wait for the parent's end, which closes its side of a pipe."""
+        connection.wait([sentinel])
+        os._exit(1)  # nobody is left to tell, and nothing to write
+
+    Thread(target=watch, args=(parent.sentinel,), daemon=True).start()
 
 
 def in_parallel(

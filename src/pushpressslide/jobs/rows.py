@@ -7,18 +7,23 @@ task, the options, the versions of libraries and the package's own source files.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
+import os
 from array import array
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from pushpressslide.core.whole_file import writing
+
 Row = dict[str, Any]
 SOURCES = (".py", ".yaml", ".css")
 ABSENT = -1
+BLOCK = 4096  # [bytes] of a file that are looked at for the end of a line
 
 
 @cache
@@ -75,13 +80,31 @@ class Rows:
 
     def extend(self, rows: Iterable[Row]) -> None:
         """Append rows."""
+        keyed = [{"key": self._key, **row} for row in rows]
+        lines = [(json.dumps(row) + "\n").encode() for row in keyed]
+        with writing(self._path):
+            place = self._append(lines)
+        for row, line in zip(keyed, lines, strict=True):
+            self._note(row, place)
+            place += len(line)
+
+    def _append(self, lines: Sequence[bytes]) -> int:
+        """Put lines on the disk behind the others, all or none; return their place."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        with self._path.open("ab") as file:
-            for row in rows:
-                keyed = {"key": self._key, **row}
-                place = file.tell()
-                file.write((json.dumps(keyed) + "\n").encode())
-                self._note(keyed, place)
+        with self._path.open("ab+", buffering=0) as file:
+            end = file.seek(0, os.SEEK_END)
+            begin = _whole_lines(file, end)
+            try:
+                # of a process that was killed: what follows must not join it
+                file.truncate(begin)
+                left = memoryview(b"".join(lines))
+                while left:
+                    left = left[file.write(left) :]
+                os.fsync(file.fileno())
+            except BaseException:
+                file.truncate(begin)
+                raise
+        return begin
 
     def read(self, count: int) -> Iterator[Row]:
         """Yield the rows of the first ``count`` samples in their order."""
@@ -116,11 +139,25 @@ class Rows:
                 yield row
 
 
+def _whole_lines(file: io.FileIO, end: int) -> int:
+    """Return where the last line that is not cut off ends, in a file up to ``end``."""
+    while end > 0:
+        begin = max(0, end - BLOCK)
+        file.seek(begin)
+        place = file.read(end - begin).rfind(b"\n")
+        if place >= 0:
+            return begin + place + 1
+        end = begin
+    return 0
+
+
 def _lines(path: Path) -> Iterator[tuple[int, Row]]:
     """Yield each row and its place; a line that was cut off is passed over."""
     with path.open("rb") as file:
         place = 0
         for line in file:
+            if not line.endswith(b"\n"):
+                return
             with suppress(json.JSONDecodeError):
                 yield place, json.loads(line)
             place += len(line)

@@ -173,7 +173,7 @@ def run_task(
     return result
 
 
-PAGES = ("replay.html", "report.html", "run.webp", "plan.png")
+PAGES = ("replay.html", "report.html", "run.webp", "plan.png", "legs.png")
 
 
 def write_data(

@@ -167,8 +167,8 @@ def random_task(base: Task, index: int, seed: int, draw: Draw = "ahead") -> Task
         name=f"{base.name}-random-{seed}-{index:03d}",
         source="",
         object=body,
-        start=_wrapped(start),
-        goal=_wrapped(goal),
+        start=start.wrapped,
+        goal=goal.wrapped,
         support=replace(base.support, friction=support),
         contact_friction=contact,
         belief=Belief(support, contact, body.mass, None),
@@ -500,8 +500,3 @@ def _push(rng: np.random.Generator, shape: Shape, faces: int) -> float:
 
 def _polar(r: float, angle: float) -> Point:
     return (float(r * math.cos(angle)), float(r * math.sin(angle)))
-
-
-def _wrapped(pose: Pose2) -> Pose2:
-    """The same pose with a yaw in [-pi, pi]."""
-    return Pose2(pose.x, pose.y, math.remainder(pose.yaw, 2.0 * math.pi))

@@ -243,7 +243,7 @@ def _at(obstacle: Obstacle, state: State) -> Obstacle:
 
 def _seen(X: Pose2, sensing: Sensing) -> Pose2:
     dx, dy = sensing.position_bias
-    return Pose2(X.x + dx, X.y + dy, X.yaw + sensing.yaw_bias)
+    return Pose2(X.x + dx, X.y + dy, X.yaw + sensing.yaw_bias).wrapped
 
 
 def _learnt(plan: Plan) -> Belief | None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from array import array
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from pushpressslide.core.whole_file import whole
 from pushpressslide.jobs.rows import Row
 
 ATTEMPTED = ("reached", "missed", "failed")
@@ -105,9 +105,7 @@ def write_table(path: Path, rows: Iterable[Row], forced: Iterable[Row]) -> None:
 
     Written row by row under another name, which is changed at the end.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".part")
-    with temporary.open("w", encoding="utf-8") as file:
+    with whole(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.write(HEAD)
         file.writelines(table_line(row) for row in rows)
         begun = False
@@ -116,7 +114,6 @@ def write_table(path: Path, rows: Iterable[Row], forced: Iterable[Row]) -> None:
                 file.write(f"\nRefused, but run anyway:\n\n{HEAD}")
                 begun = True
             file.write(table_line(row))
-    os.replace(temporary, path)
 
 
 def table_line(row: Row) -> str:

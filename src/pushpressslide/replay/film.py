@@ -12,7 +12,7 @@ from PIL import Image
 
 from pushpressslide.core.arrays import Array
 from pushpressslide.core.errors import SimulationError
-from pushpressslide.core.whole_file import write_whole
+from pushpressslide.core.whole_file import whole, write_whole
 from pushpressslide.replay.canvas import Canvas, rgba
 from pushpressslide.replay.course import Course, still_ticks
 
@@ -94,9 +94,7 @@ def write_film(
     or not at all; return its path.
     """
     reel = _Reel(count, draw)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f".{out.stem}.part{out.suffix}")
-    try:
+    with whole(out) as temporary:
         reel.save(
             temporary,
             save_all=True,
@@ -105,9 +103,6 @@ def write_film(
             quality=QUALITY,
             method=2,
         )
-        temporary.replace(out)
-    finally:
-        temporary.unlink(missing_ok=True)
     return out
 
 

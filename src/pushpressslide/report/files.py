@@ -84,7 +84,7 @@ def load_run(folder: str | Path) -> Run:
 
     Raises PushPressSlideError if it is missing, unfinished or damaged.
     """
-    from pushpressslide.taskfile.load import load_task
+    from pushpressslide.taskfile.load import load_written_task
 
     folder = Path(folder)
     if not folder.is_dir():
@@ -97,23 +97,37 @@ def load_run(folder: str | Path) -> Run:
                 f"{folder}: has no {name}; give a folder that a finished `pps run` has "
                 "written"
             )
-    result = _read(folder / RESULT, lambda path: json.loads(path.read_text("utf-8")))
-    stored = _read(folder / PLAN, lambda path: json.loads(path.read_text("utf-8")))
+    result = read_json(folder / RESULT)
+    stored = read_json(folder / PLAN)
     if "stages" in stored:
         raise PushPressSlideError(
             f"{folder}: holds a run in stages; give one of {folder / 'stages'}, or load "
             "it by report.stage_files.load_stages"
         )
-    task = load_task(folder / TASK)
-    plan = _read(folder / PLAN, lambda _: plan_from_dict(stored, task))
-    choices = _read(folder / PLAN, lambda _: choices_from_dict(stored))
-    record = _read(
+    task = load_written_task(folder / TASK)
+    plan = read_with(folder / PLAN, lambda _: plan_from_dict(stored, task))
+    choices = read_with(folder / PLAN, lambda _: choices_from_dict(stored))
+    record = read_with(
         folder / RECORD, lambda path: record_from_bytes(path.read_bytes(), plan)
     )
-    return Run(folder, task, plan, replace(record, figures=result), result, choices)
+    return Run(
+        folder, plan.task, plan, replace(record, figures=result), result, choices
+    )
 
 
-def _read(path: Path, reader: Callable[[Path], T]) -> T:
+def read_json(path: Path) -> Any:
+    """Return the JSON data of a file.
+
+    Raises PushPressSlideError if it is damaged.
+    """
+    return read_with(path, lambda path: json.loads(path.read_text("utf-8")))
+
+
+def read_with(path: Path, reader: Callable[[Path], T]) -> T:
+    """Return what ``reader`` makes of a file.
+
+    Raises PushPressSlideError, with the file's name, if it is damaged.
+    """
     try:
         return reader(path)
     except (

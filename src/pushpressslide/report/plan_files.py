@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -71,18 +71,23 @@ def write_plan(
     from pushpressslide.report.plane import plan_figure
     from pushpressslide.report.style import png
 
+    for name in ("plan.png", "legs.png"):  # of an older plan
+        (out / name).unlink(missing_ok=True)
     if len(motions(plan)) > 1:
         write_whole(out / "legs.png", png(filmstrip(plan)))
-    return (
-        write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices))),
-        write_whole(out / "plan.png", png(plan_figure(plan))),
-    )
+    picture = write_whole(out / "plan.png", png(plan_figure(plan)))
+    data = write_whole(out / "plan.json", to_json(plan_to_dict(plan, choices)))
+    return data, picture
 
 
 def _run_to_dict(plan: Plan) -> dict[str, Any]:
-    """Return the segments, and what was planned anew after a recovery."""
+    """Return the segments, what the task file does not say of how they were found, and
+    what was planned anew after a recovery.
+    """
     restart = plan.restart
     return {
+        "searched": plan.task.searched,
+        "pushes": plan.task.pushes,
         "segments": [_segment_to_dict(segment) for segment in plan.segments],
         "restart": None if restart is None else asdict(restart),
         "again": None if plan.again is None else _run_to_dict(plan.again),
@@ -96,6 +101,10 @@ def _run_from_dict(data: Mapping[str, Any], task: Task) -> Plan:
     if data["restart"] is not None:
         restart = _of_type(Restart, data["restart"])
         task = task.resumed(restart)
+    found = {
+        name: data.get(name, getattr(task, name)) for name in ("searched", "pushes")
+    }
+    task = replace(task, **found)
     again = None
     if data["again"] is not None:
         again = _run_from_dict(data["again"], task)
@@ -191,7 +200,10 @@ def _of_type(kind: Any, data: Any) -> Any:
         assert callable(kind)
         return kind(**values)
     if get_origin(kind) is tuple:
-        pairs = zip(get_args(kind), data, strict=True)
+        parts = get_args(kind)
+        if parts[-1] is ...:  # any number of one kind
+            parts = parts[:1] * len(data)
+        pairs = zip(parts, data, strict=True)
         return tuple(_of_type(part, value) for part, value in pairs)
     return data
 

@@ -4,10 +4,10 @@ them task.yaml, plan.json, record.npz and, last of all, result.json of the whole
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,10 @@ from pushpressslide.report.files import (
     RECORD,
     RESULT,
     TASK,
+    Run,
     load_run,
+    read_json,
+    read_with,
     record_from_bytes,
     record_to_bytes,
     save_run,
@@ -116,30 +119,43 @@ def load_stages(folder: Path) -> StagesRun:
 
     Raises PushPressSlideError if a stage is missing, unfinished or damaged.
     """
-    from pushpressslide.taskfile.load import load_task
+    from pushpressslide.taskfile.load import load_written_task
 
-    stored = json.loads((folder / PLAN).read_text("utf-8"))["stages"]
-    stages = tuple(
-        Stage(entry["body"], Pose2(**entry["goal"]), entry["aside"]) for entry in stored
-    )
+    stored = read_json(folder / PLAN)
+    stages = read_with(folder / PLAN, lambda _: _stages(stored))
     runs = []
-    for index, entry in enumerate(stored):
+    for index, entry in enumerate(stored["stages"]):
         if "began" not in entry:
             break
         run = load_run(stage_folder(folder, index))
-        poses = {body: Pose2(**X) for body, X in entry["poses"].items()}
-        runs.append(
-            StageRun(
-                stages[index],
-                run.plan,
-                run.record,
-                run.choices,
-                entry["began"],
-                State(poses),
-                entry["planned_anew"],
-            )
-        )
-    record = record_from_bytes((folder / RECORD).read_bytes(), joined_plan(runs))
-    result = json.loads((folder / RESULT).read_text("utf-8"))
-    task = load_task(folder / TASK)
+        begun = read_with(folder / PLAN, partial(_run, entry, stages[index], run))
+        runs.append(begun)
+    plan = joined_plan(runs)
+    record = read_with(
+        folder / RECORD, lambda path: record_from_bytes(path.read_bytes(), plan)
+    )
+    result = read_json(folder / RESULT)
+    task = load_written_task(folder / TASK)
     return StagesRun(folder, task, stages, tuple(runs), record, result)
+
+
+def _stages(data: Mapping[str, Any]) -> tuple[Stage, ...]:
+    """Return the stages of ``stages_to_dict``."""
+    return tuple(
+        Stage(entry["body"], Pose2(**entry["goal"]), entry["aside"])
+        for entry in data["stages"]
+    )
+
+
+def _run(entry: Mapping[str, Any], stage: Stage, run: Run, _: Path) -> StageRun:
+    """Return the run of a stage that was begun, as ``stages_to_dict`` has it."""
+    poses = {body: Pose2(**X) for body, X in entry["poses"].items()}
+    return StageRun(
+        stage,
+        run.plan,
+        run.record,
+        run.choices,
+        entry["began"],
+        State(poses),
+        entry["planned_anew"],
+    )

@@ -82,9 +82,10 @@ def body_poses(run: StageRun) -> dict[str, Array]:
 
 
 def final_poses(run: StageRun) -> dict[str, Pose2]:
-    """Return where every body is at the last sample, X_WG."""
+    """Return where every body is at the last sample, X_WG; whole turns are left out."""
     return {
-        body: Pose2(*map(float, poses[-1])) for body, poses in body_poses(run).items()
+        body: Pose2(*map(float, poses[-1])).wrapped
+        for body, poses in body_poses(run).items()
     }
 
 

@@ -198,7 +198,8 @@ def _plan(task: Task, steps: Sequence[Step], begin: Restart | None) -> Plan:
     for i, step in enumerate(steps):
         led = of_leg(step.choice, i).segments
         segments += led
-        legs.append(Leg(step.choice.mode, led[-1].goal, task.motion))
+        end = task.goal if step is steps[-1] else led[-1].goal.wrapped
+        legs.append(Leg(step.choice.mode, end, task.motion))
     found = tuple(legs) if len(legs) > 1 else ()
     if begin is not None:
         begin = replace(begin, leg=0, legs=found)

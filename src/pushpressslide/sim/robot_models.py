@@ -28,7 +28,12 @@ from pydrake.multibody.tree import (
     WeldJoint,
 )
 
-from pushpressslide.core.errors import PushPressSlideError, TaskError
+from pushpressslide.core.errors import (
+    PushPressSlideError,
+    RobotFileError,
+    TaskError,
+    path_value,
+)
 from pushpressslide.core.task import Robot
 from pushpressslide.robots.description import read_description
 from pushpressslide.robots.facts import MODELS, TIP, TIP_MASS, RobotFacts, load_facts
@@ -96,7 +101,7 @@ class _ModelField:
     def error(self, advice: str) -> TaskError:
         """Return the error that this model cannot be used."""
         field = f"robots[{self.index}].model"
-        return TaskError(self.source, field, self.model, advice)
+        return TaskError(self.source, field, path_value(self.model), advice)
 
 
 def add_robot(
@@ -159,6 +164,8 @@ def _facts(robot: Robot, field: _ModelField) -> RobotFacts:
         if robot.model in MODELS:
             return load_facts(robot.model)
         return read_description(robot.model, robot.tip_frame)
+    except RobotFileError:
+        raise  # names the file itself
     except PushPressSlideError as error:
         raise field.error(str(error)) from error
 
@@ -204,6 +211,11 @@ def _add_drake_model(parser: Parser, field: _ModelField) -> ModelInstanceIndex:
     return instance
 
 
+def _file_error(field: _ModelField, reason: str) -> RobotFileError:
+    """Return the error that a model's file cannot be used."""
+    return RobotFileError(field.model, "", field.model, reason)
+
+
 def _add_file(
     plant: MultibodyPlant, parser: Parser, facts: RobotFacts, field: _ModelField
 ) -> ModelInstanceIndex:
@@ -218,9 +230,9 @@ def _add_file(
         instances = parser.AddModels(str(path))
     except RuntimeError as error:
         reason = " ".join(str(error).split())[:200]
-        raise field.error(f"Drake cannot load it: {reason}") from error
+        raise _file_error(field, f"Drake cannot load it: {reason}") from error
     if len(instances) != 1:
-        raise field.error(f"give a file with one model, not {len(instances)}")
+        raise _file_error(field, f"give a file with one model, not {len(instances)}")
     instance = instances[0]
     _check_joints(plant, instance, facts, field)
     actuators = [plant.get_joint_actuator(a) for a in plant.GetJointActuatorIndices()]
@@ -246,12 +258,13 @@ def _check_joints(
         joint = plant.get_joint(joint_index)
         name = joint.name()
         if joint.num_velocities() and name not in wanted:
-            raise field.error(
-                f"its joint {name!r} does not lead to the tip frame; make it fixed"
+            raise _file_error(
+                field,
+                f"its joint {name!r} does not lead to the tip frame; make it fixed",
             )
         if joint.parent_body() == plant.world_body():
-            raise field.error(
-                f"its joint {name!r} holds it in the world; leave its base free"
+            raise _file_error(
+                field, f"its joint {name!r} holds it in the world; leave its base free"
             )
 
 

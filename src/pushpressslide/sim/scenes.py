@@ -218,6 +218,7 @@ def build_scene(
             index,
             tip_properties=tip_properties(robot, frictions),
             models=models,
+            source=task.source or task.name,
         )
         for index, robot in enumerate(task.robots)
     )

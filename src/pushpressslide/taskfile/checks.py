@@ -13,8 +13,10 @@ from pushpressslide.core.control import Vector3
 from pushpressslide.core.errors import (
     MissingFrameError,
     PushPressSlideError,
+    RobotFileError,
     Shown,
     TaskError,
+    path_value,
 )
 from pushpressslide.core.footprint import (
     around,
@@ -327,9 +329,11 @@ def _kinematics(task: Task, i: int) -> ArmKinematics:
         raise TaskError(
             task.source, f"{field}.tip_frame", str(robot.tip_frame), str(error)
         ) from error
+    except RobotFileError:
+        raise  # names the file itself
     except PushPressSlideError as error:
         raise TaskError(
-            task.source, f"{field}.model", robot.model, str(error)
+            task.source, f"{field}.model", path_value(robot.model), str(error)
         ) from error
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.taskfile.kinds import Field
 from pushpressslide.taskfile.schema import SCHEMA
 from pushpressslide.taskfile.shapes import NAMES
@@ -62,4 +63,4 @@ def with_table(page: str) -> str:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1])
-    target.write_text(with_table(target.read_text(encoding="utf-8")), encoding="utf-8")
+    write_whole(target, with_table(target.read_text(encoding="utf-8")))

@@ -89,7 +89,8 @@ def number(
         if isinstance(value, bool) or not isinstance(value, (int, convert)):
             raise place.refused(value)
         # an integer may be too long for a float; a comparison takes it
-        if not (is_above(value, low) and is_below(value, high)):
+        inside = is_above(value, low) and is_below(value, high)
+        if place.bounded and not inside:
             raise place.refused(value)
         return convert(value)
 

@@ -40,15 +40,18 @@ def legs_to(goal: Pose2, legs: tuple[Leg, ...] | None) -> tuple[Leg, ...]:
 
 
 def leg_faults(plain: Mapping[str, Any]) -> Iterator[Fault]:
-    """Yield modes or a tool beside legs, a leg without an end or past the goal, and a
-    leg with another time step.
+    """Yield modes that are not those of the legs or a tool beside them, a leg without
+    an end or past the goal, and a leg with another time step.
     """
     legs = plain["legs"] or []
     goal = plain["goal"] or {"body": None}
-    beside = {"modes": plain["modes"], "goal.body": goal["body"]}
-    for field, value in beside.items():
-        if legs and value not in (None, "object"):
-            yield field, value, "a task has legs or this; allowed: one of the two"
+    modes = plain["modes"]
+    either = "a task has legs or this; allowed: one of the two"
+    # legs that were found keep the modes from which they were
+    if modes is not None and not {leg["mode"] for leg in legs} <= set(modes):
+        yield "modes", modes, f"{either}, or all modes of the legs"
+    if legs and goal["body"] not in (None, "object"):
+        yield "goal.body", goal["body"], either
     for i, leg in enumerate(legs):
         field = f"legs[{i}]"
         pose = leg["pose"]

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pushpressslide.core.errors import TaskError
+from pushpressslide.core.errors import TaskError, path_value
 from pushpressslide.core.pose import Point
 from pushpressslide.core.task import ObjectModel, Obstacle, Robot, Task
 from pushpressslide.selection.tool_use import tool_use
@@ -110,12 +110,9 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     Raises:
         TaskError: as :func:`load_task`.
     """
-    plain = SCHEMA.read(inherited(data), Place(source))
+    plain = _plain(data, Place(source))
     folder = Path(source).parent
-    shape = located(plain["object"]["shape"], folder)
-    plain["object"] = {**plain["object"], "shape": shape}
-    plain["obstacles"] = [located(body, folder) for body in plain["obstacles"]]
-    refuse(source, shape_faults("object.shape", shape))
+    refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
     for i, body in enumerate(plain["obstacles"]):
         refuse(source, shape_faults(f"obstacles[{i}]", body))
     values = SCHEMA.decode(plain)
@@ -124,15 +121,53 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
     centers = {name: plain[name]["center_of_mass"] for name in ("object", "belief")}
     refuse(source, _body_faults(centers, body, obstacles))
     refuse(source, goals_faults(plain, obstacles))
-    tool = None
-    goal = values["start"]
-    if plain["goals"] is None:
-        tool, goal = tool_use(plain, body, obstacles, source)
     for i, robot in enumerate(values["robots"]):
         refuse(source, _model_faults(robot, folder, f"robots[{i}]"))
     refuse(source, support_faults(plain["support"]))
     refuse(source, leg_faults(plain))
     refuse(source, _workspace_faults(plain["limits"]["workspace"] or {}))
+    task = _task(plain, values, source)
+    refuse(source, wall_faults(task))
+    for part in task.parts:
+        check(part)
+    check_goals(task)
+    return task
+
+
+def load_written_task(path: Path) -> Task:
+    """Return the task of a file that :func:`dump_task` wrote, as it was.
+
+    It is not judged anew: a body that a run has thrown off the table is read where it
+    lies.
+
+    Raises:
+        TaskError: for a file of another layout, or a mesh that is gone.
+    """
+    source = str(path)
+    plain = _plain(read_yaml(path), Place(source, bounded=False))
+    refuse(source, shape_faults("object.shape", plain["object"]["shape"]))
+    for i, body in enumerate(plain["obstacles"]):
+        refuse(source, shape_faults(f"obstacles[{i}]", body))
+    return _task(plain, SCHEMA.decode(plain), source)
+
+
+def _plain(data: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    """Return the file's fields with every default, and the full paths of its meshes."""
+    plain: dict[str, Any] = SCHEMA.read(inherited(data), place)
+    folder = Path(place.source).parent
+    body = plain["object"]
+    plain["object"] = {**body, "shape": located(body["shape"], folder)}
+    plain["obstacles"] = [located(one, folder) for one in plain["obstacles"]]
+    return plain
+
+
+def _task(plain: Mapping[str, Any], values: Mapping[str, Any], source: str) -> Task:
+    """Return the task of a file's fields and their decoded ``values``."""
+    tool = None
+    goal = values["start"]
+    if plain["goals"] is None:
+        tool, goal = tool_use(plain, values["object"], values["obstacles"], source)
+    folder = Path(source).parent
     resolved = {
         "goal": goal,
         "tool": tool,
@@ -142,12 +177,7 @@ def task_from_data(data: Mapping[str, Any], source: str) -> Task:
         "description": one_line(values["description"]),
         "source": source,
     }
-    task = Task(**{**values, **resolved})
-    refuse(source, wall_faults(task))
-    for part in task.parts:
-        check(part)
-    check_goals(task)
-    return task
+    return Task(**{**values, **resolved})
 
 
 def _body_faults(
@@ -187,7 +217,7 @@ def _model_faults(robot: Robot, folder: Path, field: str) -> Iterator[Fault]:
         yield f"{field}.model", robot.model, f"allowed: {models}, {paths}"
     elif not path.is_file():
         allowed = f"no such file; allowed: {models} or a path"
-        yield f"{field}.model", robot.model, allowed
+        yield f"{field}.model", path_value(robot.model), allowed
     elif robot.tip_frame is None:
         allowed = "the name of the frame at the tip, as the model is given by path"
         yield f"{field}.tip_frame", None, f"it is missing; allowed: {allowed}"

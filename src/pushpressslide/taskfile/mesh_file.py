@@ -31,6 +31,15 @@ MOST_CORNERS = 256
 """Of an outline."""
 MOST_TRIANGLES = 200_000
 """Of a mesh."""
+MOST_BYTES = 64_000_000
+"""Of a file of text: the most triangles that are allowed, with room."""
+STL_HEAD = 84
+STL_TRIANGLE = 50
+"""Bytes of a binary STL file: head, which ends with the count, and triangle."""
+LARGEST = 10.0
+"""[m] of a side, as of a box."""
+FARTHEST = 1000.0
+"""[m] of a corner from the origin of the file's frame."""
 GRID = 1e-6
 """Of the solid's size, to which triangles are rounded before they are united."""
 
@@ -86,22 +95,71 @@ def _loaded(path: str, scale: float) -> Trimesh:
     """Return the triangles of a file [m]. Raises ValueError unless they are closed."""
     import trimesh
 
+    _check_count(Path(path))
     try:
-        mesh = trimesh.load_mesh(path)
+        mesh = trimesh.load_mesh(path, process=False)
     except Exception as error:  # whatever a broken file makes the reader raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"it cannot be read: {reason[:120]}") from error
     if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
         raise ValueError("it holds no triangles")
-    if len(mesh.faces) > MOST_TRIANGLES:
-        count = len(mesh.faces)
-        raise ValueError(f"it has {count} triangles, allowed up to {MOST_TRIANGLES}")
+    _check_triangles(len(mesh.faces))
+    _check_size(mesh, scale)
+    mesh.process()
     mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
     if not mesh.is_watertight:
         raise ValueError("its surface is not closed")
     if mesh.volume < 0.0:
         mesh.invert()
     return mesh
+
+
+def _check_count(file: Path) -> None:
+    """Raise ValueError for a file of too many triangles, before they are read."""
+    size = file.stat().st_size
+    with file.open("rb") as content:
+        head = content.read(STL_HEAD)
+        if file.suffix.lower() == ".stl" and len(head) == STL_HEAD:
+            count = int.from_bytes(head[-4:], "little")
+            if size == STL_HEAD + STL_TRIANGLE * count:
+                _check_triangles(count)
+                return
+        if size > MOST_BYTES:
+            found = f"it is of {size / 1e6:.0f} MB"
+            raise ValueError(f"{found}, allowed up to {MOST_BYTES / 1e6:g} MB of text")
+        text = head + content.read()
+    word = b"endfacet" if file.suffix.lower() == ".stl" else b"\nf "
+    _check_triangles(text.count(word))
+
+
+def _check_triangles(count: int) -> None:
+    if count > MOST_TRIANGLES:
+        raise ValueError(f"it has {count} triangles, allowed up to {MOST_TRIANGLES}")
+
+
+def _check_size(mesh: Trimesh, scale: float) -> None:
+    """Raise ValueError for places that are no numbers or far away, and for a solid that
+    is larger than a task may hold.
+    """
+    import numpy as np
+
+    used = mesh.vertices[np.unique(mesh.faces)]
+    if not np.isfinite(used).all():
+        raise ValueError("a corner of it is no finite number")
+    far = float(np.abs(used).max())
+    # the largest places first: a difference of others may not be a number
+    if far > FARTHEST / scale:
+        raise ValueError(
+            f"a corner of it is {far * scale:.3g} m from its origin, allowed up to "
+            f"{FARTHEST:g} m (scale is {scale:g}; 0.001 is for a file in mm)"
+        )
+    sizes = scale * np.ptp(used, axis=0)
+    if sizes.max() > LARGEST:
+        lengths = " x ".join(f"{length:.4g}" for length in sizes)
+        raise ValueError(
+            f"it is {lengths} m large, allowed up to {LARGEST:g} m (scale is "
+            f"{scale:g}; 0.001 is for a file in mm)"
+        )
 
 
 def _seen(triangles: Array, kept: NDArray[np.bool_], extent: float) -> Area:

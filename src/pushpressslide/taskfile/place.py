@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pushpressslide.core.errors import TaskError
 
@@ -33,15 +33,17 @@ class Place:
     source: str  # names the file
     path: str = ""  # dotted name of the field, list items by index
     allowed: str = ""  # what the field takes, in words
+    # whether numbers are held to their ranges; not in a file of this package's own
+    bounded: bool = True
 
     def field(self, key: object, allowed: str = "") -> Place:
         """Return the place of a field of the section that is here."""
         path = f"{self.path}.{key}" if self.path else str(key)
-        return Place(self.source, path, allowed)
+        return replace(self, path=path, allowed=allowed)
 
     def item(self, index: int, allowed: str = "") -> Place:
         """Return the place of an item of the list that is here."""
-        return Place(self.source, f"{self.path}[{index}]", allowed)
+        return replace(self, path=f"{self.path}[{index}]", allowed=allowed)
 
     def refused(self, value: object, fault: str = "") -> TaskError:
         """Return the error for a value here: what is wrong, and what is allowed."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pushpressslide.core.entry import REQUIRED
-from pushpressslide.core.errors import Shown
+from pushpressslide.core.errors import Shown, path_value
 from pushpressslide.core.polygon import (
     border_fault,
     counter_clockwise,
@@ -184,7 +184,7 @@ def shape_faults(field: str, plain: Mapping[str, Any]) -> Iterator[Fault]:
             read_mesh(mesh["path"], mesh["scale"])
         except ValueError as error:
             allowed = "allowed: a closed, upright solid on a flat base without a hole"
-            yield f"{field}.mesh.path", mesh["path"], f"{error}; {allowed}"
+            yield f"{field}.mesh.path", path_value(mesh["path"]), f"{error}; {allowed}"
 
 
 def polygon_faults(field: str, polygon: Sequence[Point]) -> Iterator[Fault]:

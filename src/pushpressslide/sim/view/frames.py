@@ -25,6 +25,7 @@ from pushpressslide.core.errors import SimulationError
 from pushpressslide.core.plan import Plan
 from pushpressslide.core.record import Record
 from pushpressslide.core.task import Support
+from pushpressslide.core.whole_file import whole
 from pushpressslide.replay.canvas import Canvas
 from pushpressslide.replay.course import course
 from pushpressslide.replay.film import (
@@ -123,11 +124,11 @@ def render_frames(
     SimulationError, in one line, where this machine cannot render.
     """
     renderer = FrameRenderer(plan, record, size, models)
-    out_dir.mkdir(parents=True, exist_ok=True)
     paths = []
     for i, time in enumerate(times):
         path = out_dir / f"frame_{i:03d}.png"
-        _pillow().fromarray(renderer.image(time)).save(path)
+        with whole(path) as temporary:
+            _pillow().fromarray(renderer.image(time)).save(temporary)
         paths.append(path)
     return paths
 

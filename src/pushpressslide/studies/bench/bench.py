@@ -58,8 +58,10 @@ def bench(
         "benchmarks": rows,
         "versions": installed_versions() | solver_versions(),
     }
-    write_whole(out / "result.json", to_json(result))
+    # of an older run: a folder that has one is complete
+    (out / "result.json").unlink(missing_ok=True)
     _write_ratios(out, rows)
+    write_whole(out / "result.json", to_json(result))
     return result
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
+from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report.page_tables import number_cells, table
 from pushpressslide.studies.paper import corrections_one_arm as one
 from pushpressslide.studies.paper import corrections_two_arms as two
@@ -89,6 +90,4 @@ def with_corrections(page: str) -> str:
 
 if __name__ == "__main__":
     target = Path(sys.argv[1])
-    target.write_text(
-        with_corrections(target.read_text(encoding="utf-8")), encoding="utf-8"
-    )
+    write_whole(target, with_corrections(target.read_text(encoding="utf-8")))

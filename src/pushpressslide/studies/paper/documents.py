@@ -11,6 +11,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from pushpressslide.core.whole_file import write_whole
+
 CLAIMS = "## Claims\n\n"
 
 
@@ -44,7 +46,7 @@ def write_documents(table: Path, results: Path, readme: Path) -> None:
     text = table.read_text(encoding="utf-8")
     for page, part in ((results, text), (readme, summary_of(text))):
         old = page.read_text(encoding="utf-8")
-        page.write_text(renewed(old, "results", part), encoding="utf-8")
+        write_whole(page, renewed(old, "results", part))
 
 
 if __name__ == "__main__":

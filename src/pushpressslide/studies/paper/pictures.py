@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.whole_file import whole
 from pushpressslide.report import series
 from pushpressslide.report.files import load_run
 
@@ -39,5 +40,6 @@ def write_pictures(folder: Path) -> Path | None:
     except SimulationError:
         return None
     path = folder / NAME
-    Image.fromarray(np.hstack(images)).save(path, optimize=True)
+    with whole(path) as temporary:
+        Image.fromarray(np.hstack(images)).save(temporary, optimize=True)
     return path

@@ -95,6 +95,8 @@ def _write(
     seed: int,
 ) -> Path:
     """Judge the claims, write page, table.md and result.json; return the page's path."""
+    # of an older run: a folder that has one is complete
+    (out / "result.json").unlink(missing_ok=True)
     axle = evidence.axle
     judged = claims(experiments, evidence)
     corrected = corrections()

@@ -57,6 +57,8 @@ def benchmark(
     else:
         rows = _played(seeds, noise, jobs, progress)
     figures = figures_of(rows)
+    # of an older run: a folder that has one is complete
+    (out / "result.json").unlink(missing_ok=True)
     lines = (json.dumps(asdict(row)) + "\n" for row in rows)
     write_whole(out / ROWS, "".join(lines))
     result = {

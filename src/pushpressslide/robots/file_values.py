@@ -1,0 +1,91 @@
+"""Values of a robot's file, each judged where it is read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from pushpressslide.core.errors import Shown
+
+Triple = tuple[float, float, float]
+
+FARTHEST = 100.0  # [m] of an origin; millimetres are beyond it
+HEAVIEST = 1e6  # [kg] of a link
+
+
+class UnfitValue(Exception):
+    """A value of a robot's file that cannot be used: where it stands, and what is
+    allowed there.
+    """
+
+    def __init__(self, place: str, value: object, allowed: str) -> None:
+        super().__init__(f"{place}: {value!r} is not allowed; allowed: {allowed}")
+        self.place = place
+        self.value = value
+        self.allowed = allowed
+
+
+def triple(
+    text: str | None,
+    place: str,
+    default: Triple = (0.0, 0.0, 0.0),
+    most: float = math.inf,
+) -> Triple:
+    """Three finite numbers, none beyond ``most``.
+
+    Raises UnfitValue for others.
+    """
+    if text is None:
+        return default
+    values = tuple(_float(part) for part in text.split())
+    bound = "" if math.isinf(most) else f" in [-{most:g}, {most:g}]"
+    if len(values) != 3 or not all(math.isfinite(v) and abs(v) <= most for v in values):
+        raise UnfitValue(place, Shown(f"'{text.strip()}'"), f"3 finite numbers{bound}")
+    return values
+
+
+def place_of(text: str | None, place: str) -> Triple:
+    """Position [m] of an origin."""
+    return triple(text, place, most=FARTHEST)
+
+
+def number(
+    text: str,
+    place: str,
+    allowed: str,
+    sound: Callable[[float], bool] = math.isfinite,
+) -> float:
+    """One number that is ``sound``; NaN never is.
+
+    Raises UnfitValue for another.
+    """
+    value = _float(text)
+    if math.isnan(value) or not sound(value):
+        raise UnfitValue(place, Shown(text.strip()), allowed)
+    return value
+
+
+def mass(text: str, place: str) -> float:
+    """Mass [kg] of a link; 0 for one that only carries a frame."""
+    allowed = f"a number [kg] in [0, {HEAVIEST:g}]"
+    return number(text, place, allowed, lambda value: 0.0 <= value <= HEAVIEST)
+
+
+def moment(text: str, place: str) -> float:
+    """Moment of inertia [kg m^2], 0 for none."""
+    allowed = "a finite number [kg m^2], 0 or more"
+    sound: Callable[[float], bool] = lambda value: 0.0 <= value < math.inf  # noqa: E731
+    return number(text, place, allowed, sound)
+
+
+def product(text: str, place: str) -> float:
+    """Product of inertia [kg m^2]."""
+    return number(text, place, "a finite number [kg m^2]")
+
+
+def _float(text: str) -> float:
+    """The number, NaN of what is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
