@@ -21,7 +21,7 @@ from pushpressslide.execution.arm import (
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
     Impedance,
-    end_of_tick,
+    held_for_a_tick,
     gains,
     null_space,
     task_inertia,
@@ -90,7 +90,7 @@ def damped(state: ArmState, force: np.ndarray, share: float = 1.0) -> np.ndarray
     posture = gains(POSTURE_STIFFNESS, POSTURE_DAMPING, PERIOD).added
     J = state.J
     growth = J.T @ added @ J + posture * null_space(J, J @ J.T)
-    return end_of_tick(Impedance(J[3:].T @ force, growth), state.M)
+    return held_for_a_tick(Impedance(J[3:].T @ force, growth), state.M)
 
 
 def radial(state: ArmState) -> tuple[np.ndarray, float]:

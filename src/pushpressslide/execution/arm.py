@@ -20,7 +20,7 @@ from pushpressslide.execution.torque import (
     Impedance,
     LimitedTorque,
     braked,
-    end_of_tick,
+    held_for_a_tick,
     gains,
     joint_torque,
     kept_inside,
@@ -166,7 +166,7 @@ class ArmExecutor:
             kept = kept_inside(arm.J, arm.q, arm.v, lower, self.upper, self.dt)
             impedance = plus(impedance, kept)
         tau = arm.bias + arm.J[3:].T @ push + arm.J.T @ inertial
-        tau += end_of_tick(impedance, arm.M)
+        tau += held_for_a_tick(impedance, arm.M)
         return limited(tau, previous, self._most, self._most_change)
 
     def _of_tip(

@@ -51,9 +51,9 @@ class Impedance(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """A spring and a damper that a torque law evaluates at the end of a tick of h.
+    """A spring K and a damper D over a tick of h.
 
-    By then the error has changed by h times that of the velocity, so that the spring
+    By its end the error has changed by h times that of the velocity, so that the spring
     adds h K to the damper: K e + (D + h K) u.
     """
 
@@ -70,15 +70,20 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
     return Gains(stiffness, effective, period * effective)
 
 
-def end_of_tick(impedance: Impedance, M: Array) -> Array:
-    """Torque (n,) [N m] of springs and dampers with the velocity that it leads to at
-    the end of a tick: M (M + h D + h^2 K)^-1 times their torque now.
+def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
+    """Torque (n,) [N m] of springs and dampers that is held constant for a tick, on an
+    arm of mass matrix ``M`` (n, n).
 
-    ``M`` (n, n) mass matrix. This is one step of the implicit Euler method: whatever
-    the gains, the inertia and the period, springs and dampers take energy from the arm.
-    Held constant over a tick, a damper D adds energy to an inertia below h D / 2.
+    Along each of its motions a damper D on an inertia m would take x = h D / m of the
+    speed in a tick of h: more than all of it from a light joint, which it feeds. Here it
+    takes x (1 + x) / (1 + x + x^2): the same to the second order in x, and never more
+    than all. Springs count with their h^2 K / m. Whatever gains, inertia and period, the
+    arm loses energy.
     """
-    out: Array = M @ _solved(M + impedance.added, impedance.torque)
+    torque, added = impedance
+    shares = _solved(M, added)  # (n, n) X = M^-1 (h D + h^2 K)
+    asked = torque + shares.T @ torque
+    out: Array = M @ _solved(M + added + added @ shares, asked)
     return out
 
 
