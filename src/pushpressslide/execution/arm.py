@@ -160,7 +160,8 @@ class ArmExecutor:
         push = np.array(self.frame.direction(command.force))
         inertial = self._inertial(arm, command, velocity)
         impedance = self._of_tip(arm, J, command, moment, velocity)
-        impedance = plus(impedance, self._of_posture(arm, q_ref - arm.q, v_ref - arm.v))
+        posture = self._of_posture(arm, J, q_ref - arm.q, v_ref - arm.v)
+        impedance = plus(impedance, posture)
         if near:
             lower = self.lower
             kept = kept_inside(arm.J, arm.q, arm.v, lower, self.upper, self.dt)
@@ -197,21 +198,21 @@ class ArmExecutor:
         axes: Array = np.array(((c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)))
         return axes @ self._axes.T
 
-    def _of_posture(self, arm: ArmState, error: Array, speed: Array) -> Impedance:
+    def _of_posture(
+        self, arm: ArmState, J: Array, error: Array, speed: Array
+    ) -> Impedance:
         """Impedance of the joints about their reference, ``error`` (n,) [rad] and
         ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
-        hardly moves the tip.
+        hardly moves the tip; ``J`` (6, n) may be one of a tool that gives way.
         """
-        J = arm.J
-        JJt = J @ J.T
         spring, damper, added = self._posture
         torque = np.zeros(len(error))
         growth = np.zeros((len(error), len(error)))
         if len(error) > TIP_FREEDOMS:
-            unfelt = null_space(J, JJt)
-            torque = unfelt @ (spring * error + damper * speed)
-            growth = added * unfelt
-        brake = braked(J, JJt)
+            unfelt = null_space(J)
+            torque = unfelt.projector @ (spring * error + damper * speed)
+            growth = added * unfelt.damping
+        brake = braked(arm.J)
         if brake is not None:
             torque = torque + brake @ (damper * speed)
             growth = growth + added * brake

@@ -87,23 +87,32 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     return out
 
 
-def null_space(J: Array, JJt: Array) -> Array:
-    """Projector (n, n), symmetric, on the torques that neither a force at the tip nor
-    much of a moment on the tool has to hold.
-
-    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) its
-    square. Where the arm can hardly turn the tool its joints are left to such torques:
-    nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
-    its force has to be zero: J_v torque = 0 is not enough, since a tip that is held
-    while a moment keeps the tool's attitude feels the force of this wrench.
+class NullSpace(NamedTuple):
+    """Torques that neither a force at the tip nor much of a moment on the tool has to
+    hold.
     """
-    n = J.shape[1]
-    identity = np.eye(n)
+
+    projector: Array  # (n, n) on them
+    # (n, n) the same within the little that turns the tool: symmetric, so that a damper
+    # that acts through it takes energy
+    damping: Array
+
+
+def null_space(J: Array) -> NullSpace:
+    """Null space of an arm's tip, ``J`` (6, n), rows [angular; linear], world axes.
+
+    Where the arm can hardly turn the tool its joints are left to the posture: nothing
+    else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and its force
+    has to be zero: J_v torque = 0 is not enough, since a tip that is held while a moment
+    keeps the tool's attitude feels the force of this wrench.
+    """
+    identity = np.eye(J.shape[1])
+    JJt = J @ J.T
     unfelt = identity - J.T @ _solved(JJt + SOFTENING, J)
     held = _solved(JJt + FULL_RANK, J)[3:]
     forceless = identity - held.T @ _solved(held @ held.T, held)
-    out: Array = forceless @ unfelt @ forceless
-    return out
+    projector: Array = forceless @ unfelt
+    return NullSpace(projector, projector @ forceless)
 
 
 def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool:
@@ -145,16 +154,16 @@ def kept_inside(
     return Impedance(torque, held.added * dampers)
 
 
-def braked(J: Array, JJt: Array) -> Array | None:
+def braked(J: Array) -> Array | None:
     """Projector (n, n) on the joints' motion that moves the tip least, times a share
     that grows from 0 to 1 as that motion ceases to; None where it moves the tip by
     ``SINGULAR`` or more.
 
-    ``J`` (6, n) and ``JJt`` (6, 6) as in ``null_space``. An arm that is stretched out
+    ``J`` (6, n) as in ``null_space``. An arm that is stretched out
     coasts through that posture, and bends to the other side, while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
-    _, indefinite = dpotrf(JJt - BRAKED)
+    _, indefinite = dpotrf(J @ J.T - BRAKED)
     if not indefinite:
         return None
     _, sizes, motions = np.linalg.svd(J, full_matrices=False)
