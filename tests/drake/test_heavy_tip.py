@@ -21,8 +21,8 @@ from pushpressslide.execution.arm import (
 from pushpressslide.execution.torque import (
     LEAST_MOBILITY,
     Impedance,
-    held_for_a_tick,
     gains,
+    held_for_a_tick,
     null_space,
     task_inertia,
 )
