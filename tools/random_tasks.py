@@ -530,7 +530,7 @@ def by_older(tables: Iterable[Table]) -> str:
     """Words for tables of which one is by sources with another contact solver."""
     made = map(sources_of, tables)
     older = any(one is not None and is_older(one) for one in made)
-    return ", by an older contact solver" if older else ""
+    return " (simulated with an older contact solver)" if older else ""
 
 
 def short() -> list[str]:
@@ -538,7 +538,7 @@ def short() -> list[str]:
     rows = (
         *((f"one motion of {table.what}", (table,)) for table in KNOWN[: len(MODES)]),
         *((table.what, (table,)) for table in KNOWN[len(MODES) :]),
-        ("one motion of each of these modes, in an uncertain world", UNCERTAIN),
+        ("these five modes together, in an uncertain world", UNCERTAIN),
         *((f"among obstacles: {t.what}", (t,)) for t in AMONG_OBSTACLES[:-1]),
         (AMONG_OBSTACLES[-1].what, AMONG_OBSTACLES[-1:]),
         (f"knocked aside on the way, {len(KNOCKS)} shipped tasks", KNOCKS),

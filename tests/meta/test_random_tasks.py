@@ -151,6 +151,26 @@ def test_a_table_that_was_not_drawn_says_so(drawn: ModuleType) -> None:
     assert {line.count("|") for line in rest} == {head.count("|")}
 
 
+def test_a_run_publishes_rows_with_their_sources(
+    drawn: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table = drawn.KNOWN[0]
+
+    def sweep(task: object, options: object, folder: Path) -> None:
+        row = {"key": "new", "index": 0, "task": f"-{table.seed}-", "status": "refused"}
+        with (folder / "rows.jsonl").open("a") as file:
+            file.write(json.dumps(row) + "\n")
+
+    draw(drawn, table, "kOther", "reached")
+    monkeypatch.setattr(drawn, "WORK", tmp_path / "work")
+    monkeypatch.setattr(drawn, "commit_of_sources", lambda: ("7654321", "2026-11-27"))
+    monkeypatch.setattr("pushpressslide.jobs.sweep.sweep", sweep)
+    drawn.run(table, 1)
+    made = drawn.sources_of(table)
+    assert made == drawn.Sources("new", "7654321", "2026-11-27", drawn.contact_solver())
+    assert [row["status"] for row in drawn.read(table)[0]] == ["refused"]
+
+
 @pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 def test_sources_without_a_commit_make_no_rows(
     tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
