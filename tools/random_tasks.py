@@ -5,7 +5,9 @@
 
 ``run`` goes on where it ended: the rows of a table, in docs/data/TABLE.jsonl, count as
 long as the package's sources are those that made them. One table is complete before the
-next begins. ``write`` renews the page and the README between their marks; it runs nothing.
+next begins. docs/data/sources.json says which commit has those sources, and how they
+solve contacts in Drake. ``write`` renews the page and the README between their marks; it
+runs nothing.
 """
 
 from __future__ import annotations
@@ -13,12 +15,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import subprocess
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pushpressslide
+from pushpressslide.jobs import sampling
 from pushpressslide.jobs.summary import interval, share, summarise
 from pushpressslide.studies.paper.documents import renewed
 
@@ -72,6 +78,16 @@ class Table:
         return DATA / f"{self.name}.jsonl"
 
 
+@dataclass(frozen=True)
+class Sources:
+    """The sources of the package that made the rows of a table."""
+
+    key: str  # of the rows
+    commit: str
+    date: str  # of the commit
+    contact: str  # how Drake solves contacts in them
+
+
 MODES = (
     ("rear_push", "rear-push-rear", 60),
     ("press_slide", "press-slide", 60),
@@ -79,14 +95,17 @@ MODES = (
     ("orthogonal_push", "orthogonal-push", 40),
     ("bimanual_press_slide", "bimanual-slide", 40),
 )
+KNOWN_SEEDS = (2400, 2401, 1972, 1973, 1974, 1975, 1976)
 KNOWN = tuple(
-    Table(name, what, task, 1970 + i, attempts, sets, refusals=REFUSALS)
-    for i, (name, what, task, attempts, sets) in enumerate(
+    Table(name, what, task, seed, attempts, sets, refusals=REFUSALS)
+    for seed, (name, what, task, attempts, sets) in zip(
+        KNOWN_SEEDS,
         (
             *((mode, f"`{mode}`", task, count, ALONE) for mode, task, count in MODES),
-            ("open-one-arm", "any mode, one arm", "press-slide", 40, OPEN),
-            ("open-two-arms", "any mode, two arms", "bimanual-slide", 40, OPEN),
-        )
+            ("open-one-arm", "no mode given, one arm", "press-slide", 40, OPEN),
+            ("open-two-arms", "no mode given, two arms", "bimanual-slide", 40, OPEN),
+        ),
+        strict=True,
     )
 )
 # as many samples as are likely to have so many refused ones
@@ -94,11 +113,13 @@ REFUSED = tuple(
     replace(
         table,
         name=f"{table.name}-refused",
-        seed=table.seed - 10,
+        seed=1960 + i,
         attempts=0,
         samples=samples,
     )
-    for table, samples in zip(KNOWN, (15, 18, 7, 12, 10, 22, 32), strict=True)
+    for i, (table, samples) in enumerate(
+        zip(KNOWN, (15, 18, 7, 12, 10, 22, 32), strict=True)
+    )
 )
 UNCERTAIN = tuple(
     Table(f"{mode}-uncertain", f"`{mode}`", task, 1980 + i, 20, ALONE, "uncertain")
@@ -130,10 +151,11 @@ TABLES = KNOWN + REFUSED + UNCERTAIN + AMONG_OBSTACLES + KNOCKS
 
 
 def run(table: Table, jobs: int) -> None:
-    """Run what is missing of a table, and publish its rows."""
+    """Run what is missing of a table, and publish its rows with their sources."""
     from pushpressslide import load_task
     from pushpressslide.jobs.sweep import SweepOptions, sweep
 
+    commit, date = commit_of_sources()
     folder = WORK / table.name
     folder.mkdir(parents=True, exist_ok=True)
     rows = folder / "rows.jsonl"
@@ -156,18 +178,88 @@ def run(table: Table, jobs: int) -> None:
     finally:
         table.rows.parent.mkdir(parents=True, exist_ok=True)
         if rows.exists():
-            publish(rows, table.rows)
+            key = publish(rows, table.rows)
+            note(table, Sources(key, commit, date, contact_solver()))
 
 
-def publish(rows: Path, published: Path) -> None:
+def publish(rows: Path, published: Path) -> str:
     """Write the rows of the last sweep in ``rows`` to ``published``: those of earlier
-    sources stand behind no table any more.
+    sources stand behind no table any more. The key of the rows.
     """
     lines = rows.read_text().splitlines(keepends=True)
-    key = json.loads(lines[-1])["key"]
+    key = str(json.loads(lines[-1])["key"])
     published.write_text(
         "".join(line for line in lines if json.loads(line)["key"] == key)
     )
+    return key
+
+
+def commit_of_sources() -> tuple[str, str]:
+    """The commit that changed the package last, and its date."""
+    folder = Path(pushpressslide.__file__).parent
+
+    def git(*words: str) -> str:
+        call = ["git", "-C", str(folder), *words, "--", "."]
+        return subprocess.run(call, check=True, capture_output=True, text=True).stdout
+
+    if git("status", "--porcelain"):
+        raise SystemExit(f"{folder}: not committed; rows have to name their sources")
+    commit, date = git("log", "-1", "--abbrev=7", "--format=%h %cs").split()
+    return commit, date
+
+
+@cache
+def contact_solver() -> str:
+    """How the sources at hand solve contacts in Drake, by Drake's name for it."""
+    from pydrake.multibody.plant import MultibodyPlant
+
+    from pushpressslide.sim.contact import solve_contacts
+
+    plant = MultibodyPlant(time_step=0.001)
+    solve_contacts(plant)
+    return str(plant.get_discrete_contact_approximation().name)
+
+
+def all_sources() -> dict[str, Sources]:
+    """Sources by the names of tables."""
+    path = DATA / "sources.json"
+    if not path.exists():
+        return {}
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    return {name: Sources(**fact) for name, fact in facts.items()}
+
+
+def note(table: Table, made: Sources) -> None:
+    """Write down which sources made the rows of a table, unless these rows have a note."""
+    known = all_sources()
+    if table.name in known and known[table.name].key == made.key:
+        return
+    known[table.name] = made
+    facts = {name: asdict(one) for name, one in sorted(known.items())}
+    text = json.dumps(facts, indent=1)
+    (DATA / "sources.json").write_text(text + "\n", encoding="utf-8")
+
+
+def sources_of(table: Table) -> Sources | None:
+    """The sources that made the published rows of a table; None where nobody noted it."""
+    made = all_sources().get(table.name)
+    rows, _ = read(table)
+    if made is None or not rows or rows[-1]["key"] != made.key:
+        return None
+    return made
+
+
+def is_older(made: Sources) -> bool:
+    """Whether sources solve contacts in another way than those at hand."""
+    return made.contact != contact_solver()
+
+
+def named(made: Sources | None) -> str:
+    """Sources in words."""
+    if made is None:
+        return "unknown"
+    older = ", older contact solver" if is_older(made) else ""
+    return f"{made.commit} of {made.date}{older}"
 
 
 def read(table: Table) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -215,15 +307,17 @@ def reached_by(row: dict[str, Any]) -> bool:
 
 
 def lines_of(tables: Iterable[Table]) -> list[str]:
-    """Return the lines of a table of tables; those that were not begun are left out."""
+    """Return the lines of a table of tables; those that were not begun say so."""
     out = [
         "| tasks for | seed | drawn | attempted | reached | of the attempted | at the "
-        "first attempt | median error | worst error | refusals run anyway that missed |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "first attempt | median error | worst error | refusals run anyway that missed "
+        "| sources |",
+        "|" + 11 * "---|",
     ]
     for table in tables:
         counted, forced = read(table)
         if not counted:
+            out.append(not_drawn(table, 11))
             continue
         summary = summarise(counted, forced)
         checked = summary["refusals"]
@@ -248,6 +342,7 @@ def lines_of(tables: Iterable[Table]) -> list[str]:
             errors(summary, "median"),
             errors(summary, "max"),
             refusals,
+            named(sources_of(table)),
         )
         out.append("| " + " | ".join(map(str, cells)) + " |")
     return out
@@ -255,17 +350,18 @@ def lines_of(tables: Iterable[Table]) -> list[str]:
 
 def lines_of_all(tables: Iterable[Table]) -> list[str]:
     """Return the lines of a table of tables that count all tasks drawn; those that were
-    not begun are left out.
+    not begun say so.
     """
     out = [
         "| tasks for | seed | drawn | reached | of all drawn | refused | missed | failed "
         "| with 1, 2, 3 and more motions | recoveries | planning time, median and 95th "
-        "percentile | median error | overlap of 0.95 |",
-        "|" + 13 * "---|",
+        "percentile | median error | overlap of 0.95 | sources |",
+        "|" + 14 * "---|",
     ]
     for table in tables:
         counted, _ = read(table)
         if not counted:
+            out.append(not_drawn(table, 14))
             continue
         summary = summarise(counted, ())
         ran = [row for row in counted if row["status"] in ("reached", "missed")]
@@ -291,9 +387,15 @@ def lines_of_all(tables: Iterable[Table]) -> list[str]:
             spread_of([row["planning_time"] for row in ran]),
             errors(summary, "median"),
             percent(share(overlap, len(counted)), interval(overlap, len(counted))),
+            named(sources_of(table)),
         )
         out.append("| " + " | ".join(map(str, cells)) + " |")
     return out
+
+
+def not_drawn(table: Table, columns: int) -> str:
+    """The line of a table that was not begun."""
+    return f"| {table.what} | {table.seed} | not drawn yet |" + (columns - 3) * " |"
 
 
 def spread_of(times: Sequence[float]) -> str:
@@ -329,19 +431,37 @@ def modes_chosen() -> list[str]:
     if not counts:
         return []
     chosen = ", ".join(f"`{mode}` {n}" for mode, n in counts.most_common())
-    return [f"Where any mode was allowed, chosen were: {chosen}."]
+    return [f"Where no mode was given, chosen were: {chosen}."]
 
 
 def section(title: str, lines: Sequence[str]) -> list[str]:
-    """Return a section with a table; where no table was begun, that none was."""
-    begun = len(lines) > 2  # the head and the rule below it
-    return [f"### {title}", "", *(lines if begun else ["Not drawn yet."]), ""]
+    """Return a section with a table."""
+    return [f"### {title}", "", *lines, ""]
 
 
-def write() -> None:
-    """Renew the page."""
-    sources = sorted({str(row["key"]) for t in TABLES for row in read(t)[0][-1:]})
-    text = [
+def on_older_sources() -> list[str]:
+    """What tables by sources with another contact solver say of today's; no line where
+    there are none.
+    """
+    made = [one for table in TABLES if (one := sources_of(table)) is not None]
+    older = sorted({f"`{one.contact}`" for one in made if is_older(one)})
+    if not older:
+        return []
+    marked = sum(map(is_older, made))
+    return [
+        f"**{marked} of {len(made)} tables are by an older contact solver.** Their column "
+        f'"sources" says so: in those commits Drake solves contacts by {", ".join(older)}, '
+        f"in today's by `{contact_solver()}`. They do not say how often today's sources "
+        "reach.",
+        "",
+    ]
+
+
+def page() -> list[str]:
+    """The lines of the page between its marks."""
+    keys = sorted({str(row["key"]) for t in TABLES for row in read(t)[0][-1:]})
+    return [
+        *on_older_sources(),
         *section("What is believed is true", lines_of(KNOWN)),
         *modes_chosen(),
         "",
@@ -359,9 +479,13 @@ def write() -> None:
         "",
         *(f"- `{table.command}`" for table in TABLES if read(table)[0]),
         "",
-        f"The rows are in [docs/data](data); keys of the sweeps: {', '.join(sources)}.",
+        f"The rows are in [docs/data](data); keys of the sweeps: {', '.join(keys)}.",
     ]
-    renew(PAGE, "rates", text)
+
+
+def write() -> None:
+    """Renew the page and the README."""
+    renew(PAGE, "rates", page())
     renew(README, "rates", short())
     renew(README, "fact", [fact()])
 
@@ -373,42 +497,84 @@ def renew(page: Path, mark: str, lines: Sequence[str]) -> None:
 
 
 def fact() -> str:
-    """Return the README's first fact: what came of tasks with any object and mode."""
-    rows = [row for t in KNOWN if t.sets == OPEN for row in read(t)[0]]
-    summary = summarise(rows, ())
+    """The README's first fact: what came of tasks of which no mode was given."""
+    tables = [table for table in KNOWN if table.sets == OPEN]
+    summary = summarise([row for table in tables for row in read(table)[0]], ())
     position = 1e3 * summary["final_position_error"]["median"]
     yaw = math.degrees(summary["final_yaw_error"]["median"])
-    reached = summary["reached"]
     tried = summary["attempted"]
     low, high = (100.0 * share for share in summary["reached_interval"])
     return (
-        f"- **It arrives.** {reached} of {tried} unseen tasks, with any object, friction "
-        "and goal and no mode given, ended within 10 mm and 2° in Drake (95 % interval "
-        f"{low:.0f} to {high:.0f} %), half of them within {position:.1f} mm and "
-        f"{yaw:.1f}° ([random tasks](docs/random-tasks.md))."
+        f"- **It arrives.** Of {summary['drawn']} random tasks with no mode given, {tried} "
+        f"were attempted; {summary['refused']} were refused before anything moved. "
+        f"{summary['reached']} of the {tried} ended within 10 mm and 2° in Drake (95 % "
+        f"interval {low:.0f} to {high:.0f} %), half of them within {position:.1f} mm and "
+        f"{yaw:.1f}°{by_older(tables)}. The objects: {drawn_objects()} "
+        "([random tasks](docs/random-tasks.md))."
     )
+
+
+def drawn_objects() -> str:
+    """The ranges of the objects that are drawn where no mode is given."""
+    (low, high), (low_two, high_two) = (sampling.ANY_SIZE[arms] for arms in (1, 2))
+    masses = [mass for bounds in sampling.ANY_MASS.values() for mass in bounds]
+    friction = " to ".join(map(str, sampling.SUPPORT_FRICTION))
+    return (
+        f"boxes, prisms and cylinders of {100 * low:.0f} to {100 * high:.0f} cm (for two "
+        f"arms {100 * low_two:.0f} cm to {high_two:.0f} m) and {min(masses)} to "
+        f"{max(masses):.0f} kg, on supports of friction {friction}"
+    )
+
+
+def by_older(tables: Iterable[Table]) -> str:
+    """Words for tables of which one is by sources with another contact solver."""
+    made = map(sources_of, tables)
+    older = any(one is not None and is_older(one) for one in made)
+    return " (simulated with an older contact solver)" if older else ""
 
 
 def short() -> list[str]:
-    """Return the table of the README: what reached its goal, of how many."""
-    groups = (
-        ("one motion of a given mode, 10 mm and 2°", KNOWN[: len(MODES)]),
-        ("no mode given, the same", KNOWN[len(MODES) :]),
-        ("the same as the first, in an uncertain world", UNCERTAIN),
-        ("from anywhere to anywhere among obstacles, refused ones counted too", ()),
-        ("knocked aside on the way", KNOCKS),
+    """The table of the README: what was drawn, refused, attempted and reached."""
+    rows = (
+        *((f"one motion of {table.what}", (table,)) for table in KNOWN[: len(MODES)]),
+        *((table.what, (table,)) for table in KNOWN[len(MODES) :]),
+        ("these five modes together, in an uncertain world", UNCERTAIN),
+        *((f"among obstacles: {t.what}", (t,)) for t in AMONG_OBSTACLES[:-1]),
+        (AMONG_OBSTACLES[-1].what, AMONG_OBSTACLES[-1:]),
+        (f"knocked aside on the way, {len(KNOCKS)} shipped tasks", KNOCKS),
     )
-    out = ["| unseen tasks | reached their goal, of so many |", "|---|---|"]
-    for what, tables in groups:
-        counted = [(t.what, read(t)[0]) for t in tables or AMONG_OBSTACLES]
-        cells = [
-            f"{name.removeprefix('any mode, ')} {sum(map(reached_by, rows))} of {number}"
-            for name, rows in counted
-            if (number := len(rows) if not tables else ran(rows))
-        ]
-        if cells:
-            out.append(f"| {what} | {', '.join(cells)} |")
-    return out
+    head = "| random tasks | drawn | refused | attempted | reached | sources |"
+    return [
+        head,
+        "|---|---|---|---|---|---|",
+        *(short_line(what, tables) for what, tables in rows),
+    ]
+
+
+def short_line(what: str, tables: Sequence[Table]) -> str:
+    """A line of the README's table: what became of some tables together."""
+    begun = [table for table in tables if read(table)[0]]
+    if not begun:
+        return f"| {what} | not drawn yet | | | | |"
+    summary = summarise([row for table in begun for row in read(table)[0]], ())
+    attempted = summary["attempted"]
+    part = 100 * summary["attempted_share"]
+    reached = f"{summary['reached']}"
+    if summary["reached_share"] is not None:
+        reached += f": {100 * summary['reached_share']:.0f} % of the attempted"
+    if len(begun) > 1:
+        counts = [sum(map(reached_by, read(table)[0])) for table in begun]
+        tried = " or ".join(sorted({str(ran(read(table)[0])) for table in begun}))
+        reached += f"; each {min(counts)} to {max(counts)} of {tried}"
+    cells = (
+        what,
+        summary["drawn"],
+        summary["refused"],
+        f"{attempted}: {part:.0f} %",
+        reached,
+        "; ".join(dict.fromkeys(named(sources_of(table)) for table in begun)),
+    )
+    return "| " + " | ".join(map(str, cells)) + " |"
 
 
 def ran(rows: Sequence[dict[str, Any]]) -> int:

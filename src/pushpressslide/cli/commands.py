@@ -193,7 +193,10 @@ class RunOptions:
     ] = Models.generated
     anyway: Annotated[
         bool,
-        typer.Option("--anyway", help="Run the best choice even if judged infeasible."),
+        typer.Option(
+            "--anyway",
+            help="Run the best choice that has a path, even if judged infeasible.",
+        ),
     ] = False
     force: Force = False
 
