@@ -31,7 +31,7 @@ from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.scenes import (
     add_object,
-    mesh_size,
+    object_modulus,
     rest_height,
     tip_properties,
 )
@@ -138,7 +138,7 @@ class _Rig:
         solve_contacts(plant)
         frictions = SurfaceFrictions.of_task(task)
         shape = body.shape
-        self._object = add_object(plant, body, frictions.object, mesh_size(shape))
+        self._object = add_object(plant, body, frictions.object, object_modulus(task))
         plane = add_plane(plant, TABLE, frictions.support)
         plane.stand(plant, self._object, shape, frictions.object, probe.cells)
         tip = tip_properties(hand, frictions)
