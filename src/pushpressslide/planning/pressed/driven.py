@@ -19,13 +19,14 @@ from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
 from pushpressslide.core.task import ObjectModel, Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import utilisation_margin
-from pushpressslide.mechanics.pressing import press_utilisation
+from pushpressslide.mechanics.pressing import lever_refusal, press_utilisation
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import (
     PressedRoute,
     PressedVehicle,
+    axle_refusal,
     backing_up,
     press_of,
     pressed_vehicle,
@@ -219,6 +220,8 @@ def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[
         for load in placements.loads:  # a lighter press tips less
             press = Press(replace(contact, load=load), backward)
             choice = driven_choice(task, mode, press)
+            refusal = lever_refusal(task.scene, press.contact)
+            choice = choice.refused(refusal or choice.refusal)
             if choice.feasible:
                 break
         out.append(choice)
@@ -260,7 +263,12 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
         return draft.refused(Refusal("steering", text, steering, least, "rad"))
     angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
-    return driven_choice(task, draft.mode, press)
+    steered = driven_choice(task, draft.mode, press)
+    if not steered.feasible:
+        return steered
+    driven = steered.segments[-1].drive
+    assert isinstance(driven, UnicycleDrive)
+    return steered.refused(axle_refusal(task.object, driven.car))
 
 
 def driven_again(
