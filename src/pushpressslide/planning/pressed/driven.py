@@ -26,7 +26,6 @@ from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import (
     PressedRoute,
     PressedVehicle,
-    axle_refusal,
     backing_up,
     press_of,
     pressed_vehicle,
@@ -263,12 +262,7 @@ def with_turns(task: Task, draft: Choice, least: float) -> Choice:
         return draft.refused(Refusal("steering", text, steering, least, "rad"))
     angle = margins.PLANNED_STEERING * min(drive.steepest, steering)
     press = Press(contact, backward, angle, steering)
-    steered = driven_choice(task, draft.mode, press)
-    if not steered.feasible:
-        return steered
-    driven = steered.segments[-1].drive
-    assert isinstance(driven, UnicycleDrive)
-    return steered.refused(axle_refusal(task.object, driven.car))
+    return driven_choice(task, draft.mode, press)
 
 
 def driven_again(

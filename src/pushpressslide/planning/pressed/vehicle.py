@@ -16,7 +16,7 @@ from pushpressslide.core.path import ArcPath, advance
 from pushpressslide.core.plan import Contact, Segment
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.refusal import Refusal, RefusedError
-from pushpressslide.core.scene import ObjectModel, Scene
+from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
 from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.planning.run_in import gentlest, room
@@ -102,30 +102,15 @@ def pressed_vehicle(
     return PressedVehicle(press, car, car.X_BV, steepest, least)
 
 
-def axle_refusal(body: ObjectModel, car: Unicycle) -> Refusal | None:
-    """Return that a vehicle's virtual axle is too far away to be followed; None if it is
-    not.
-    """
-    distance = math.dist(car.X_BV.position, car.cop)
-    farthest = margins.FARTHEST_AXLE * body.radius
-    if distance <= farthest:
-        return None
-    text = (
-        "its virtual axle is {figure:m.2f} from the centre of pressure, allowed "
-        f"{{allowed:m.2f}}, {margins.FARTHEST_AXLE:g} radii of the object"
-    )
-    return Refusal("axle", text, distance, farthest, "m")
-
-
 def way_back(press: Press, backward: bool) -> Unicycle | None:
     """Return the vehicle for a short straight way; None where the object would tip, or
-    cannot be steered: since the drag moves the centre of pressure by more than the
-    vehicle is long, or since the virtual axle is too far away.
+    cannot be steered since the drag moves the centre of pressure by more than the
+    vehicle is long.
     """
     if _room(press, STEEPEST[0], backward) < margins.TIPPING_MARGIN:
         return None
     car = steered(press, backward, 0.0)
-    if car.length <= car.shift or axle_refusal(press.body, car) is not None:
+    if car.length <= car.shift:
         return None
     return car
 
