@@ -31,7 +31,7 @@ SURE_LEVER = 4.0
 press that steers. With that the heading is wrong by a quarter of a radian at most, which
 the way there tells.
 """
-PATCH = 0.15
+PATCH = 0.16
 """Of a tip's radius: the arm of the friction by which the patch under a press holds the
 object's turn, two thirds of the patch's own radius. Where the drag about the centre of
 pressure has less moment, the object turns as the tool does, whatever the force.
