@@ -26,9 +26,8 @@ from pushpressslide.planning import levers
 from pushpressslide.robots.kinematics import arm_kinematics
 from pushpressslide.sim.joints import joint_path
 from pushpressslide.sim.joints.approach import CAREFUL, LEAST_GAP
-from pushpressslide.sim.joints.arm_problem import CLEARANCE
 from pushpressslide.sim.joints.arms import APART, ArmPath, drawn_back, joint_paths
-from pushpressslide.sim.joints.clearance import LOOK, ClearanceModel
+from pushpressslide.sim.joints.clearance import CLEARANCE, LOOK, ClearanceModel
 from pushpressslide.sim.joints.outline import Outline, least_distance
 
 
@@ -45,8 +44,8 @@ def check_way_back(plan: Plan, arm: int, path: JointPath) -> None:
     assert path.room <= margins.ARM.retreat + 1e-9
     assert (kin.joint_margin(path.back[1:]) >= margins.ARM.joint_buffer).all()
     end = [plan.segments[-1].goal] * len(path.back)
-    clear, pair = ClearanceModel(plan, arm).least(path.back, end, touching=True)
-    assert clear >= CLEARANCE, pair
+    gap = ClearanceModel(plan, arm).least(path.back, end, touching=True)
+    assert gap.distance >= CLEARANCE, gap.pair
 
 
 def check(
@@ -62,10 +61,10 @@ def check(
         if arm not in moving:
             continue
         np.testing.assert_array_equal(path.approach[0], posture)
-        clear, pair = ClearanceModel(plan, arm).least(
+        gap = ClearanceModel(plan, arm).least(
             path.approach, [plan.task.start] * len(path.approach), touching=False
         )
-        assert clear >= CLEARANCE, pair
+        assert gap.distance >= CLEARANCE, gap.pair
         assert np.abs(np.diff(path.approach, axis=0)).max() < 0.1
         assert (np.diff(path.approach_time) > 0.0).all()
         check_way_back(plan, arm, path)

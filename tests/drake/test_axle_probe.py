@@ -3,13 +3,16 @@ height.
 """
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 from pushpressslide.core.errors import SimulationError
+from pushpressslide.core.shapes import Box
+from pushpressslide.core.task import ObjectModel
+from pushpressslide.mechanics.press_axle import Press
 from pushpressslide.sim.axle_probe import Probe, probe_axle
 from pushpressslide.studies.paper.virtual_axle import (
     TASK,
@@ -48,6 +51,23 @@ def test_pulled_and_pushed_it_turns_about_points_over_twenty_centimetres_apart()
     pushed = row_of(Case(165, 8.0, 0.1))
     assert pulled["measured"] - pushed["measured"] > 0.2
     assert pulled["without_height"] == pytest.approx(pushed["without_height"], abs=1e-6)
+
+
+@pytest.mark.parametrize("angle", [60.0, 150.0])
+def test_a_light_body_turns_about_the_predicted_axle(angle: float) -> None:
+    """30 g under a press of 4 N: the drag has a lever of 2 mm, so that little friction
+    at the tip turns the body otherwise.
+    """
+    base = load_task(TASK)
+    light = ObjectModel(Box((0.1, 0.1, 0.05)), 0.03, (0.0, 0.0))
+    task = replace(base, object=light)
+    place = (0.03, 0.0)
+    found = probe_axle(task, Probe(place, 4.0, math.radians(angle)))
+    press = Press(light, task.support.friction, place, found.load)
+    twist = press.twist(found.force_angle)
+    assert found.axle == pytest.approx(-twist.vy / twist.w, rel=0.015)
+    low, high = found.axle_band
+    assert high - low < 2e-3
 
 
 def test_a_hand_that_keeps_its_yaw_moves_the_axle_by_its_spin_friction() -> None:

@@ -13,7 +13,8 @@ from pushpressslide.core.record import Record
 from pushpressslide.core.task import Task
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
-from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
+from pushpressslide.sim.joints.arm_problem import ArmProblem
+from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import task_from_data
 
 BOX: dict[str, Any] = {
@@ -126,11 +127,10 @@ def test_an_arm_whose_home_is_in_the_way_is_parked_before_the_object_moves() -> 
     q = record.arrays["joint_position_1"]
     moving = record.arrays["phase"] == 2
     assert np.allclose(q[0], waiting.kin.facts.home, atol=1e-3)
-    at_home, pair = waiting.waiting_clearance(q[0])
-    assert at_home < 0.0
-    assert "object" in pair
-    parked, _ = waiting.waiting_clearance(q[moving][0])
-    assert parked > 0.02
+    at_home = waiting.waiting_clearance(q[0])
+    assert at_home.distance < 0.0
+    assert "object" in at_home.pair
+    assert waiting.waiting_clearance(q[moving][0]).distance > 0.02
     assert travel(record, 1, record.arrays["phase"] >= 1) < 0.01
 
 

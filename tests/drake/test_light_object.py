@@ -33,3 +33,31 @@ def test_a_tip_does_not_lean_on_the_face_of_a_light_object() -> None:
     upright = np.abs(force[:, 2])
     assert np.median(upright) < 0.05
     assert np.percentile(upright, 75.0) < 0.08
+
+
+LIGHT_PRESSED = (
+    # shape, mass [kg], friction of support and tip, radius of the tip [m]
+    ("{box: [0.0508, 0.0254, 0.0064]}", 0.025, 0.3, 0.6, 0.004),
+    ("{box: [0.104, 0.042, 0.022]}", 0.030, 0.41, 0.64, 0.008),
+    ("{box: [0.101, 0.104, 0.032]}", 0.042, 0.2, 0.39, 0.012),
+)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", LIGHT_PRESSED, ids=str)
+def test_a_light_object_that_the_press_can_turn_reaches_its_goal(
+    case: tuple[str, float, float, float, float],
+) -> None:
+    shape, mass, support, contact, radius = case
+    settings = (
+        f"object.shape={shape}",
+        f"object.mass={mass}",
+        f"support.friction={support}",
+        f"contact.friction={contact}",
+        f"robots.0.tip_radius={radius}",
+        "start={x: 0.45, y: 0.05}",
+        "goal={x: 0.50, y: -0.08, yaw_deg: -20}",
+        "motion={}",
+    )
+    _, record, _ = simulate(load_task("press-slide", settings))
+    assert record.reason == "goal_reached"

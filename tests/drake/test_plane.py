@@ -27,7 +27,7 @@ from pushpressslide.sim.plane import (
     base_meshes,
     base_triangles,
 )
-from pushpressslide.sim.scenes import add_object, mesh_size, solid_inertia
+from pushpressslide.sim.scenes import add_object, solid_inertia
 from pushpressslide.sim.surfaces import partner_friction, softness
 from pushpressslide.sim.volume_mesh import VolumeMesh
 
@@ -151,7 +151,7 @@ class Standing:
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.002)
         solve_contacts(plant)
-        self.body = add_object(plant, body, 1.0, mesh_size(body.shape))
+        self.body = add_object(plant, body, 1.0)
         plane = add_plane(plant, frame, 0.3)
         plane.stand(plant, self.body, body.shape, 1.0)
         plant.Finalize()
@@ -218,7 +218,7 @@ def pushed(time_step: float) -> tuple[float, float]:
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
     solve_contacts(plant)
-    box = add_object(plant, body, 1.0, mesh_size(body.shape))
+    box = add_object(plant, body, 1.0)
     plane = add_plane(plant, TABLE, partner_friction(0.4))
     plane.stand(plant, box, body.shape, 1.0)
     plant.Finalize()

@@ -17,7 +17,7 @@ from pushpressslide.report.metrics import result
 from pushpressslide.robots.facts import load_facts
 from pushpressslide.robots.urdf import urdf_text
 from pushpressslide.sim.engine import run as run_drake
-from pushpressslide.sim.joints.arm_problem import CLEARANCE
+from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import task_from_data
 
 ROD = '<frame name="tool" link="panda_link8" xyz="0 0 0.15" rpy="0 0 0"/></robot>'

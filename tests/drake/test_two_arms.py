@@ -6,7 +6,7 @@ import pytest
 
 from pushpressslide.jobs.run import simulate
 from pushpressslide.report.metrics import result
-from pushpressslide.sim.joints.arm_problem import CLEARANCE
+from pushpressslide.sim.joints.clearance import CLEARANCE
 from pushpressslide.taskfile.load import load_task
 
 

@@ -13,8 +13,9 @@ from pushpressslide.core.errors import InfeasibleTaskError
 from pushpressslide.core.plan import JointPath
 from pushpressslide.core.task import Task
 from pushpressslide.sim.joints.approach import Approach
-from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
+from pushpressslide.sim.joints.arm_problem import ArmProblem
 from pushpressslide.sim.joints.arms import joint_paths
+from pushpressslide.sim.joints.clearance import CLEARANCE, Gap
 from pushpressslide.sim.joints.joint_path import search
 from pushpressslide.taskfile.load import load_task, task_from_data
 
@@ -62,11 +63,11 @@ def test_it_is_parked_with_room_about_it_if_it_is_in_the_way() -> None:
     problem = waiting(-0.25)
     path = way(problem)
     home = problem.kin.facts.home
-    assert problem.waiting_clearance(home)[0] < 0.0
+    assert problem.waiting_clearance(home).distance < 0.0
     assert np.array_equal(path.approach[0], home)
     assert np.array_equal(path.approach[-1], path.move[0])
     assert np.ptp(path.move, axis=0).max() == 0.0
-    assert problem.waiting_clearance(path.move[0])[0] >= margins.ARM.waiting
+    assert problem.waiting_clearance(path.move[0]).distance >= margins.ARM.waiting
     assert path.clearance >= CLEARANCE
 
 
@@ -76,7 +77,7 @@ def test_it_is_led_around_what_is_in_the_direct_way(
     monkeypatch.setattr(Approach, "_direct", lambda *_: iter(()))
     problem = waiting(-0.25)
     path = way(problem)
-    assert problem.waiting_clearance(path.move[0])[0] >= CLEARANCE
+    assert problem.waiting_clearance(path.move[0]).distance >= CLEARANCE
     for q in path.approach:
         assert problem.free(problem.clearance, q)
 
@@ -85,7 +86,7 @@ def test_where_it_can_wait_nowhere_the_arm_and_the_nearest_miss_are_named(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(
-        ArmProblem, "waiting_clearance", lambda *_: (0.001, "link_7 and object")
+        ArmProblem, "waiting_clearance", lambda *_: Gap(0.001, "link_7 and object")
     )
     said = (
         "robots: the iiwa7 has no place to wait: waiting, link_7 and object come as near "
@@ -105,8 +106,8 @@ def test_it_keeps_clear_of_what_the_object_pushes() -> None:
         home[None], problem.object_path.shapes[:1], touching=False
     )
     pushed = problem.waiting_clearance(home)
-    assert "cube" in pushed[1]
-    assert pushed[0] < stands[0] - 0.01
+    assert "cube" in pushed.pair
+    assert pushed.distance < stands.distance - 0.01
     again = problem.clearance.least(
         home[None], problem.object_path.shapes[:1], touching=False
     )

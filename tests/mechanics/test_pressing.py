@@ -1,18 +1,26 @@
 """How hard to press, and where."""
 
 import math
+from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pushpressslide.core import margins
+from pushpressslide.core.constants import GRAVITY
+from pushpressslide.core.plan import Contact
 from pushpressslide.core.refusal import RefusedError
-from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
+from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism, Task
 from pushpressslide.mechanics.pressing import (
     friction_use,
+    least_lever,
     least_load,
+    lever_refusal,
     press_loads,
 )
 from pushpressslide.mechanics.top import inside_top, room_inside, top_places
+from pushpressslide.taskfile.load import load_task
 
 BAR = ObjectModel(Box((0.6, 0.2, 0.1)), 0.3, (0.0, 0.0))
 
@@ -22,6 +30,32 @@ def test_the_least_press_uses_all_of_its_friction() -> None:
     assert load == pytest.approx(0.3 * 10.0 / 0.3)
     assert friction_use(load, 10.0, 0.3, 0.6) == pytest.approx(1.0)
     assert least_load(10.0, 0.3, 0.3) == math.inf
+
+
+def light(mass: float, load: float, place: float, mu_contact: float = 0.8) -> Task:
+    """A bar of a ``mass`` [kg], pressed on its long axis with ``load`` [N]."""
+    base = load_task("press-slide")
+    motion = replace(base.motion, contacts=((place, 0.0),), press_force=load)
+    body = replace(base.object, mass=mass)
+    return replace(base, object=body, contact_friction=mu_contact, motion=motion)
+
+
+@given(st.floats(0.005, 1.0), st.floats(3.0, 40.0), st.floats(0.35, 1.0))
+def test_at_the_least_lever_drag_and_tip_hold_each_other(
+    mass: float, load: float, mu_contact: float
+) -> None:
+    scene = light(mass, load, 0.2, mu_contact).scene
+    lever = least_lever(scene, load)
+    drag = scene.support.friction * (mass * GRAVITY + load)
+    held = mu_contact * load * margins.PATCH * scene.tip_radius
+    assert drag * lever == pytest.approx(held)
+    press = Contact(0, "top", (0.2, 0.0), (0.0, 0.0), 0.1, load)
+    own = 0.2 * mass * GRAVITY / (mass * GRAVITY + load)
+    refusal = lever_refusal(scene, press)
+    assert (refusal is None) == (own >= lever)
+    if refusal is not None:
+        assert refusal.figure == pytest.approx(own)
+        assert refusal.allowed == pytest.approx(lever)
 
 
 def test_what_the_object_pushes_is_dragged_along_too() -> None:

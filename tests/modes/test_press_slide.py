@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from pushpressslide import load_task
@@ -12,7 +13,7 @@ from pushpressslide.core.plan import Contact
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, Task
 from pushpressslide.jobs.sampling import random_task
-from pushpressslide.mechanics.pressing import least_load
+from pushpressslide.mechanics.pressing import least_load, lever_refusal
 from pushpressslide.modes.press_slide import MODE, dragged
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import press_of
@@ -65,6 +66,52 @@ def test_a_press_that_does_not_steer_like_a_unicycle_is_tried_last() -> None:
     assert isinstance(drive, UnicycleDrive)
     press = press_of(task.scene, best.contacts[0])
     assert steering_of(press, drive.car.backward, task.motion.speed) == 0.0
+
+
+@pytest.mark.parametrize("mass", [0.005, 0.01, 0.03])
+def test_a_body_that_turns_with_the_tool_is_refused_with_its_lever(
+    mass: float,
+) -> None:
+    task = replace(BASE, object=replace(BASE.object, mass=mass))
+    choices = MODE.choices(task)
+    assert not any(choice.feasible for choice in choices)
+    held = [c.refusal for c in choices if c.refusal and c.refusal.code == "held"]
+    assert held
+    lever = 0.2 * mass * GRAVITY / (mass * GRAVITY + 8.0)
+    assert held[0].figure == pytest.approx(lever)
+    assert "turns with the tool" in str(held[0])
+
+
+def light_task(index: int) -> Task:
+    """A small light object that is to go somewhere about a hand away."""
+    rng = np.random.default_rng([601, index])
+    length, width = rng.uniform(0.03, 0.15, 2).tolist()
+    size = (length, width, float(rng.uniform(0.02, 0.1)))
+    start = Pose2(0.5, 0.0, float(rng.uniform(-math.pi, math.pi)))
+    ahead = float(rng.uniform(-math.pi, math.pi))
+    way = (0.12 * math.cos(ahead), 0.12 * math.sin(ahead))
+    turn = float(rng.uniform(-0.6, 0.6))
+    support = float(rng.uniform(0.2, 0.6))
+    robot = replace(BASE.robots[0], tip_radius=float(rng.uniform(0.005, 0.02)))
+    return replace(
+        BASE,
+        object=ObjectModel(Box(size), float(rng.uniform(0.005, 0.1)), (0.0, 0.0)),
+        start=start,
+        goal=Pose2(*start.apply(way), start.yaw + turn),
+        support=replace(BASE.support, friction=support),
+        contact_friction=min(0.8, float(rng.uniform(1.2, 2.5)) * support),
+        motion=replace(BASE.motion, contacts=None, press_force=None),
+        robots=(robot,),
+    )
+
+
+@pytest.mark.parametrize("index", range(12))
+def test_no_light_body_is_pressed_where_the_tip_holds_its_turn(index: int) -> None:
+    task = light_task(index)
+    for choice in MODE.choices(task):
+        if choice.feasible:
+            (contact,) = choice.contacts
+            assert lever_refusal(task.scene, contact) is None
 
 
 def test_a_top_too_small_for_a_tip_is_refused_by_name() -> None:

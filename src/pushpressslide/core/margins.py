@@ -31,6 +31,11 @@ SURE_LEVER = 4.0
 press that steers. With that the heading is wrong by a quarter of a radian at most, which
 the way there tells.
 """
+PATCH = 0.16
+"""Of a tip's radius: the arm of the friction by which the patch under a press holds the
+object's turn, two thirds of the patch's own radius. Where the drag about the centre of
+pressure has less moment, the object turns as the tool does, whatever the force.
+"""
 LEVER_SHARE = 0.5
 """Of the longest lever about a pinned point: places with less are left out."""
 OVER_EDGE = 0.3

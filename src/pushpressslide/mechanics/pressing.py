@@ -123,6 +123,33 @@ def pressed_cop(contact: Point, load: float, weight: float) -> Point:
     return (n * contact[0], n * contact[1])
 
 
+def least_lever(scene: Scene, load: float) -> float:
+    """Return the least lever [m] of a press of ``load`` [N], from the centre of pressure,
+    whose drag turns the object against the friction under the tip.
+
+    mu_s N d = mu_a N_a a, with the arm a of the tip's patch.
+    """
+    holding = scene.contact_friction * load * margins.PATCH * scene.tip_radius
+    return holding / scene.max_friction(load)
+
+
+def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
+    """Return that a press has too short a lever to turn the object; None if it has
+    not.
+    """
+    cop = pressed_cop(press.point, press.load, scene.weight_on)
+    lever = math.dist(press.point, cop)
+    least = least_lever(scene, press.load)
+    if lever >= least:
+        return None
+    text = (
+        f"pressed with {press.load:.1f} N an object of {scene.weight_on:.2f} N turns "
+        "with the tool: the drag has a lever of {figure:mm.2f}, allowed from "
+        "{allowed:mm.2f}, where it outweighs the friction under the tip"
+    )
+    return Refusal("held", text, lever, least, "m")
+
+
 def resting_cop(scene: Scene, presses: Sequence[Contact]) -> Point:
     """Return the centre of pressure [m] in B under presses without drag."""
     loads = [contact.load for contact in presses]

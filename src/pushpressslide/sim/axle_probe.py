@@ -31,7 +31,7 @@ from pushpressslide.sim.plane import add_plane
 from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.scenes import (
     add_object,
-    mesh_size,
+    object_modulus,
     rest_height,
     tip_properties,
 )
@@ -46,7 +46,10 @@ SETTLED = 1.8  # [s] when the measurement begins
 END = 3.0  # [s]
 DRAG_DAMPING = 500.0  # [N s/m] of the servo along the force
 LIFT_DAMPING = 20.0  # [N s/m] of the tip's vertical motion
-YAW_DAMPING = 1.0  # [N m s/rad] between the hand's yaw and the object's
+# [1/s] at which the hand's turn rate comes to the object's: a tip that lags holds the
+# object back by its friction, with more than the drag's moment where the body is light
+YAW_RATE = 100.0
+YAW_DAMPING = 1.0  # [N m s/rad] of the hand's yaw, if it is held
 YAW_STIFFNESS = 50.0  # [N m/rad] of the hand's yaw, if it is held
 LEAST_TURN_RATE = 2e-3  # [rad/s] slower turns do not define an axle
 
@@ -138,7 +141,7 @@ class _Rig:
         solve_contacts(plant)
         frictions = SurfaceFrictions.of_task(task)
         shape = body.shape
-        self._object = add_object(plant, body, frictions.object, mesh_size(shape))
+        self._object = add_object(plant, body, frictions.object, object_modulus(task))
         plane = add_plane(plant, TABLE, frictions.support)
         plane.stand(plant, self._object, shape, frictions.object, probe.cells)
         tip = tip_properties(hand, frictions)
@@ -186,7 +189,9 @@ class _Rig:
         self.object_v = v0 + self._object.floating_velocities_start_in_v()
         self.weight = -plant.CalcGravityGeneralizedForces(self.state)[v]
         # [kg] along the support
-        self.inertia = float(plant.CalcMassMatrix(self.state)[v[0], v[0]])
+        mass = plant.CalcMassMatrix(self.state)
+        self.inertia = float(mass[v[0], v[0]])
+        self.yaw_inertia = float(mass[v[3], v[3]])  # [kg m^2]
 
     def run(self) -> Array:
         """Return rows (N, 8) of the settled part, in B: the CoM's velocity and turn
@@ -238,7 +243,7 @@ class _Rig:
                 YAW_STIFFNESS * (x[self.hand_q[3]] - self.home[3]) + YAW_DAMPING * turn
             )
         else:
-            out[3] += YAW_DAMPING * (w - turn)
+            out[3] += YAW_RATE * self.yaw_inertia * (w - turn)
         if t > DRAG_START:
             axis = math.atan2(probe.contact[1], probe.contact[0])
             c = math.cos(yaw + axis + probe.force_angle)

@@ -46,12 +46,14 @@ from pushpressslide.sim.plane import Plane, add_plane
 from pushpressslide.sim.robot_models import RobotInstance, add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import (
+    HYDROELASTIC_MODULUS,
     Bounds,
     SurfaceFrictions,
     convex_shapes,
     drawn_shape,
     rigid_properties,
     support_grid,
+    tip_modulus,
     touched_shape,
 )
 
@@ -201,8 +203,8 @@ def build_scene(
     )
     solve_contacts(plant, convex=convex)
     frictions = SurfaceFrictions.of_task(task)
-    shape = task.object.shape
-    object_body = add_object(plant, task.object, frictions.object, mesh_size(shape))
+    modulus = object_modulus(task)
+    object_body = add_object(plant, task.object, frictions.object, modulus)
     bodies = _add_obstacles(plant, task, frictions)
     plane = None
     bounds = None
@@ -264,15 +266,25 @@ def _add_grid(plant: MultibodyPlant, plan: Plan, frictions: SurfaceFrictions) ->
     return bounds
 
 
+def object_modulus(task: model.Task) -> float:
+    """Return the modulus [Pa] of a task's object, stiff enough for its tips."""
+    smallest = min(robot.tip_radius for robot in task.robots)
+    return tip_modulus(task.object.shape, smallest, task.limits.normal_force)
+
+
 def add_object(
-    plant: MultibodyPlant, body: model.ObjectModel, friction: float, mesh: float
+    plant: MultibodyPlant,
+    body: model.ObjectModel,
+    friction: float,
+    modulus: float = HYDROELASTIC_MODULUS,
 ) -> RigidBody:
-    """Add the object as a compliant body, meshed with edges of ``mesh`` [m]."""
+    """Add the object as a compliant body of a ``modulus`` [Pa]."""
+    shape = body.shape
     added = plant.AddRigidBody("object", default_model_instance(), solid_inertia(body))
     X = RigidTransform()
-    touched, properties = touched_shape(body.shape, friction, mesh)
+    touched, properties = touched_shape(shape, friction, mesh_size(shape), modulus)
     plant.RegisterCollisionGeometry(added, X, touched, "object", properties)
-    drawn = drawn_shape(body.shape)
+    drawn = drawn_shape(shape)
     plant.RegisterVisualGeometry(added, X, drawn, "object_visual", OBJECT_COLOR)
     return added
 

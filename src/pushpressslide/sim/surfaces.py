@@ -37,6 +37,8 @@ from pushpressslide.sim.layered_mesh import layered_mesh
 
 # [Pa] the indentation stays below 0.1 mm at the loads of a 3 kg object
 HYDROELASTIC_MODULUS = 1.0e7
+# of its radius, that a tip sinks in at most: the rod that holds it stays outside
+DEEPEST = 1.0 / 3.0
 DISSIPATION = 5.0  # [s/m] Hunt-Crossley; damps the bounce of the first touch
 OBJECT_FRICTION = 1.0  # of the object's own surface; those of its partners follow
 # friction of a pair over that of the smoother surface; 2 is the theoretical limit
@@ -346,8 +348,23 @@ def softness(shape: model.Shape) -> float:
     return 0.5 * min(shape.height, shape.breadth)
 
 
+def tip_modulus(shape: model.Shape, radius: float, force: float) -> float:
+    """Return the modulus [Pa] of an object that tips of a ``radius`` [m] touch with up to
+    ``force`` [N].
+
+    A sphere sinks d deep into a layer of a modulus E and a thickness H under pi E radius
+    d^2 / H: the usual modulus is too soft for small tips.
+    """
+    depth = DEEPEST * radius
+    needed = force * softness(shape) / (math.pi * radius * depth * depth)
+    return max(HYDROELASTIC_MODULUS, needed)
+
+
 def touched_shape(
-    shape: model.Shape, friction: float, resolution: float
+    shape: model.Shape,
+    friction: float,
+    resolution: float,
+    modulus: float = HYDROELASTIC_MODULUS,
 ) -> tuple[DrakeShape, ProximityProperties]:
     """Return Drake's shape of an object to touch, and its properties, as of
     ``compliant_properties``; frame as of ``drawn_shape``.
@@ -356,13 +373,11 @@ def touched_shape(
     much as a convex object as thick as it is.
     """
     if shape.convex:
-        return drawn_shape(shape), compliant_properties(friction, resolution)
+        return drawn_shape(shape), compliant_properties(friction, resolution, modulus)
     outline = without_details(shape.corners)
     layered = layered_mesh(outline, shape.height)
     share = layered.depth / softness(shape)
-    properties = compliant_properties(
-        friction, resolution, share * HYDROELASTIC_MODULUS
-    )
+    properties = compliant_properties(friction, resolution, share * modulus)
     return layered.mesh.drake(), properties
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from pushpressslide.core import margins
 from pushpressslide.core.task import Task
+from pushpressslide.mechanics.pressing import lever_refusal
 from pushpressslide.planning.pressed.placements import press_placements
 from pushpressslide.taskfile.load import load_task
 
@@ -16,7 +17,7 @@ from pushpressslide.taskfile.load import load_task
 @pytest.fixture
 def task() -> Task:
     """A light cylinder on a support nearly as rough as the tip: the safest press has 12
-    times its weight.
+    times its weight. The tip is so small that it holds the object's turn nowhere.
     """
     overrides = (
         "object.shape={cylinder: {radius: 0.041, height: 0.073}}",
@@ -24,6 +25,7 @@ def task() -> Task:
         "support.friction=0.48",
         "contact.friction=0.74",
         "motion.contacts=null",
+        "robots.0.tip_radius=0.005",
     )
     return load_task("press-slide", overrides)
 
@@ -52,11 +54,21 @@ def test_firm_presses_come_first(task: Task) -> None:
     assert loads == sorted(loads, reverse=True)
 
 
-def test_no_press_is_left_out(task: Task) -> None:
+@pytest.mark.parametrize("radius", [0.005, 0.01, 0.02])
+def test_only_presses_whose_tip_holds_the_turn_are_left_out(
+    task: Task, radius: float
+) -> None:
+    task = replace(task, robots=(replace(task.robots[0], tip_radius=radius),))
     placements = press_placements(task)
     groups = placements.turning(task.scene)
     presses = {(press.point, press.load) for group in groups for press in group}
-    assert len(presses) == len(placements.contacts) * len(placements.loads)
+    every = [
+        replace(place, load=load)
+        for place in placements.contacts
+        for load in placements.loads
+    ]
+    turned = [p for p in every if lever_refusal(task.scene, p) is None]
+    assert presses == {(press.point, press.load) for press in turned}
 
 
 def test_a_heavy_object_has_the_safest_press_first(task: Task) -> None:

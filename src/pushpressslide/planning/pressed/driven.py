@@ -19,7 +19,7 @@ from pushpressslide.core.refusal import Refusal, RefusedError, refusal_of
 from pushpressslide.core.task import ObjectModel, Task, Vehicle
 from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.mechanics.friction import utilisation_margin
-from pushpressslide.mechanics.pressing import press_utilisation
+from pushpressslide.mechanics.pressing import lever_refusal, press_utilisation
 from pushpressslide.mechanics.top import inside_top
 from pushpressslide.planning.pressed.placements import PressPlacements
 from pushpressslide.planning.pressed.turns import steering_of
@@ -219,6 +219,8 @@ def vehicle_choices(task: Task, mode: str, placements: PressPlacements) -> list[
         for load in placements.loads:  # a lighter press tips less
             press = Press(replace(contact, load=load), backward)
             choice = driven_choice(task, mode, press)
+            refusal = lever_refusal(task.scene, press.contact)
+            choice = choice.refused(refusal or choice.refusal)
             if choice.feasible:
                 break
         out.append(choice)

@@ -12,7 +12,7 @@ from pushpressslide.core.pose import Point
 from pushpressslide.core.refusal import Refusal, RefusedError
 from pushpressslide.core.scene import Scene
 from pushpressslide.core.task import Task
-from pushpressslide.mechanics.pressing import press_loads, pressed_cop
+from pushpressslide.mechanics.pressing import lever_refusal, press_loads, pressed_cop
 from pushpressslide.mechanics.top import inside_top, top_places
 from pushpressslide.planning.tool_drag import tool_load
 from pushpressslide.rom.drives import ORIGIN
@@ -26,9 +26,9 @@ class PressPlacements:
     loads: tuple[float, ...]  # [N], the safest first
 
     def turning(self, scene: Scene) -> list[list[Contact]]:
-        """Return the presses on the top that turn the object, those off its CoM, in
-        groups of one load: firm ones, the safest first, before those that a small creep
-        of the tip turns far.
+        """Return the presses on the top that turn the object, those far enough off its
+        CoM, in groups of one load: firm ones, the safest first, before those that a
+        small creep of the tip turns far.
         """
         places = [
             contact
@@ -38,6 +38,10 @@ class PressPlacements:
         ]
         groups = [
             [replace(place, load=load) for place in places] for load in self.loads
+        ]
+        groups = [
+            [press for press in group if lever_refusal(scene, press) is None]
+            for group in groups
         ]
         firm = [[press for press in group if _firm(scene, press)] for group in groups]
         loose = [

@@ -22,14 +22,11 @@ from pushpressslide.robots.kinematics import ArmKinematics, arm_kinematics
 from pushpressslide.robots.tool import ToolAttitude
 from pushpressslide.sim.arm_model import ArmModel
 from pushpressslide.sim.joints.approach import Approach
-from pushpressslide.sim.joints.clearance import ClearanceModel
+from pushpressslide.sim.joints.clearance import ClearanceModel, Gap
 from pushpressslide.sim.joints.postures import POSE, TipPath, ToolOption, tool_options
 
 STEP = 0.015  # [m] of the object's path between samples
 TURN_ARM = 0.2  # [m] of path that a turn by one radian counts as
-# [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
-# spare
-CLEARANCE = 0.005
 GLANCE = 4  # every fourth posture along a contact is checked before all of them are
 
 
@@ -141,16 +138,14 @@ class ArmProblem:
         rolls = contact.kind == "top" and float(np.ptp(yaws)) > TURNING
         return tool_options(azimuths, float(yaws[middle]), axes, rolls=rolls)
 
-    def contact_clearance(self, postures: Array) -> tuple[float, str]:
-        """Return the least distance [m] of postures (k, n) along the contact, and of
-        which pair: of every fourth posture where that is too small already.
+    def contact_clearance(self, postures: Array) -> Gap:
+        """Return the gap with the least to spare of postures (k, n) along the contact:
+        of every fourth posture where that is too small already.
         """
         coarse = self._along_contact(postures, GLANCE)
-        if coarse[0] < CLEARANCE:
-            return coarse
-        return self._along_contact(postures, 1)
+        return self._along_contact(postures, 1) if coarse.clear else coarse
 
-    def _along_contact(self, postures: Array, step: int) -> tuple[float, str]:
+    def _along_contact(self, postures: Array, step: int) -> Gap:
         """Return what ``contact_clearance`` does, of every ``step``th posture."""
         carried = {name: poses[::step] for name, poses in self._carried.items()}
         shapes = self.object_path.shapes[::step]
@@ -158,16 +153,16 @@ class ArmProblem:
             postures[::step], shapes, touching=True, bodies=carried
         )
 
-    def touch_clearance(self, postures: Array) -> tuple[float, str]:
-        """Return the least distance [m] of postures (k, n) from beside the object to the
-        contact, and of which pair.
+    def touch_clearance(self, postures: Array) -> Gap:
+        """Return the gap with the least to spare of postures (k, n) from beside the
+        object to the contact.
         """
         poses = self.object_path.shapes[:1] * len(postures)
         return self.clearance.least(postures, poses, touching=True)
 
-    def waiting_clearance(self, q: Array) -> tuple[float, str]:
-        """Return the least distance [m] of an arm that waits in a posture (n,) while the
-        object, and what it pushes, are moved; and of which pair.
+    def waiting_clearance(self, q: Array) -> Gap:
+        """Return the gap with the least to spare of an arm that waits in a posture (n,)
+        while the object, and what it pushes, are moved.
         """
         shapes = self.object_path.shapes
         postures = np.repeat(q[None], len(shapes), axis=0)
@@ -194,18 +189,16 @@ class ArmProblem:
         """The ways of the obstacles that the object pushes on its way, by name."""
         return carried_ways(self.plan.task, self.object_path.shapes)
 
-    def approach_clearance(
-        self, model: ClearanceModel, postures: Array
-    ) -> tuple[float, str]:
-        """Return the least distance [m] of postures (m, n) before the contact, and of
-        which pair.
+    def approach_clearance(self, model: ClearanceModel, postures: Array) -> Gap:
+        """Return the gap with the least to spare of postures (m, n) before the
+        contact.
         """
         poses = self.object_path.shapes[:1] * len(postures)
         return model.least(postures, poses, touching=False)
 
     def free(self, model: ClearanceModel, q: Array) -> bool:
         """Return whether a posture (n,) before the contact keeps its clearance."""
-        return self.approach_clearance(model, q[None])[0] >= CLEARANCE
+        return self.approach_clearance(model, q[None]).clear
 
 
 def _between(ends: tuple[Pose2, Pose2], share: float) -> Pose2:

@@ -19,7 +19,7 @@ from pushpressslide.core.plan import JointPath, Plan
 from pushpressslide.planning.side_contacts import room_before
 from pushpressslide.robots.continuation import continuation
 from pushpressslide.robots.tool import ToolAttitude
-from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
+from pushpressslide.sim.joints.arm_problem import ArmProblem
 from pushpressslide.sim.joints.clearance import LOOK
 from pushpressslide.sim.joints.joint_path import ArmPath, Solution, path_of_move, search
 from pushpressslide.sim.joints.outline import Outline, least_distance, pair_distances
@@ -155,8 +155,8 @@ def _way_back(
     end = objects.shapes[-1:]
 
     def clear(i: int) -> bool:
-        distance, _ = problem.clearance.least(way.q[i : i + 1], end, touching=True)
-        return distance >= CLEARANCE
+        gap = problem.clearance.least(way.q[i : i + 1], end, touching=True)
+        return gap.clear
 
     reached = len(way.q) if way.failed_at is None else max(1, way.failed_at)
     return way.q[: _clear_count(clear, reached)], room / (RETREAT_SAMPLES - 1)

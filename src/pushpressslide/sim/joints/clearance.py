@@ -5,7 +5,8 @@ made for planning only.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.geometry import Box as DrakeBox
@@ -39,6 +40,13 @@ from pushpressslide.sim.robot_models import add_robot
 from pushpressslide.sim.slabs import slabs
 from pushpressslide.sim.surfaces import convex_shapes
 
+# [m] least distance of the arm's capsules, which contain the real outline with 1 cm to
+# spare
+CLEARANCE = 0.005
+# of what a tip's sphere leaves between the rod that holds it and what it touches, less
+# than which the rod may not keep: the rest is for a tool that leans
+ROD_ROOM = 0.7
+TOUCHING = 12  # places round the sphere that are looked at for what it leaves
 LOOK = 0.08  # [m] larger distances are not computed
 PIECE = "#"  # before the number of a shape that is one of several of a body
 SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
@@ -46,6 +54,37 @@ SMOOTHING = 5e-4  # [m] of the smooth minimum over pairs
 SURFACE_LEVEL = -0.001
 SLAB = 6.0  # [m] edge of a plane's slab
 SLAB_DEPTH = 1.0  # [m]
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Two shapes, and how near they come."""
+
+    distance: float  # [m]
+    pair: str  # their names
+    allowed: float = CLEARANCE  # [m]
+
+    @property
+    def clear(self) -> bool:
+        """Whether they keep their clearance."""
+        return self.distance >= self.allowed
+
+    @property
+    def lack(self) -> float:
+        """By how much they are too near [m]; < 0 where they are not."""
+        return self.allowed - self.distance
+
+    @property
+    def text(self) -> str:
+        """By how much they are too near, in words."""
+        digits = 0 if self.allowed == CLEARANCE else 1
+        return (
+            f"{self.pair} come as near as {self.distance * 1e3:.1f} mm, allowed from "
+            f"{self.allowed * 1e3:.{digits}f} mm"
+        )
+
+
+NOTHING = Gap(LOOK, "nothing within reach")
 
 
 class ClearanceModel:
@@ -94,6 +133,7 @@ class ClearanceModel:
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
         self._query = plant.get_geometry_query_input_port()
         self._inspector = scene_graph.model_inspector()
+        self._allowed = self._allowed_at_contact(robots[arm].tip_radius)
 
     def _add_object(self, shape: Shape) -> None:
         """Add the object as a free body."""
@@ -130,6 +170,28 @@ class ClearanceModel:
             .ExcludeWithin(arm)
         )
 
+    def _allowed_at_contact(self, radius: float) -> dict[GeometryId, float]:
+        """Return how near [m] shapes that hold the tip may come to what its sphere of a
+        ``radius`` [m] touches, where the sphere leaves them less than the clearance.
+
+        The sphere touches with the half that faces away from them; what it leaves is
+        their least distance to that half.
+        """
+        tip = self._robot.tip_body
+        holding = set(_shapes(self._plant, self._plant.GetBodiesWeldedTo(tip)))
+        holding -= self.sphere
+        query = self._query.Eval(self._plant_context)
+        X_WT = self._robot.tip_frame.CalcPoseInWorld(self._plant_context)
+        left: dict[GeometryId, float] = {}
+        for direction in _half_of_sphere():
+            place = X_WT @ (radius * direction)
+            for near in query.ComputeSignedDistanceToPoint(place, CLEARANCE / ROD_ROOM):
+                if near.id_G in holding:
+                    least = min(near.distance, left.get(near.id_G, math.inf))
+                    left[near.id_G] = least
+        allowed = {shape: ROD_ROOM * least for shape, least in left.items()}
+        return {shape: a for shape, a in allowed.items() if 0.0 < a < CLEARANCE}
+
     def least(
         self,
         postures: Array,
@@ -137,9 +199,9 @@ class ClearanceModel:
         *,
         touching: bool,
         bodies: Mapping[str, Sequence[Pose2]] | None = None,
-    ) -> tuple[float, str]:
-        """Return the least distance [m], at most 0.08, over postures (k, n) and object
-        poses X_WG (k), and the names of its pair.
+    ) -> Gap:
+        """Return the gap with the least to spare, looked for up to 0.08 m, over postures
+        (k, n) and object poses X_WG (k).
 
         ``touching``: the tip's sphere touches the object on purpose; this pair is left
         out. ``bodies``: poses (k each) of movable obstacles by name, by default where
@@ -153,13 +215,11 @@ class ClearanceModel:
             name: [rigid_transform(X, self._heights[name], self._frame) for X in poses]
             for name, poses in (bodies or {}).items()
         }
-        least, pair = self.least_in_space(postures, transforms, shapes, moved)
+        gaps = [self._nearest(postures, transforms, shapes, moved, _lack)]
         for own, outline, q_still in self._still:
             apart = least_distance(own, outline, postures, q_still, LOOK)
-            if apart < least:
-                least = apart
-                pair = "the arms"
-        return float(least), pair
+            gaps.append(Gap(float(apart), "the arms"))
+        return max(gaps, key=_lack)
 
     def least_in_space(
         self,
@@ -174,20 +234,44 @@ class ClearanceModel:
         ``touching`` shapes of the arm may touch the object. ``bodies``: poses (k each)
         of movable obstacles by name, by default where the task has them.
         """
-        least = LOOK
-        pair = "nothing within reach"
-        bodies = bodies or {}
+        nearest = self._nearest(
+            postures, object_poses, touching, bodies or {}, _nearness
+        )
+        return nearest.distance, nearest.pair
+
+    def _nearest(
+        self,
+        postures: Array,
+        object_poses: Sequence[RigidTransform],
+        touching: Collection[GeometryId],
+        bodies: Mapping[str, Sequence[RigidTransform]],
+        order: Callable[[Gap], float],
+    ) -> Gap:
+        """Return the last in ``order`` of all gaps, as of ``least_in_space``."""
+        out = NOTHING
         before = {name: self._pose(name) for name in bodies}
         for i, (q, X) in enumerate(zip(postures, object_poses, strict=True)):
             for name, poses in bodies.items():
                 self._put(name, poses[i])
             for near in self._pairs(q, X, touching):
-                if near.distance < least:
-                    least = near.distance
+                gap = Gap(near.distance, "", self._allowance(near, touching))
+                if order(gap) > order(out):
                     pair = " and ".join(map(self._name, (near.id_A, near.id_B)))
+                    out = replace(gap, pair=pair)
         for name, pose in before.items():
             self._put(name, pose)
-        return float(least), pair
+        return out
+
+    def _allowance(
+        self, near: SignedDistancePair, touching: Collection[GeometryId]
+    ) -> float:
+        """Return how near [m] two shapes may come, where ``touching`` ones touch the
+        object.
+        """
+        between = {near.id_A, near.id_B}
+        if not touching or between.isdisjoint(self._object_shapes):
+            return CLEARANCE
+        return min(self._allowed.get(shape, CLEARANCE) for shape in between)
 
     def _name(self, shape: GeometryId) -> str:
         """Return the name of what a shape is a part of."""
@@ -208,7 +292,8 @@ class ClearanceModel:
         self, q: Array, object_pose: Pose2, *, touching: bool
     ) -> tuple[float, Array]:
         """Return a smooth lower bound of the least distance [m] of the moving links, and
-        its gradient (n,).
+        its gradient (n,); a pair that may be nearer than CLEARANCE counts as so much
+        farther.
         """
         X_WO = rigid_transform(object_pose, self._height, self._frame)
         shapes = self.sphere if touching else set()
@@ -219,7 +304,8 @@ class ClearanceModel:
         ]
         if not pairs:
             return LOOK, np.zeros(len(q))
-        distances = np.array([pair.distance for pair in pairs])
+        spare = [CLEARANCE - self._allowance(pair, shapes) for pair in pairs]
+        distances = np.array([pair.distance for pair in pairs]) + spare
         least = float(distances.min())
         weights = np.exp((least - distances) / SMOOTHING)
         total = float(weights.sum())
@@ -265,6 +351,24 @@ class ClearanceModel:
             if of_object and not between.isdisjoint(touching):
                 continue
             yield pair
+
+
+def _lack(gap: Gap) -> float:
+    return gap.lack
+
+
+def _nearness(gap: Gap) -> float:
+    return -gap.distance
+
+
+def _half_of_sphere() -> Iterator[Array]:
+    """Yield unit vectors (3,) in T all round the half of a tip's sphere that faces away
+    from what holds it: z of T points there.
+    """
+    for turn in np.linspace(0.0, 2.0 * math.pi, TOUCHING, endpoint=False):
+        for up in (0.0, 0.5, 1.0):
+            across = math.sqrt(1.0 - up * up)
+            yield np.array([across * math.cos(turn), across * math.sin(turn), up])
 
 
 def _add_surroundings(plant: MultibodyPlant, task: Task) -> None:

@@ -32,8 +32,8 @@ from pushpressslide.sim.joints.approach import (
     Descent,
     Trajectory,
 )
-from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem, ContactPath
-from pushpressslide.sim.joints.clearance import ClearanceModel
+from pushpressslide.sim.joints.arm_problem import ArmProblem, ContactPath
+from pushpressslide.sim.joints.clearance import CLEARANCE, ClearanceModel, Gap
 from pushpressslide.sim.joints.effort import largest_share
 from pushpressslide.sim.joints.postures import (
     JOINT_MARGIN,
@@ -49,7 +49,7 @@ from pushpressslide.sim.joints.postures import (
     shortfall,
 )
 from pushpressslide.sim.joints.refine import refined_move
-from pushpressslide.sim.joints.waiting import too_near, waiting_moves
+from pushpressslide.sim.joints.waiting import waiting_moves
 
 GLANCE = 8  # every eighth posture of an approach is checked before all of them are
 REFINED = 4  # most misses that are refined
@@ -179,12 +179,12 @@ def _stuck(problem: ArmProblem) -> Miss | None:
     if problem.start is None or problem.holds or problem.along is None:
         return None
     begin = problem.start[None]
-    clear, pair = problem.approach_clearance(problem.clearance, begin)
-    if clear >= CLEARANCE:
+    gap = problem.approach_clearance(problem.clearance, begin)
+    if gap.clear:
         return None
     posture = Posture(UPRIGHT, 0.0, begin)
-    why = f"where the arm stands {too_near(pair, clear)}"
-    return Miss(10.0 * (CLEARANCE - clear), why, posture, in_approach=True)
+    why = f"where the arm stands {gap.text}"
+    return Miss(10.0 * gap.lack, why, posture, in_approach=True)
 
 
 def path_of_move(
@@ -206,8 +206,9 @@ def path_of_move(
     along = problem.along
     if along is None:
         return _waiting_path(problem, move, others or {}, force, thorough)
-    clear, pair = problem.contact_clearance(posture.q)
-    miss = None if force else _contact_miss(problem, posture, clear, pair)
+    contact = problem.contact_clearance(posture.q)
+    clear = contact.distance
+    miss = None if force else _contact_miss(problem, posture, contact)
     if miss is not None:
         return miss
     if problem.holds:
@@ -216,24 +217,24 @@ def path_of_move(
     approach = problem.approach
     descent = approach.descent(along.tip, along.normal, posture, least_gap, care)
     touching = problem.touch_clearance(descent.touch)
-    if touching[0] < CLEARANCE and not force:
-        return _approach_miss(posture, descent, *touching)
-    clear = min(clear, touching[0])
+    if not touching.clear and not force:
+        return _approach_miss(posture, descent, touching)
+    clear = min(clear, touching.distance)
     model = _model(problem, others or {})
     trajectories = problem.approach.direct(descent)
     if thorough:
         around = problem.approach.around(descent, lambda q: problem.free(model, q))
         trajectories = chain(trajectories, around)
-    nearest = (-math.inf, "")
+    nearest = None
     for trajectory in trajectories:
         gap = _approach_clearance(problem, model, trajectory.postures)
-        if gap[0] >= CLEARANCE or force:
-            least = min(clear, gap[0])
+        if gap.clear or force:
+            least = min(clear, gap.distance)
             path = _joint_path(problem, move, trajectory, least, descent.gap)
             return replace(path, touch=descent.touch)
-        if gap[0] > nearest[0]:
+        if nearest is None or gap.lack < nearest.lack:
             nearest = gap
-    return _approach_miss(posture, descent, *nearest)
+    return _approach_miss(posture, descent, nearest)
 
 
 def _waiting_path(
@@ -245,7 +246,7 @@ def _waiting_path(
 ) -> JointPath | Miss:
     """Return the path of an arm to where it waits; the rest as in ``path_of_move``."""
     posture = move.posture.q[0]
-    clear, _ = problem.waiting_clearance(posture)
+    clear = problem.waiting_clearance(posture).distance
     begin = problem.approach.begin
     if np.array_equal(posture, begin):
         return _joint_path(problem, move, _standing(begin), clear, math.inf)
@@ -254,15 +255,16 @@ def _waiting_path(
     if thorough:
         around = problem.approach.to(posture, lambda q: problem.free(model, q))
         trajectories = chain(trajectories, around)
-    nearest = (-math.inf, "")
+    nearest = Gap(-math.inf, "")
     for trajectory in trajectories:
         gap = _approach_clearance(problem, model, trajectory.postures)
-        if gap[0] >= CLEARANCE or force:
-            return _joint_path(problem, move, trajectory, min(clear, gap[0]), math.inf)
-        nearest = max(nearest, gap)
-    clear, pair = nearest
-    why = f"on the way to where it waits, {too_near(pair, clear)}"
-    return Miss(10.0 * (CLEARANCE - clear), why, move.posture, in_approach=True)
+        if gap.clear or force:
+            least = min(clear, gap.distance)
+            return _joint_path(problem, move, trajectory, least, math.inf)
+        if gap.lack < nearest.lack:
+            nearest = gap
+    why = f"on the way to where it waits, {nearest.text}"
+    return Miss(10.0 * nearest.lack, why, move.posture, in_approach=True)
 
 
 def _standing(posture: Array) -> Trajectory:
@@ -295,38 +297,36 @@ def _joint_path(
 
 def _approach_clearance(
     problem: ArmProblem, model: ClearanceModel, postures: Array
-) -> tuple[float, str]:
-    """Return the least distance [m] and its pair: of every eighth posture where that
-    is too small already.
+) -> Gap:
+    """Return the gap with the least to spare: of every eighth posture where that is too
+    small already.
     """
     coarse = problem.approach_clearance(model, postures[::GLANCE])
-    if coarse[0] < CLEARANCE:
-        return coarse
-    return problem.approach_clearance(model, postures)
+    return problem.approach_clearance(model, postures) if coarse.clear else coarse
 
 
-def _approach_miss(posture: Posture, descent: Descent, clear: float, pair: str) -> Miss:
-    """Return why no approach is clear, or why there is none to judge."""
-    if clear == -math.inf:
+def _approach_miss(posture: Posture, descent: Descent, gap: Gap | None) -> Miss:
+    """Return why no approach is clear, or, without a ``gap``, why there is none to
+    judge.
+    """
+    if gap is None:
         why = "the arm is stretched too far to feel for it"
         if not descent.retreat.ok:
             why = problem_text(descent.retreat, descent.points)
         lack = shortfall(descent.retreat, descent.needed)
         return Miss(lack, f"before the contact, {why}", posture, drawn_back=False)
     return Miss(
-        10.0 * (CLEARANCE - clear),
-        f"on the way to the object {too_near(pair, clear)}",
+        10.0 * gap.lack,
+        f"on the way to the object {gap.text}",
         posture,
         in_approach=True,
     )
 
 
-def _contact_miss(
-    problem: ArmProblem, posture: Posture, clear: float, pair: str
-) -> Miss | None:
+def _contact_miss(problem: ArmProblem, posture: Posture, gap: Gap) -> Miss | None:
     """Return what a posture lacks along the contact, or None."""
-    if clear < CLEARANCE:
-        return Miss(10.0 * (CLEARANCE - clear), too_near(pair, clear), posture)
+    if not gap.clear:
+        return Miss(10.0 * gap.lack, gap.text, posture)
     along = problem.along
     assert along is not None
     bodies = problem.object_path.bodies
@@ -419,8 +419,8 @@ def _parked_around(problem: ArmProblem, misses: tuple[Miss, ...]) -> Iterator[So
 
 def _with_clearance(problem: ArmProblem, miss: Miss) -> Miss:
     """Return a miss with the shortfall of its clearance along the contact included."""
-    clear, _ = problem.contact_clearance(miss.posture.q)
-    lack = max(miss.shortfall, 10.0 * (CLEARANCE - clear))
+    gap = problem.contact_clearance(miss.posture.q)
+    lack = max(miss.shortfall, 10.0 * gap.lack)
     return replace(miss, shortfall=lack)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
 from pushpressslide.robots.tool import UPRIGHT
-from pushpressslide.sim.joints.arm_problem import CLEARANCE, ArmProblem
+from pushpressslide.sim.joints.arm_problem import ArmProblem
 from pushpressslide.sim.joints.postures import Miss, Move, Posture
 
 PARKED = 8  # most postures to be parked in that are offered
@@ -31,12 +31,11 @@ def waiting_moves(problem: ArmProblem, *, force: bool = False) -> Iterator[Move 
     tight: list[Move] = []
     near = (begin,) if np.array_equal(begin, home) else (begin, home)
     for q in chain(near, problem.approach.high_postures()):
-        clear, pair = problem.waiting_clearance(q)
+        gap = problem.waiting_clearance(q)
         move = _still(problem, q)
-        if clear < CLEARANCE:
-            why = f"waiting, {too_near(pair, clear)}"
-            yield Miss(10.0 * (CLEARANCE - clear), why, move.posture)
-        elif clear < margins.ARM.waiting:
+        if not gap.clear:
+            yield Miss(10.0 * gap.lack, f"waiting, {gap.text}", move.posture)
+        elif gap.distance < margins.ARM.waiting:
             tight.append(move)
         else:
             yield move
@@ -52,11 +51,3 @@ def _still(problem: ArmProblem, q: Array) -> Move:
     """Return a posture (n,) that is kept while the object is moved."""
     still = np.repeat(q[None], len(problem.object_path.shapes), axis=0)
     return Move.of(problem.kin, Posture(UPRIGHT, 0.0, still))
-
-
-def too_near(pair: str, clear: float) -> str:
-    """Return by how much a ``pair`` that is ``clear`` [m] apart is too near, in words."""
-    return (
-        f"{pair} come as near as {clear * 1e3:.1f} mm, allowed from "
-        f"{CLEARANCE * 1e3:.0f} mm"
-    )
