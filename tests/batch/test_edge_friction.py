@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from pushpressslide.batch import loops
-from pushpressslide.batch.edge_friction import far, friction_of_row, near
 from pushpressslide.batch.edge_loops import compiled_row, row_friction
-from pushpressslide.batch.formulas import plain
 from pushpressslide.batch.support import polygon_support
+from pushpressslide.core.formulas import plain
 from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.edge_friction import far, friction_of_row, near
 from pushpressslide.mechanics.face_pressure import face_pressure
 
 ELL = ((0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2))
@@ -31,6 +31,7 @@ CASES = {
     "ell, lifted": (Prism(ELL, 0.1), (0.035, 0.01)),
 }
 ROW = plain(friction_of_row)
+SAGITTA = (2.0 * math.pi / 64) ** 2 / 8.0  # of an edge of the polygon, over the radius
 
 
 @pytest.fixture(scope="module", params=CASES.values(), ids=CASES.keys())
@@ -245,8 +246,18 @@ def test_one_body_is_compiled_only_where_numba_is_loaded(face, monkeypatch):
         assert row_friction(face).func is compiled_row()
 
 
-def test_a_round_base_has_no_edges():
-    assert face_pressure(Cylinder(0.05, 0.1), (0.0, 0.0), (0.0, 0.0)) is None
+@pytest.mark.parametrize("cop", [(0.0, 0.0), (0.01, 0.005), (0.03, 0.01)])
+def test_a_round_base_is_a_polygon_of_nearly_its_friction(cop):
+    """To the square of the sagitta of its edges over the loaded part's size."""
+    face = face_pressure(Cylinder(0.05, 0.1), (0.0, 0.0), cop)
+    angles = np.arange(4096) * (2.0 * math.pi / 4096)
+    circle = 0.05 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    fine = face_pressure(Prism(tuple(map(tuple, circle.tolist())), 0.1), (0, 0), cop)
+    rng = np.random.default_rng(6)
+    for _ in range(10):
+        twist = rng.normal(size=3) * (1.0, 1.0, 1.0 / face.rho)
+        off = friction(face, twist)[:3] - friction(fine, twist)[:3]
+        assert off / (1.0, 1.0, face.rho) == pytest.approx(0.0, abs=SAGITTA**2 / 0.6)
 
 
 def test_a_support_needs_a_limit(face):

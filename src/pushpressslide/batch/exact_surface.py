@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from pushpressslide.batch.checks import check_all, check_last, check_positive
 from pushpressslide.batch.elementwise import Table, figures, table
-from pushpressslide.batch.formulas import Columns, where
 from pushpressslide.batch.sums import sums
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Columns, where
 from pushpressslide.mechanics.limit_surface import PIN_SOFTENINGS
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.virtual_axle import STRAIGHT_ANGLE

@@ -31,8 +31,8 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 ROUNDING = 1e-12  # of the disc's radius, allowed beyond it
 

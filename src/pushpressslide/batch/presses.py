@@ -31,8 +31,8 @@ from pushpressslide.batch.checks import (
     check_positive,
 )
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape, table
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 EXACT = 1e-12  # of the friction: a moment, for 1 m, that is that of the force
 KEPT = 1e-9  # of a wrench: what it may lose and count as given

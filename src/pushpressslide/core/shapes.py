@@ -252,6 +252,13 @@ class Cylinder(Shape):
         """Return the round side."""
         return RoundSide((-origin[0], -origin[1]), self.radius, normal)
 
+    @property
+    def base_corners(self) -> tuple[Point, ...]:
+        """Corners in G [m] of a polygon of the disc's second moment."""
+        from pushpressslide.core import quadrature
+
+        return quadrature.disc_corners(self.radius)
+
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
         """Return points (m, 2) and areas (m,): Gauss points on rings."""
         from pushpressslide.core import quadrature
