@@ -72,9 +72,10 @@ class PolygonSupport:
         """Write what ``friction_of_row`` gives of each row."""
         plane = self.plane
         vx, vy, w = twists.T
-        square = vx * vx + vy * vy
-        turn = w * w
-        known = square + turn <= FASTEST
+        with np.errstate(all="ignore"):
+            square = vx * vx + vy * vy
+            turn = w * w
+            known = square + turn <= FASTEST
         turning = known & (turn > plane[3] * plane[3] * square)
         straight = known & ~turning & (square > 0.0)
         still = known & ~turning & ~straight

@@ -39,6 +39,10 @@ class TaskError(PushPressSlideError):
         self.allowed = allowed
 
 
+class InputError(PushPressSlideError, ValueError):
+    """A figure that a constructor cannot use: names it, its value and what is allowed."""
+
+
 class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 

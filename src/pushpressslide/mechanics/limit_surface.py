@@ -94,7 +94,7 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
         py = vy + w * r[:, 0]
         speed = np.sqrt(px**2 + py**2 + (samples.radii * w) ** 2)
         k = np.divide(
-            mu * samples.loads, speed, out=np.zeros_like(speed), where=speed > 0.0
+            mu * samples.loads, speed, out=np.zeros_like(speed), where=speed != 0.0
         )
         fx = k * px
         fy = k * py
