@@ -25,6 +25,7 @@ from pushpressslide.batch.allocations import (
 )
 from pushpressslide.batch.checks import (
     check_all,
+    check_finite,
     check_frictions,
     check_last,
     check_positive,
@@ -73,6 +74,7 @@ class PressAndPush:
         for array, name in ((p, "press"), (q, "push"), (normals, "normal")):
             check_last(array, (2,), name)
         check_last(center, (2,), "cop")
+        check_finite(center, "cop")
         check_positive(n, "load", "N")
         check_frictions(mu)
         check_units(normals)

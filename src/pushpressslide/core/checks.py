@@ -7,10 +7,10 @@ What a file may hold is narrower: ``core.entry`` has the ranges, the reader chec
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from functools import cache
-from typing import Any, cast
+from typing import Any
 
 from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, Pose2
@@ -45,17 +45,18 @@ def check_fields(data: Any) -> None:
     """Raise InputError unless the numbers among a dataclass's fields are finite, and have
     the sign that the task file asks of them.
     """
-    for name, unit, allowed in _rules(type(data)):
+    kind: Any = type(data)
+    for name, unit, allowed in field_rules(kind):
         value = getattr(data, name)
         if value is not None and not _holds(value, allowed):
-            _refuse(f"{type(data).__name__}.{name}", value, unit, allowed)
+            _refuse(f"{kind.__name__}.{name}", value, unit, allowed)
 
 
 @cache
-def _rules(kind: Hashable) -> tuple[tuple[str, str, str], ...]:
+def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
     """Return name, unit and allowed numbers of each field."""
     rules = []
-    for one in fields(cast("Any", kind)):
+    for one in fields(kind):
         entry = one.metadata.get("entry")
         within = entry.within if entry else ""
         unit = entry.unit if entry else ""
