@@ -21,8 +21,8 @@ text = pps.dump_task(task)
 print(text)
 
 try:
-    pps.check_task(replace(task, object=replace(task.object, mass=-1.0)))
+    pps.check_task(replace(task, object=replace(task.object, mass=2000.0)))
 except pps.TaskError as error:
     print(error)  # one line: the field, the value, what is allowed
 else:
-    raise AssertionError("a negative mass was taken")
+    raise AssertionError("a mass of two tonnes was taken")

@@ -126,7 +126,7 @@ def limit_surface() -> Any:
     made, axes = style.figure(height=3.6, across=2, share_x=False)
     cases = (
         ("cube, load even", rectangle_pressure(CUBE, CUBE)),
-        ("bar, pressed at its end", PRESS.pressure(PRESS.cop)),
+        ("bar, pressed at its end", rectangle_pressure(LENGTH, WIDTH, cop=PRESS.cop)),
     )
     for ax, (text, samples) in zip(axes, cases, strict=True):
         rho = rho_fit(samples)
@@ -237,7 +237,9 @@ def axles() -> Any:
     a, b = LENGTH / 2.0, WIDTH / 2.0
     bar = [(-a, -b), (a, -b), (a, b), (-a, b)]
     unicycle = Unicycle(
-        (PRESSED, 0.0), PRESS.cop, rho_straight(PRESS.pressure(PRESS.cop))
+        (PRESSED, 0.0),
+        PRESS.cop,
+        rho_straight(rectangle_pressure(LENGTH, WIDTH, cop=PRESS.cop)),
     )
     axle_panel(panels[1], bar, unicycle, np.radians([0.0, 45.0, -75.0]))
     panels[1].set(ylim=(-0.12, 0.12))

@@ -20,6 +20,11 @@ from pushpressslide.allocation.presses import two_press_allocator
 from pushpressslide.allocation.projections import WrenchCone
 from pushpressslide.allocation.twist_cone import TwistCone
 from pushpressslide.allocation.two_contacts import two_contact_allocator
+from pushpressslide.batch import presses as batch
+from pushpressslide.batch.allocations import INFEASIBLE
+from pushpressslide.batch.press_and_push import PressAndPush
+from pushpressslide.batch.presses import OnePress
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.plan import Contact
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.contacts import wrench_of_forces
@@ -224,6 +229,43 @@ def test_a_point_that_is_nowhere_is_named_with_its_value(bad, place):
         one_contact_allocator(tuple(point), FORWARD, 0.5, RHO)
     with pytest.raises(ValueError, match=r"need two distinct, finite points"):
         two_press_allocator((tuple(point), (0.1, 0.1)), 0.5)
+
+
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("place", [0, 1])
+def test_every_place_that_is_nowhere_is_refused(bad, place):
+    point = [-0.2, 0.03]
+    point[place] = bad
+    nowhere = tuple(point)
+    for build in (
+        lambda: one_press_allocator(nowhere, 8.0, 0.5, RHO),
+        lambda: one_press_allocator((0.1, 0.0), 8.0, 0.5, RHO, nowhere),
+        lambda: press_and_push_allocator(nowhere, 8.0, (-0.2, 0.05), FORWARD, 0.5),
+        lambda: press_and_push_allocator((0.1, 0.0), 8.0, nowhere, FORWARD, 0.5),
+        lambda: press_and_push_allocator(
+            (0.1, 0.0), 8.0, (-0.2, 0.05), FORWARD, 0.5, nowhere
+        ),
+        lambda: two_contact_allocator((nowhere, ASIDE[1]), ASIDE_NORMALS, 0.5, RHO),
+        lambda: parallel_push_allocator((nowhere, BEHIND[1]), FORWARD, 0.5, RHO),
+        lambda: WrenchCone((nowhere, ASIDE[1]), ASIDE_NORMALS, 0.5, RHO),
+        lambda: OnePress(nowhere, 8.0, 0.5, RHO),
+        lambda: OnePress((0.1, 0.0), 8.0, 0.5, RHO, nowhere),
+        lambda: PressAndPush((0.1, 0.0), 8.0, (-0.2, 0.05), FORWARD, 0.5, nowhere),
+    ):
+        with pytest.raises(InputError, match="finite"):
+            build()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("normals", [(-1.0, 4.0), (4.0, -1.0), (-1e-12, 4.0)])
+@pytest.mark.parametrize("wrench", [(0.0, 0.0, 0.0), (1.0, 0.5, 0.1), (50.0, 0.0, 0.0)])
+def test_a_press_that_pulls_gives_no_force(friction, normals, wrench):
+    out = two_press_allocator(BEHIND, friction)(*wrench, normals)
+    assert out.status == "infeasible"
+    assert out.forces == ((0.0, 0.0), (0.0, 0.0))
+    many = batch.TwoPresses(BEHIND, friction).allocate([wrench], [normals])
+    assert many.status.tolist() == [INFEASIBLE]
+    assert not np.asarray(many.forces).any()
 
 
 @pytest.mark.parametrize("bad", BAD)

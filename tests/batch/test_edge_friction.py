@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 
 from pushpressslide.batch import loops
-from pushpressslide.batch.edge_friction import far, friction_of_row, near
 from pushpressslide.batch.edge_loops import compiled_row, row_friction
-from pushpressslide.batch.formulas import plain
-from pushpressslide.batch.support import polygon_support
+from pushpressslide.batch.exact_surface import ExactSurface
+from pushpressslide.batch.support import exact_support, polygon_support
+from pushpressslide.core.formulas import plain
 from pushpressslide.core.quadrature import polygon_rule
 from pushpressslide.core.task import Box, Cylinder, Prism
 from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.edge_friction import far, friction_of_row, near
 from pushpressslide.mechanics.face_pressure import face_pressure
+from pushpressslide.mechanics.limit_surface import exact_wrenches
+from pushpressslide.mechanics.pressure import rectangle_pressure
 
 ELL = ((0.0, 0.0), (0.2, 0.0), (0.2, 0.05), (0.05, 0.05), (0.05, 0.2), (0.0, 0.2))
 CASES = {
@@ -31,6 +34,7 @@ CASES = {
     "ell, lifted": (Prism(ELL, 0.1), (0.035, 0.01)),
 }
 ROW = plain(friction_of_row)
+SAGITTA = (2.0 * math.pi / 64) ** 2 / 8.0  # of an edge of the polygon, over the radius
 
 
 @pytest.fixture(scope="module", params=CASES.values(), ids=CASES.keys())
@@ -245,8 +249,154 @@ def test_one_body_is_compiled_only_where_numba_is_loaded(face, monkeypatch):
         assert row_friction(face).func is compiled_row()
 
 
-def test_a_round_base_has_no_edges():
-    assert face_pressure(Cylinder(0.05, 0.1), (0.0, 0.0), (0.0, 0.0)) is None
+KINDS = ("convex", "star", "box", "chamfer", "sliver", "concave sliver")
+
+
+def drawn_corners(kind, rng):
+    """Corners of a random polygon of a kind, counter-clockwise."""
+    if kind in ("box", "sliver"):
+        width = 1e-3 if kind == "sliver" else rng.uniform(0.2, 1.0)
+        return np.array([(-1.0, -width), (1.0, -width), (1.0, width), (-1.0, width)])
+    if kind == "chamfer":
+        cut = 10.0 ** rng.uniform(-4.0, -1.0)
+        right = [(1.0 - cut, -0.6), (1.0, -0.6 + cut), (1.0, 0.6)]
+        return np.array([(-1.0, -0.6), *right, (-1.0, 0.6)])
+    angles = np.sort(rng.uniform(0.0, 2.0 * math.pi, 9))
+    corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    if kind == "convex":
+        return corners
+    corners = corners * rng.uniform(0.4, 1.0, 9)[:, None]
+    return corners * (1.0, 1e-3) if kind == "concave sliver" else corners
+
+
+def drawn_faces(kind, seed, count):
+    """Pressures with their centre anywhere inside: half of the polygons lift."""
+    rng = np.random.default_rng(seed)
+    while count:
+        corners = drawn_corners(kind, rng)
+        turn = rng.uniform(-math.pi, math.pi)
+        c, s = math.cos(turn), math.sin(turn)
+        corners = 0.1 * corners @ np.array([(c, s), (-s, c)]) + 0.05 * rng.normal(
+            size=2
+        )
+        try:
+            shape = Prism(tuple(map(tuple, corners.tolist())), 0.1)
+            middle = np.array(shape.centroid)
+            ways = corners[rng.choice(len(corners), 2, replace=False)].mean(0) - middle
+            cop = middle + rng.choice((0.0, rng.uniform(0.1, 0.9))) * ways
+            yield face_pressure(shape, (0.0, 0.0), tuple(cop)), rng
+        except ValueError:  # the corners cross, or the centre is off the base
+            continue
+        count -= 1
+
+
+def area_of(face):
+    x, y = face.corners.T
+    return 0.5 * float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
+
+
+def far_integral(face, twist):
+    """The wrench where the centre of rotation is far off: Gauss points in triangles of
+    the base itself, as the direction of sliding is smooth there.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    nodes = 0.5 + 0.5 * nodes
+    weights = 0.5 * weights
+    total = np.zeros(3)
+    ends = np.roll(face.corners, -1, 0)
+    for start, end in zip(face.corners, ends, strict=True):
+        side = start + nodes[:, None] * (end - start)
+        turn = start[0] * end[1] - start[1] * end[0]
+        points = nodes[:, None, None] * side
+        areas = (nodes * weights)[:, None] * weights * turn
+        total += wrench(face, points.reshape(-1, 2), areas.ravel(), twist)
+    return total
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_wrench_of_any_polygon_is_the_integral_at_any_distance(kind):
+    """To a hundred roundings times what the sums over the edges lose: the distance over
+    the width, and once more the length over the width.
+    """
+    rounding = 100.0 * np.finfo(float).eps
+    for face, rng in drawn_faces(kind, 7, 12):
+        scale = (1.0, 1.0, face.rho)
+        slender = face.reach**2 / area_of(face)
+        for distance in 10.0 ** rng.uniform(math.log10(2.5), 4.0, 20):
+            angle = rng.uniform(-math.pi, math.pi)
+            place = distance * face.reach * np.array((math.cos(angle), math.sin(angle)))
+            twist = about(place, rng.choice((0.7, -0.3)))
+            found = friction(face, twist)[:3] / scale
+            lost = 1e-10 if distance > 50.0 else rounding * distance * slender**2
+            wanted = far_integral(face, twist) / scale
+            assert found == pytest.approx(wanted, abs=1e-12 + lost)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_polygon_that_turns_about_its_edge_has_the_friction_of_beside_it(
+    kind, engine
+):
+    for face, rng in drawn_faces(kind, 8, 60):
+        corners = face.corners
+        steps = np.roll(corners, -1, 0) - corners
+        shares = rng.uniform(size=(len(corners), 1))
+        middles = corners + shares * steps
+        places = np.concatenate([corners, middles, 0.5 * (corners + middles)])
+        beside = places + 1e-9 * face.reach * rng.normal(size=places.shape)
+        scale = np.array((1.0, 1.0, face.rho))
+        near_by = [friction(face, about(place, 0.7))[:3] for place in beside]
+        for place, other in zip(places, near_by, strict=True):
+            found = friction(face, about(place, 0.7))[:3]
+            assert found / scale == pytest.approx(other / scale, abs=2e-6)
+        rows = np.array([about(place / face.rho, 0.7) for place in places])
+        columns = polygon_support(face, 1.0).frictions(rows).T[:, :3]
+        assert columns == pytest.approx(np.array(near_by) / scale, abs=2e-6)
+
+
+NO_NUMBER = (math.nan, math.inf, -math.inf, 1e300)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("bad", NO_NUMBER)
+@pytest.mark.parametrize("other", [0.0, 0.3])
+def test_the_friction_of_a_twist_that_is_no_number_is_none(engine, place, bad, other):
+    face = face_pressure(*CASES["box"], (0.012, -0.008))
+    twist = [other] * 3
+    twist[place] = bad
+    assert np.isnan(friction(face, twist)).all()
+    good = [0.1, 0.2, 0.3]
+    columns = polygon_support(face, 1.0).frictions(np.array([good, twist, good]))
+    assert np.isnan(columns[:, 1]).all()
+    assert np.isfinite(columns[:, [0, 2]]).all()
+
+
+@pytest.mark.parametrize("bad", NO_NUMBER[:3])
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_samples_have_no_friction_of_a_twist_that_is_no_number(engine, place, bad):
+    samples = rectangle_pressure(0.2, 0.1, 5.0, resolution=2)
+    twist = [0.0] * 3
+    twist[place] = bad
+    for found in (
+        exact_wrenches(samples, 0.3, np.array([twist]))[0],
+        ExactSurface(samples, 0.3).wrenches(np.array([twist]))[0],
+        exact_support(samples, 0.3).frictions(np.array([twist])).T[0],
+    ):
+        assert not np.isfinite(found).all()
+        assert np.isnan(found[:3]).any()
+
+
+@pytest.mark.parametrize("cop", [(0.0, 0.0), (0.01, 0.005), (0.03, 0.01)])
+def test_a_round_base_is_a_polygon_of_nearly_its_friction(cop):
+    """To the square of the sagitta of its edges over the loaded part's size."""
+    face = face_pressure(Cylinder(0.05, 0.1), (0.0, 0.0), cop)
+    angles = np.arange(4096) * (2.0 * math.pi / 4096)
+    circle = 0.05 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    fine = face_pressure(Prism(tuple(map(tuple, circle.tolist())), 0.1), (0, 0), cop)
+    rng = np.random.default_rng(6)
+    for _ in range(10):
+        twist = rng.normal(size=3) * (1.0, 1.0, 1.0 / face.rho)
+        off = friction(face, twist)[:3] - friction(fine, twist)[:3]
+        assert off / (1.0, 1.0, face.rho) == pytest.approx(0.0, abs=SAGITTA**2 / 0.6)
 
 
 def test_a_support_needs_a_limit(face):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pushpressslide.batch.elementwise import Table, run
-from pushpressslide.batch.formulas import Column, where
+from pushpressslide.core.formulas import Column, where
 
 
 class Point(NamedTuple):

@@ -24,10 +24,10 @@ from pushpressslide.core.twist_path import TwistPath
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.contacts import wrench_of_forces
+from pushpressslide.mechanics.face_slide import FaceSurface
 from pushpressslide.mechanics.friction import cone_margin, press_margin
 from pushpressslide.mechanics.limit_surface import (
     EllipsoidLimitSurface,
-    exact_level,
     exact_slide,
 )
 from pushpressslide.mechanics.pressure import support_pressure
@@ -470,7 +470,7 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
             size = math.hypot(wanted.fx, wanted.fy)
             direction = (wanted.fx / size, wanted.fy / size)
             height = press.body.shape.height
-            pressure, wrench, twist, _ = sliding(
+            face, wrench, twist, _ = sliding(
                 press.pressure,
                 press.friction,
                 press.cop,
@@ -478,9 +478,10 @@ def test_the_turns_of_a_manoeuvre_are_those_that_their_forces_cause_on_the_exact
                 height,
                 direction,
             )
-            level = exact_level(pressure, press.friction, wrench) * pressure.total_load
+            _, level = FaceSurface(face).slide(wrench)
+            slides = press.friction * (press.weight + press.load) / level
             near = 0.02 if abs(guidance.steering) < 0.01 else 0.1
-            assert size == pytest.approx((press.weight + press.load) / level, rel=near)
+            assert size == pytest.approx(slides, rel=near)
             twist = twist.moved_to(segment.X_BV.position)
             along, across = segment.X_BV.unrotate((twist.vx, twist.vy))
             assert abs(math.atan2(across, along)) < math.radians(10.0)

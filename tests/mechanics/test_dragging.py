@@ -8,6 +8,7 @@ import pytest
 from pushpressslide.core.task import Box, Cylinder, ObjectModel, Prism
 from pushpressslide.mechanics.contacts import wrench_of_forces
 from pushpressslide.mechanics.dragging import DraggedBase, DraggedEllipsoid
+from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import (
     EllipsoidLimitSurface,
     exact_level,
@@ -46,7 +47,7 @@ def test_a_push_slides_the_object_as_on_the_exact_surface(
     slid = base.slide(np.zeros((n, 2)), np.tile(BEHIND, (n, 1)), np.array(directions))
 
     def pressure_at(cop):
-        return support_pressure(body.shape, 1.0, body.center_of_mass, cop)
+        return face_pressure(body.shape, body.center_of_mass, cop)
 
     exact = [
         dragged_twist(pressure_at, MU, (0.0, 0.0), BEHIND, HEIGHT, d)[:3]

@@ -13,7 +13,6 @@ from scipy import optimize
 
 from pushpressslide.core.task import Box, Cylinder, ObjectModel
 from pushpressslide.mechanics import virtual_axle
-from pushpressslide.mechanics.limit_surface import exact_wrenches
 from pushpressslide.mechanics.press_axle import Press
 
 LENGTH = 0.6
@@ -115,68 +114,169 @@ def test_no_press_and_no_lever_are_refused(fields, words) -> None:
 
 
 def drawn(rng: random.Random) -> tuple[Press, float]:
-    """A press on a box of any proportions, and a force angle."""
+    """A press on a box of any proportions, in half the cases with its centre of mass
+    aside, and a force angle.
+    """
     size = (rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.4), rng.uniform(0.02, 0.3))
-    centre = (rng.uniform(-0.02, 0.02), rng.uniform(-0.02, 0.02))
+    off = 0.2 if rng.random() < 0.5 else 0.0
+    centre = (off * rng.uniform(-0.5, 0.5) * size[0], off * rng.uniform(-0.5, 0.5))
+    centre = (centre[0], centre[1] * size[1])
     body = ObjectModel(Box(size), rng.uniform(0.3, 5.0), centre)
     contact = (rng.uniform(-0.35, 0.35) * size[0], rng.uniform(-0.35, 0.35) * size[1])
     press = Press(body, rng.uniform(0.1, 0.6), contact, rng.uniform(3.0, 40.0))
     return press, rng.uniform(-3.0, 3.0)
 
 
-def slide_by_search(press: Press, ratio: float, angle: float) -> tuple[float, float]:
-    """Return the force over the load that slides the object whose pressure a force of
-    ``ratio`` times the load has moved, and the axle [m]. By a general minimiser: of all
-    twists on which the force does unit power, the one of least friction power.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
+NODES = 0.5 + 0.5 * NODES
+WEIGHTS = 0.5 * WEIGHTS
+GRADES = 0.4 ** np.arange(24)
+
+
+def base_of(press: Press) -> np.ndarray:
+    """The corners of the base, from the centre of mass."""
+    x, y, _ = press.body.shape.size
+    signs = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    return 0.5 * signs * (x, y) - np.array(press.body.center_of_mass)
+
+
+def pressed_part(corners: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """The part of a convex polygon where plane[0] + plane[1:] . r > 0."""
+    out = []
+    for here, there in zip(corners, np.roll(corners, -1, 0), strict=True):
+        one = plane[0] + plane[1:] @ here
+        other = plane[0] + plane[1:] @ there
+        if one > 0.0:
+            out.append(here)
+        if (one > 0.0) != (other > 0.0):
+            out.append(here + one / (one - other) * (there - here))
+    return np.array(out)
+
+
+def load_and_moments(corners: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Of max(0, plane[0] + plane[1:] . r), by middles of the sides of triangles."""
+    part = pressed_part(corners, plane)
+    total = np.zeros(3)
+    for i in range(1, len(part) - 1):
+        a, b, c = part[0], part[i], part[i + 1]
+        area = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+        for middle in (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)):
+            pressure = plane[0] + plane[1:] @ middle
+            total += area / 3.0 * pressure * np.array([1.0, *middle])
+    return total
+
+
+def pressure_about(corners: np.ndarray, cop: np.ndarray) -> np.ndarray:
+    """The plane of unit load whose centre is ``cop``, by a general solver: along the
+    way from the centroid.
     """
-    ux, uy = press.along(angle)
-    shift = press.body.shape.height * ratio
-    cop = np.array(press.cop) + shift * np.array([ux, uy])
-    samples = press.pressure(tuple(cop))
-    arm = np.array(press.contact) - cop
-    moment = arm[0] * uy - arm[1] * ux
-    scale = press.body.shape.circumradius
-    force = np.array([ux, uy, moment / scale])
-    unit = force / np.linalg.norm(force)
-    basis = np.linalg.svd(unit[None])[2][1:]
-    start = unit / np.linalg.norm(force)
+    area = load_and_moments(corners, np.array([1.0, 0.0, 0.0]))
+    middle = area[1:] / area[0]
+    scale = np.abs(corners - middle).max()
+    unit = (corners - middle) / scale
+    size = load_and_moments(unit, np.array([1.0, 0.0, 0.0]))[0]
+    way = (cop - middle) / scale
+    # each step leaves four fifths of the distance to the base's edge
+    edge = (0.5 * np.ptp(unit, axis=0) / np.maximum(np.abs(way), 1e-9)).min()
+    steps = math.ceil(math.log(1.0 - 1.0 / edge) / math.log(0.8)) + 1
+    shares = edge * (1.0 - (1.0 - 1.0 / edge) ** (np.arange(1, steps + 1) / steps))
+    plane = np.array([1.0, 0.0, 0.0])
+    for share in shares:
+        wanted = size * np.array([1.0, *(share * way)])
+        found = optimize.root(
+            lambda p, w=wanted: load_and_moments(unit, p) - w, plane, tol=1e-13
+        )
+        plane = found.x
+    assert np.abs(found.fun).max() < 1e-10 * size
+    slope = plane[1:] / scale
+    return np.array([plane[0] - slope @ middle, *slope]) / (size * scale**2)
 
-    def power(z):
-        nu = start + z @ basis
-        twist = np.array([[nu[0], nu[1], nu[2] / scale]])
-        wrench = exact_wrenches(samples, press.friction, twist)[0]
-        wrench[2] /= scale
-        return wrench @ nu, basis @ wrench
 
-    found = optimize.minimize(
-        power, np.zeros(2), jac=True, method="BFGS", options={"gtol": 1e-11}
-    )
-    vx, vy, w = (start + found.x @ basis) / (1.0, 1.0, scale)
-    back = np.array(press.cop) - cop
-    v = np.array([vx - w * back[1], vy + w * back[0]])
-    ex, ey = press.axis
-    distance = (v[1] * ex - v[0] * ey) / w
-    place = np.array(press.cop) - distance * np.array([ex, ey])
-    return found.fun / samples.total_load, place @ (ex, ey)
+def friction_about(part: np.ndarray, plane: np.ndarray, center: np.ndarray):
+    """The force and the moment about the origin, over mu, that turn the base to the
+    left about ``center``: Gauss points in triangles between the centre and parts of the
+    edges that get smaller towards the foot of its perpendicular.
+    """
+    total = np.zeros(3)
+    for start, end in zip(part, np.roll(part, -1, 0), strict=True):
+        step = end - start
+        square = step @ step
+        if square == 0.0:
+            continue
+        foot = min(max(float((center - start) @ step / square), 0.0), 1.0)
+        cuts = np.concatenate(
+            ([0.0, 1.0], foot - foot * GRADES, foot + (1.0 - foot) * GRADES)
+        )
+        cuts = np.unique(cuts)
+        size = np.diff(cuts)
+        share = (cuts[:-1, None] + size[:, None] * NODES).ravel()
+        arm = start + share[:, None] * step - center
+        areas = arm[:, 0] * step[1] - arm[:, 1] * step[0]
+        areas *= (size[:, None] * WEIGHTS).ravel()
+        way = arm / np.linalg.norm(arm, axis=1)[:, None]
+        # along the ray the direction of sliding is the same, and p is linear: exact
+        loads = areas * (
+            (plane[0] + plane[1:] @ center) / 2.0 + (arm @ plane[1:]) / 3.0
+        )
+        outer = areas * (
+            (plane[0] + plane[1:] @ center) / 3.0 + (arm @ plane[1:]) / 4.0
+        )
+        force = np.array([-(loads @ way[:, 1]), loads @ way[:, 0]])
+        spin = outer @ np.linalg.norm(arm, axis=1)
+        total += (*force, spin + center[0] * force[1] - center[1] * force[0])
+    return total
 
 
 def axle_by_search(press: Press, angle: float) -> float | None:
-    """Return the axle [m] at the least force that slides the object: first where a row
-    of forces brackets it, then by Brent's method. None where it tips before.
+    """The axle [m], by a general solver for the centre of rotation and the force that
+    slides the object together; None where its pressure has no place: it tips.
     """
+    corners = base_of(press)
+    u = np.array(press.along(angle))
+    cop = np.array(press.cop)
+    contact = np.array(press.contact)
+    height = press.body.shape.height
+    moment = contact[0] * u[1] - contact[1] * u[0]
+    about_cop = moment - (cop[0] * u[1] - cop[1] * u[0])
+    turn = math.copysign(1.0, about_cop)
+    length = press.body.shape.circumradius
+
+    def slid(ratio: float, start: np.ndarray) -> tuple[np.ndarray, float]:
+        """The centre of rotation of a force that has moved the pressure by its
+        ``ratio`` to the load, and the ratio that slides the object.
+        """
+        plane = pressure_about(corners, cop + height * ratio * u)
+        part = pressed_part(corners, plane)
+
+        def force(center):
+            """Along the wrench, across it, and the moment that is left over."""
+            friction = turn * press.friction * friction_about(part, plane, center)
+            along = friction[:2] @ u
+            across = u[0] * friction[1] - u[1] * friction[0]
+            return along, across, (friction[2] - along * moment) / length
+
+        found = optimize.root(lambda c: force(c)[1:], start, tol=1e-13)
+        assert np.abs(found.fun).max() < 1e-9 * press.friction
+        return found.x, force(found.x)[0]
+
+    center = cop + 0.25 * length**2 / about_cop * np.array([-u[1], u[0]])
     last = 0.0
-    for ratio in np.linspace(0.0, press.friction, 25)[1:]:
-        try:
-            slides, _ = slide_by_search(press, ratio, angle)
-        except ValueError:
-            return None
-        if slides <= ratio * (1.0 + 1e-12):
+    # nearer to the base's edge a general solver finds no pressure
+    room = 0.4995 * np.array(press.body.shape.size[:2])
+    start = cop + press.body.center_of_mass
+    most = ((np.sign(u) * room - start) / (height * u)).min()
+    for ratio in np.linspace(0.0, press.friction, 13)[1:]:
+        center, slides = slid(min(ratio, most), center)
+        if slides <= min(ratio, most):
             break
+        if ratio >= most:
+            return None
         last = ratio
     least = optimize.brentq(
-        lambda r: slide_by_search(press, r, angle)[0] - r, last, ratio, xtol=1e-9
+        lambda r: slid(r, center)[1] - r, last, min(ratio, most), xtol=1e-11
     )
-    return slide_by_search(press, least, angle)[1]
+    center, _ = slid(least, center)
+    return float((center - cop) @ press.axis + cop @ press.axis)
 
 
 def assert_axles_agree(cases: int, seed: int) -> None:
@@ -184,21 +284,36 @@ def assert_axles_agree(cases: int, seed: int) -> None:
     for _ in range(cases):
         press, angle = drawn(rng)
         wanted = axle_by_search(press, angle)
-        if wanted is not None:
-            # far axles are directions: relative there
-            assert press.axle(angle) == pytest.approx(wanted, abs=1e-5, rel=1e-5), (
-                press,
-                angle,
-            )
+        if wanted is None:
+            with pytest.raises(ValueError, match="outline"):
+                press.axle(angle)
+        else:
+            assert press.axle(angle) == pytest.approx(wanted, abs=1e-5), (press, angle)
 
 
 def test_the_axle_is_that_of_an_independent_search() -> None:
-    assert_axles_agree(15, seed=4)
+    assert_axles_agree(10, seed=4)
 
 
 @pytest.mark.long
-def test_the_axle_is_that_of_an_independent_search_in_300_cases() -> None:
-    assert_axles_agree(300, seed=5)
+def test_the_axle_is_that_of_an_independent_search_in_240_cases() -> None:
+    assert_axles_agree(240, seed=5)
+
+
+def test_planning_steers_about_the_exact_axle() -> None:
+    rng = random.Random(7)
+    for _ in range(20):
+        press, angle = drawn(rng)
+        angle = min(abs(angle), 1.4)
+        for backward in (False, True):
+            sides = [math.pi - a if backward else a for a in (angle, -angle)]
+            try:
+                axles = [press.axle(side) for side in sides]
+            except ValueError:
+                continue
+            ahead, _ = press.steered(angle, backward)
+            place = np.array(press.cop) @ press.axis + ahead
+            assert place == pytest.approx(np.mean(axles), abs=1e-9)
 
 
 def near_tipping() -> tuple[Press, float]:

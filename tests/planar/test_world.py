@@ -22,6 +22,7 @@ from pushpressslide.core.task import (
     Task,
 )
 from pushpressslide.core.wrench import Twist
+from pushpressslide.mechanics.face_pressure import face_pressure
 from pushpressslide.mechanics.limit_surface import exact_wrench
 from pushpressslide.mechanics.pressure import center_of_pressure, support_pressure
 from pushpressslide.mechanics.virtual_axle import axle_with_height, dragged_twist
@@ -224,7 +225,7 @@ def test_a_press_that_is_pulled_beyond_its_friction_slips_and_leaves_the_object(
 
 
 def pressure_of(shape):
-    return lambda cop: support_pressure(shape, 1.0, (0.0, 0.0), cop, 12)
+    return lambda cop: face_pressure(shape, (0.0, 0.0), cop)
 
 
 @pytest.mark.parametrize(("direction", "axle"), [(1.0, 0.034), (-1.0, -0.198)])

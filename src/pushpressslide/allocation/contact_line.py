@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, from_axis, in_axis
 from pushpressslide.mechanics.checks import check_friction, check_normal
 
@@ -24,7 +25,7 @@ FACING = 0.03
 class ContactLine:
     """The line from contact ``first`` to ``second`` [m], both in B.
 
-    Raises ValueError if they coincide.
+    Raises InputError if they coincide.
     """
 
     __slots__ = ("e", "length", "middle")
@@ -33,7 +34,7 @@ class ContactLine:
         self.length = math.dist(first, second)
         """[m]"""
         if not 0.0 < self.length < math.inf:
-            raise ValueError(
+            raise InputError(
                 f"contacts at {first} and {second} m; need two distinct, finite points"
             )
         self.e = (
@@ -103,7 +104,7 @@ class ContactPair:
         if split == "least_friction":
             squares = n1m * n1m + n2m * n2m
             if squares < FACING * FACING:
-                raise ValueError(
+                raise InputError(
                     "contacts that face each other; allowed there: split 'least_force'"
                 )
             self._weights = (

@@ -9,7 +9,7 @@ from math import inf, sqrt
 
 from pushpressslide.core.allocation import Allocation, nothing
 from pushpressslide.core.pose import Point
-from pushpressslide.mechanics.checks import check_press, check_rho
+from pushpressslide.mechanics.checks import check_point, check_press, check_rho
 
 
 def one_press_allocator(
@@ -22,8 +22,11 @@ def one_press_allocator(
     tau = (point - cop) x f and |f| <= friction load. Any other is projected: to the
     nearest direction in the norm diag(1, 1, 1/rho^2), in which the error of the object's
     twist is least, then onto the disc. A wrench that is not finite is "infeasible".
-    Raises ValueError unless ``rho`` [m] and ``load`` are > 0 and ``friction`` >= 0.
+    Raises InputError unless ``point`` and ``cop`` are finite, ``rho`` [m] and ``load``
+    are > 0 and ``friction`` >= 0.
     """
+    check_point(point, "point")
+    check_point(cop, "cop")
     check_press(load, friction)
     check_rho(rho)
     rx = point[0] - cop[0]

@@ -11,6 +11,7 @@ from pushpressslide.allocation.orthogonal import Feasibility
 from pushpressslide.allocation.projections import Projection
 from pushpressslide.allocation.two_contacts import two_contact_allocator
 from pushpressslide.core.allocation import EXACT, Allocation, new
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
 
 
@@ -46,13 +47,13 @@ def parallel_push_allocator(
     The normal forces follow from the wrench. The friction force is shared in their
     ratio, so that both contacts are equally far from slipping, where
     ``two_contact_allocator`` shares it evenly and takes the lighter contact to the edge
-    of its cone first. All else is as there. Raises ValueError where the line of
+    of its cone first. All else is as there. Raises InputError where the line of
     contacts is not at right angles to ``normal``, to 1e-9.
     """
     line = ContactLine(*points)
     along, _ = line.in_axes(normal)
     if abs(along) > 1e-9:
-        raise ValueError(
+        raise InputError(
             f"points {points[0]}, {points[1]} m; must lie at right angles to normal "
             f"{normal}"
         )

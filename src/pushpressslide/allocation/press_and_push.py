@@ -13,8 +13,9 @@ from math import hypot, inf, sqrt
 
 from pushpressslide.allocation.contact_line import ContactLine
 from pushpressslide.core.allocation import Allocation, AllocationStatus, nothing
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.mechanics.checks import check_normal, check_press
+from pushpressslide.mechanics.checks import check_normal, check_point, check_press
 
 LEAST_LEVER = 1e-6  # [m]
 
@@ -35,15 +36,16 @@ def press_and_push_allocator(
     as near to that as can be. A wrench that the press cannot hold is scaled; where the
     push would have to pull, its moment is left out: status "projected" in both cases,
     "infeasible" if nothing is left, and for a wrench that is not finite. Raises
-    ValueError unless ``load`` is > 0, ``friction`` >= 0, and the push has a lever about
-    the pressed point.
+    InputError unless the places are finite, ``load`` is > 0, ``friction`` >= 0, and the
+    push has a lever about the pressed point.
     """
+    check_point(cop, "cop")
     line = ContactLine(press, push)
     lever = line.length * cross(line.e, normal)
     check_press(load, friction)
     check_normal(normal)
     if not abs(lever) > LEAST_LEVER:
-        raise ValueError(f"lever {lever} m of the push; must not be 0")
+        raise InputError(f"lever {lever} m of the push; must not be 0")
     about_press = (press[0] - cop[0], press[1] - cop[1])
     return _allocator(line.e, about_press, lever, load, normal, friction)
 

@@ -20,6 +20,7 @@ from pushpressslide.allocation.cop_load import cop_friction, largest_enough
 from pushpressslide.allocation.presses import least_press, two_press_allocator
 from pushpressslide.core import margins
 from pushpressslide.core.allocation import AllocationStatus
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
 from pushpressslide.core.wrench import Twist, Wrench
 from pushpressslide.mechanics.checks import (
@@ -57,7 +58,7 @@ class PressLoads(NamedTuple):
 class TwoPresses:
     """Two top contacts on an object whose CoM is the origin of B.
 
-    Raises ValueError for friction or a weight < 0, rho or cap <= 0, and contacts in one
+    Raises InputError for friction or a weight < 0, rho or cap <= 0, and contacts in one
     place. Methods with ``gravity`` take a weight [N] in the plane, in B: on a wall, where
     ``weight`` is 0.
     """
@@ -76,7 +77,7 @@ class TwoPresses:
         check_rho(self.rho)
         check_force(self.cap, "cap")
         if not (self.weight >= 0.0 and math.isfinite(self.weight)):
-            raise ValueError(f"weight {self.weight} N; must be finite and >= 0")
+            raise InputError(f"weight {self.weight} N; must be finite and >= 0")
         ContactLine(self.left, self.right)
 
     @property

@@ -54,8 +54,9 @@ def two_press_allocator(points: Sequence[Point], friction: float) -> PressAlloca
 
     A wrench beyond the discs is scaled onto them, status "projected": its direction is
     kept, but below the limit surface nothing moves, so that this twist cannot be driven
-    at these normals. "infeasible" if nothing is left of it, or it is not finite. Raises ValueError for
-    contacts that coincide, or friction < 0.
+    at these normals. "infeasible" if nothing is left of it, it is not finite, or a
+    normal is not finite and >= 0. Raises InputError for contacts that coincide, or
+    friction < 0.
     """
     check_friction(friction)
     return _sharing(ContactLine(*points), friction)
@@ -90,7 +91,7 @@ def _sharing(line: ContactLine, friction: float) -> PressAllocator:
         if free1 >= 0.0 and free2 >= 0.0:
             room1 = sqrt(free1)
             room = room1 + sqrt(free2)
-            if room > 0.0 and room < inf:
+            if room > 0.0 and room < inf and n1 >= 0.0 and n2 >= 0.0:
                 s1 = along * room1 / room
                 s2 = along - s1
                 margin = most1 - sqrt(s1 * s1 + across1)
@@ -136,7 +137,8 @@ class _Discs:
         most1 = most1 + rounding
         most2 = most2 + rounding
         size = abs(along) + abs(g1) + abs(g2)
-        if not size + normals[0] + normals[1] < inf:
+        n1, n2 = normals
+        if not (size + n1 + n2 < inf and n1 >= 0.0 and n2 >= 0.0):
             return nothing(normals, (fx, fy, tau))
         scale = min(largest_scale(parts, (most1, most2)), 1.0)
         if not scale > NOTHING:

@@ -15,7 +15,12 @@ from itertools import combinations
 from typing import Literal, NamedTuple
 
 from pushpressslide.core.pose import Point, cross
-from pushpressslide.mechanics.checks import check_friction, check_normal, check_rho
+from pushpressslide.mechanics.checks import (
+    check_friction,
+    check_normal,
+    check_point,
+    check_rho,
+)
 from pushpressslide.mechanics.friction import cone_edges
 
 Vector = tuple[float, float, float]
@@ -52,9 +57,11 @@ class WrenchCone:
         friction: float,
         rho: float,
     ) -> None:
-        """Prepare the cone. Raises ValueError unless ``friction`` is >= 0, ``rho`` > 0
-        and both normals have unit length.
+        """Prepare the cone. Raises InputError unless the points are finite, ``friction``
+        is >= 0, ``rho`` > 0 and both normals have unit length.
         """
+        for point in points:
+            check_point(point, "point")
         check_friction(friction)
         check_rho(rho)
         for normal in normals:

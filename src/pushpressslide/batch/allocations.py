@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch.checks import check_last
 from pushpressslide.batch.elementwise import Argument, Stage, Table, run, table
-from pushpressslide.batch.formulas import Flag, Formula
 from pushpressslide.batch.wrench_twist import WrenchColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Flag, Formula
 
 Statuses = NDArray[np.int8]
 # the statuses of ``core.allocation``, as numbers

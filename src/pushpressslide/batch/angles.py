@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from pushpressslide.batch.formulas import Column, compiled_as, where
+from pushpressslide.core.formulas import Column, compiled_as, where
 
 EIGHTH = math.tan(math.pi / 8.0)
 # pi/2 in three parts, the first two short: products with whole numbers are exact

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.formulas import Column, Columns
 from pushpressslide.batch.side_contact import (
     SideTip,
     Slope,
@@ -21,6 +20,7 @@ from pushpressslide.batch.side_contact import (
     tip_wrench,
 )
 from pushpressslide.batch.wrench_twist import TwistColumns, WrenchColumns
+from pushpressslide.core.formulas import Column, Columns
 from pushpressslide.mechanics.balance import CREEP, SOFTENING
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.formulas import Column, greater, least, where
+from pushpressslide.core.formulas import Column, greater, least, where
 
 
 class PushingTip(NamedTuple):

@@ -14,8 +14,8 @@ import numpy as np
 from pushpressslide.allocation.contact_line import ALONG, FACING, Split
 from pushpressslide.batch.checks import check_all
 from pushpressslide.batch.elementwise import figures
-from pushpressslide.batch.formulas import Column
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column
 
 
 class Pair(NamedTuple):

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from pushpressslide.batch.angles import arctan2, cos, sin
 from pushpressslide.batch.checks import check_last, check_positive
 from pushpressslide.batch.elementwise import Argument, column, figures, table, values
-from pushpressslide.batch.formulas import Column, Columns, Flag, greater, least, where
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, Flag, greater, least, where
 from pushpressslide.planning.dubins import Word
 
 WORDS: tuple[Word, ...] = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")

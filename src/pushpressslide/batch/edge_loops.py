@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from pushpressslide.batch import loops
-from pushpressslide.batch.edge_friction import friction_of_row
-from pushpressslide.batch.formulas import Columns, plain
+from pushpressslide.core.formulas import Columns, plain
+from pushpressslide.mechanics.edge_friction import friction_of_row
 from pushpressslide.mechanics.face_pressure import FacePressure
 
 ROWS = """

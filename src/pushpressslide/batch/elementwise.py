@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch import loops
-from pushpressslide.batch.formulas import Column, Columns, Formula
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, Formula
 
 EVERY = slice(None)
 Stage = tuple[int, Formula]

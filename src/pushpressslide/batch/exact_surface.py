@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from pushpressslide.batch.checks import check_all, check_last, check_positive
 from pushpressslide.batch.elementwise import Table, figures, table
-from pushpressslide.batch.formulas import Columns, where
 from pushpressslide.batch.sums import sums
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Columns, where
 from pushpressslide.mechanics.limit_surface import PIN_SOFTENINGS
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.virtual_axle import STRAIGHT_ANGLE
@@ -135,7 +135,7 @@ def friction_of_sample(twist: TwistColumns, s: SampleColumns) -> Columns:
     px = twist.vx - twist.w * s.y
     py = twist.vy + twist.w * s.x
     speed = np.sqrt(px * px + py * py + s.square * twist.w * twist.w)
-    k = where(speed > 0.0, s.load / speed, 0.0)  # a sample at rest gives no force
+    k = where(speed == 0.0, 0.0, s.load / speed)  # a sample at rest gives no force
     return k * px, k * py, k * (s.x * py - s.y * px + s.square * twist.w)
 
 
@@ -148,7 +148,7 @@ def power_of_sample(nu: TwistColumns, s: SampleColumns) -> Columns:
     px = nu.vx - s.y * nu.w
     py = nu.vy + s.x * nu.w
     speed = np.sqrt(px * px + py * py + s.square * nu.w * nu.w)
-    inverse = where(speed > 0.0, 1.0 / speed, 0.0)
+    inverse = where(speed == 0.0, 0.0, 1.0 / speed)
     ux = px * inverse
     uy = py * inverse
     ut = (s.x * py - s.y * px + s.square * nu.w) * inverse

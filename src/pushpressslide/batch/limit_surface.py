@@ -20,9 +20,9 @@ from pushpressslide.batch.elementwise import (
     table,
     values,
 )
-from pushpressslide.batch.formulas import Column, Columns, greater, where
 from pushpressslide.batch.wrench_twist import TwistColumns, WrenchColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, greater, where
 
 
 class Ellipsoid(NamedTuple):

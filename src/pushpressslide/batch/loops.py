@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.formulas import COMPILED, Columns, Formula
+from pushpressslide.core.formulas import COMPILED, Columns, Formula
 
 _by_numpy: ContextVar[bool] = ContextVar("by_numpy", default=False)
 

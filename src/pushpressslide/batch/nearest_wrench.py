@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pushpressslide.allocation.projections import FLAT
-from pushpressslide.batch.formulas import Column, where
+from pushpressslide.core.formulas import Column, where
 
 
 class Edge(NamedTuple):

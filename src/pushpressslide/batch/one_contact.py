@@ -29,8 +29,8 @@ from pushpressslide.batch.checks import (
     check_units,
 )
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
-from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, where
 
 EXACT = 1e-12  # of the normal force, for 1 m: a moment that is that of the force
 SMALL = 1e-9  # of the wrench: an error that is none

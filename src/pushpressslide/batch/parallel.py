@@ -23,7 +23,6 @@ from pushpressslide.batch.allocations import (
 from pushpressslide.batch.checks import check_all
 from pushpressslide.batch.contact_pair import Pair
 from pushpressslide.batch.elementwise import columns_of, figures
-from pushpressslide.batch.formulas import Columns, least, where
 from pushpressslide.batch.two_contacts import (
     OUTSIDE,
     STAGES,
@@ -32,6 +31,7 @@ from pushpressslide.batch.two_contacts import (
     wanted_forces,
 )
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Columns, least, where
 
 UNSHARED = OUTSIDE + 1  # friction in the ratio of the normal forces does not do it
 LEVEL = 1e-9  # cosine of the angle between the line of contacts and the normal

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pushpressslide.batch.angles import arctan2, cos, sin
-from pushpressslide.batch.formulas import Column, greater, least, where
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, greater, least, where
 from pushpressslide.core.path import ArcPath
 
 

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from pushpressslide.batch.angles import cos, sin
 from pushpressslide.batch.compliant_push import PushingTip, TipPushed, tip_pushed
 from pushpressslide.batch.elementwise import run
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.path_pieces import Piece, beside, eased
 from pushpressslide.batch.pushed_bodies import PoseColumns
 from pushpressslide.batch.tracking import (
@@ -32,6 +31,7 @@ from pushpressslide.batch.tracking import (
     steered,
 )
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 UNDER_WAY = 0
 ARRIVED = 1

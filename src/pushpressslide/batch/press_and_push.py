@@ -25,14 +25,15 @@ from pushpressslide.batch.allocations import (
 )
 from pushpressslide.batch.checks import (
     check_all,
+    check_finite,
     check_frictions,
     check_last,
     check_positive,
     check_units,
 )
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 ROUNDING = 1e-12  # of the disc's radius, allowed beyond it
 
@@ -73,6 +74,7 @@ class PressAndPush:
         for array, name in ((p, "press"), (q, "push"), (normals, "normal")):
             check_last(array, (2,), name)
         check_last(center, (2,), "cop")
+        check_finite(center, "cop")
         check_positive(n, "load", "N")
         check_frictions(mu)
         check_units(normals)

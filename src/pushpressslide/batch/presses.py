@@ -26,13 +26,14 @@ from pushpressslide.batch.allocations import (
 )
 from pushpressslide.batch.checks import (
     check_all,
+    check_finite,
     check_frictions,
     check_last,
     check_positive,
 )
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape, table
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 EXACT = 1e-12  # of the friction: a moment, for 1 m, that is that of the force
 KEPT = 1e-9  # of a wrench: what it may lose and count as given
@@ -71,6 +72,8 @@ class OnePress:
         p, n, mu, length, center = figures(point, load, friction, rho, cop)
         check_last(p, (2,), "point")
         check_last(center, (2,), "cop")
+        check_finite(p, "point")
+        check_finite(center, "cop")
         check_positive(n, "load", "N")
         check_frictions(mu)
         check_positive(length, "rho", "m")
@@ -216,7 +219,9 @@ def inside_discs(
     room2 = np.sqrt(greater(p.most2 * p.most2 - p.g2 * p.g2, 0.0))
     room = room1 + room2
     held = (np.abs(p.g1) <= p.most1) & (np.abs(p.g2) <= p.most2)
+    pressed = (loads.first >= 0.0) & (loads.second >= 0.0)
     given = held & (np.abs(p.along) <= room) & (room < math.inf) & is_finite(wrench)
+    given = given & pressed
     s = where(room > 0.0, p.along * room1 / room, 0.0)
     f1x = s * pair.ex - p.g1 * pair.ey
     f1y = s * pair.ey + p.g1 * pair.ex
@@ -246,6 +251,7 @@ def onto_discs(
     scale = where(square > 1.0, 1.0 / np.sqrt(square), 1.0)
     size = np.abs(p.along) + np.abs(p.g1) + np.abs(p.g2)
     finite = (size + loads.first + loads.second < math.inf) & is_finite(wrench)
+    finite = finite & (loads.first >= 0.0) & (loads.second >= 0.0)
     some = finite & (scale > NOTHING)
     g1 = scale * p.g1
     g2 = scale * p.g2

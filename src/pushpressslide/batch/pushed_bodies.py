@@ -29,10 +29,10 @@ from pushpressslide.batch.elementwise import (
     table_or_columns,
     values,
 )
-from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.batch.pushing import Contact, Vector, pushed
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, where
 
 SIXTH = 1.0 / 6.0  # a product takes less than a quotient
 SMALL = 1e-4  # [rad] turns below which the chord is taken from its series

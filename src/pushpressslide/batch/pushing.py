@@ -25,8 +25,8 @@ from pushpressslide.batch.elementwise import (
     table,
     values,
 )
-from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, where
 
 # how a pusher moves an object: the kinds of ``mechanics.friction.PushKind``, as numbers
 STICK = 0

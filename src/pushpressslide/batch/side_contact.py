@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushpressslide.batch.formulas import Column, where
 from pushpressslide.batch.wrench_twist import TwistColumns, WrenchColumns
+from pushpressslide.core.formulas import Column, where
 
 
 class SideTip(NamedTuple):

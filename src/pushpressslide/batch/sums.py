@@ -15,9 +15,9 @@ import numpy as np
 
 from pushpressslide.batch import loops
 from pushpressslide.batch.elementwise import Table
-from pushpressslide.batch.formulas import Columns, Formula
 from pushpressslide.batch.loops import digest_name, loop_of_text, registered
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Columns, Formula
 
 BLOCK = 32  # rows that NumPy takes at a time
 # what the compiler may do to a sum: another order, products and sums in one step

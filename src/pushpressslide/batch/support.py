@@ -8,6 +8,7 @@ all three are speeds, and forces.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,13 +19,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from pushpressslide.batch import loops
 from pushpressslide.batch.checks import check_positive
-from pushpressslide.batch.edge_friction import at_rest, far, near
 from pushpressslide.batch.edge_loops import compiled_rows
 from pushpressslide.batch.elementwise import Table, figures, values
-from pushpressslide.batch.formulas import Column, Columns
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns
 from pushpressslide.mechanics.balance import CREEP
+from pushpressslide.mechanics.edge_friction import FASTEST, at_rest, far, near
 from pushpressslide.mechanics.face_pressure import FacePressure
 from pushpressslide.mechanics.pressure import PressureSamples
 
@@ -48,7 +49,7 @@ class EllipsoidSupport:
 class PolygonSupport:
     """Bodies on the exact surface of one pressure on a polygon."""
 
-    # of the pressure, over rho, as ``batch.edge_friction`` has them
+    # of the pressure, over rho, as ``mechanics.edge_friction`` has them
     edges: Array  # (8, m)
     plane: Array  # (5,)
     series: NDArray[np.complex128]  # (10,)
@@ -71,17 +72,20 @@ class PolygonSupport:
         """Write what ``friction_of_row`` gives of each row."""
         plane = self.plane
         vx, vy, w = twists.T
-        square = vx * vx + vy * vy
-        turning = w * w > plane[3] * plane[3] * square
-        moving = square > 0.0
+        with np.errstate(all="ignore"):
+            square = vx * vx + vy * vy
+            turn = w * w
+            known = square + turn <= FASTEST
+        turning = known & (turn > plane[3] * plane[3] * square)
+        straight = known & ~turning & (square > 0.0)
+        still = known & ~turning & ~straight
+        out[:] = math.nan
         with np.errstate(all="ignore"):
             if turning.any():
-                x, y, turn = twists[turning].T
-                out[:, turning] = near(self.edges, plane, x, y, turn, True)
-            straight = moving & ~turning
+                x, y, w = twists[turning].T
+                out[:, turning] = near(self.edges, plane, x, y, w, True)
             if straight.any():
                 out[:, straight] = far(self.series, *twists[straight].T)
-        still = ~moving & ~turning
         out[:, still] = np.array(at_rest(plane))[:, None]
 
 

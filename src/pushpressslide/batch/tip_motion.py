@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from pushpressslide.batch.angles import cos, sin
-from pushpressslide.batch.formulas import Column, Columns, where
 from pushpressslide.batch.pushed_bodies import PoseColumns, moved
 from pushpressslide.batch.pushing import SEPARATE, SLIP_LEFT, SLIP_RIGHT, STICK
 from pushpressslide.batch.side_contact import SideTip, tip_force
 from pushpressslide.batch.wrench_twist import TwistColumns
+from pushpressslide.core.formulas import Column, Columns, where
 from pushpressslide.mechanics.balance import PASSED
 
 

@@ -23,9 +23,9 @@ from pushpressslide.batch.elementwise import (
     table,
     values,
 )
-from pushpressslide.batch.formulas import Column, Columns, Formula, where
 from pushpressslide.batch.wrench_twist import TwistColumns
 from pushpressslide.core.arrays import Array
+from pushpressslide.core.formulas import Column, Columns, Formula, where
 
 Flags = NDArray[np.bool_]
 

@@ -34,9 +34,9 @@ from pushpressslide.batch.checks import (
 )
 from pushpressslide.batch.contact_pair import Pair, contact_pair
 from pushpressslide.batch.elementwise import columns_of, figures, leading_shape
-from pushpressslide.batch.formulas import Column, Columns, greater, least, where
 from pushpressslide.batch.nearest_wrench import edge_of, edge_parts
 from pushpressslide.batch.wrench_twist import WrenchColumns
+from pushpressslide.core.formulas import Column, Columns, greater, least, where
 
 BEYOND = OPEN + 1  # within the cones, but beyond a cap
 OUTSIDE = OPEN + 2  # of the cones, however the forces are split

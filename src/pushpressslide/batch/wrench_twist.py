@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pushpressslide.batch.formulas import Column
+from pushpressslide.core.formulas import Column
 
 
 class WrenchColumns(NamedTuple):

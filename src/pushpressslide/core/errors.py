@@ -66,6 +66,10 @@ class WriteError(PushPressSlideError, OSError):
         super().__init__(f"{path}: it cannot be written ({why})")
 
 
+class InputError(PushPressSlideError, ValueError):
+    """A figure that a constructor cannot use: names it, its value and what is allowed."""
+
+
 class MissingFrameError(PushPressSlideError):
     """A robot's model that does not have the frame that is named as its tip."""
 

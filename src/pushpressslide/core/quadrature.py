@@ -377,12 +377,19 @@ def disc_pressure(
     if math.hypot(cop[0], cop[1]) <= 0.25 * radius:
         points, areas = disc_rule(radius, resolution)
         return points, areas, 1.0 + points @ (4.0 / radius**2 * np.array(cop))
+    return polygon_pressure(disc_corners(radius), cop, resolution)
+
+
+@lru_cache(maxsize=64)
+def disc_corners(radius: float) -> tuple[Point, ...]:
+    """Return the corners of a polygon that has a disc's second moment, about the
+    origin.
+    """
     step = 2.0 * math.pi / DISC_CORNERS
     # Second moment of a regular n-gon of circumradius R, over that of the disc: sin(s)
     # (2 + cos(s)) / (3 s).
     corner = radius * (math.sin(step) * (2.0 + math.cos(step)) / (3.0 * step)) ** -0.25
-    corners = tuple(
+    return tuple(
         (corner * math.cos(i * step), corner * math.sin(i * step))
         for i in range(DISC_CORNERS)
     )
-    return polygon_pressure(corners, cop, resolution)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from pushpressslide.core import margins
+from pushpressslide.core.checks import check_fields
 from pushpressslide.core.constants import GRAVITY
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
@@ -48,6 +49,9 @@ class Opening:
     depth: float = field(
         metadata=entry("distance of its back from the wall's face", "m", "(0, 10]")
     )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def edges(self) -> tuple[float, float, float, float]:
@@ -100,6 +104,9 @@ class Support:
         count=(3, 64),
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @property
     def name(self) -> str:
         """Its kind with an article, for messages."""
@@ -128,9 +135,12 @@ class ObjectModel:
     )
 
     def __post_init__(self) -> None:
-        """Put the centre of mass at the centroid where none is given."""
+        """Put the centre of mass at the centroid where none is given; check the
+        numbers.
+        """
         if self.center_of_mass is CENTROID:
             object.__setattr__(self, "center_of_mass", self.shape.centroid)
+        check_fields(self)
 
     @property
     def X_GB(self) -> Pose2:
@@ -173,6 +183,9 @@ class Robot:
         "[0, 0.5]",
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
@@ -200,6 +213,9 @@ class Obstacle:
         "whether the object may push it on its way, where no way leads past it; only if "
         "movable",
     )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def footprint(self) -> Polygon:
@@ -250,6 +266,9 @@ class Belief:
         "[0, 0.5]",
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 def assumption(believed: Value | None, true: Value) -> Value:
     """Return what is believed; where that is None, what is true."""
@@ -269,6 +288,9 @@ class Scene:
     friction_error: float = 0.0  # share by which both frictions may be wrong
     center_error: float = 0.0  # [m] by which the centre of mass may be elsewhere
     arm: int | None = None  # the only one that may touch the body; None: any
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def arms(self) -> tuple[int, ...]:

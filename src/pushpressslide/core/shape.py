@@ -273,6 +273,13 @@ class Shape:
         """
         return math.inf
 
+    @property
+    def base_corners(self) -> tuple[Point, ...]:
+        """Corners in G [m] of the polygon that a pressure is spread over: the
+        footprint's; a round one has many.
+        """
+        return self.corners
+
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
         """Return points (m, 2) [m] in G and areas (m,) [m^2] to integrate over the base."""
         from pushpressslide.core import quadrature

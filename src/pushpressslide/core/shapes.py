@@ -13,6 +13,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from pushpressslide.core.border import Border, border_of, round_border
+from pushpressslide.core.checks import check_places, check_pose, check_positive
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.outlined import Outlined
 from pushpressslide.core.polygon import is_convex, signed_area
 from pushpressslide.core.pose import Point, Pose2
@@ -41,9 +43,17 @@ OUTLINE_POINTS = 48  # of a drawn circle
 
 @dataclass(frozen=True, slots=True)
 class Box(Shape):
-    """A cuboid; its frame G is at its centre."""
+    """A cuboid; its frame G is at its centre. Raises InputError unless its three lengths
+    are finite and > 0.
+    """
 
     size: tuple[float, float, float]  # [m] full lengths along x, y, z
+
+    def __post_init__(self) -> None:
+        if len(self.size) != 3:
+            raise InputError(f"size {self.size} m; must be three lengths")
+        for length in self.size:
+            check_positive(length, "size")
 
     @property
     def height(self) -> float:
@@ -72,8 +82,8 @@ class Box(Shape):
 class Prism(Shape):
     """An upright prism on a simple polygon; its frame G is the polygon's own origin.
 
-    One on a concave polygon is a ``ConcavePrism``. Raises ValueError for corners that
-    run clockwise.
+    One on a concave polygon is a ``ConcavePrism``. Raises InputError for a height that
+    is not finite and > 0, and for corners that are not finite or run clockwise.
     """
 
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
@@ -81,12 +91,14 @@ class Prism(Shape):
 
     def __new__(cls, polygon: tuple[Point, ...] = (), height: float = 0.0) -> Prism:
         """Return a prism that answers by its hull only where that is its footprint."""
-        concave = bool(polygon) and cls is Prism and not is_convex(polygon)
+        concave = len(polygon) > 2 and cls is Prism and not is_convex(polygon)
         return object.__new__(ConcavePrism if concave else cls)
 
     def __post_init__(self) -> None:
+        check_places(self.polygon, "polygon", 3)
+        check_positive(self.height, "height")
         if not signed_area(self.polygon) > 0.0:
-            raise ValueError("the corners of a prism must run counter-clockwise")
+            raise InputError("the corners of a prism must run counter-clockwise")
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -110,10 +122,16 @@ class ConcavePrism(Outlined, Prism):
 
 @dataclass(frozen=True, slots=True)
 class Cylinder(Shape):
-    """An upright cylinder; its frame G is at its centre."""
+    """An upright cylinder; its frame G is at its centre. Raises InputError unless radius
+    and height are finite and > 0.
+    """
 
     radius: float  # [m]
     height: float  # [m]
+
+    def __post_init__(self) -> None:
+        check_positive(self.radius, "radius")
+        check_positive(self.height, "height")
 
     @property
     def corners(self) -> tuple[Point, ...]:
@@ -252,6 +270,13 @@ class Cylinder(Shape):
         """Return the round side."""
         return RoundSide((-origin[0], -origin[1]), self.radius, normal)
 
+    @property
+    def base_corners(self) -> tuple[Point, ...]:
+        """Corners in G [m] of a polygon of the disc's second moment."""
+        from pushpressslide.core import quadrature
+
+        return quadrature.disc_corners(self.radius)
+
     def base_rule(self, resolution: int) -> tuple[Array, Array]:
         """Return points (m, 2) and areas (m,): Gauss points on rings."""
         from pushpressslide.core import quadrature
@@ -272,16 +297,23 @@ class Part:
     shape: Box | Prism | Cylinder
     pose: Pose2  # of its own frame in the compound's G
 
+    def __post_init__(self) -> None:
+        check_pose(self.pose, "pose of a part")
+
 
 @dataclass(frozen=True)
 class Compound(Outlined):
     """The union of upright parts of one height, in one piece without a hole.
 
-    What remains of a cylinder's side is round. Its border raises ValueError where the
-    union has a hole or several pieces.
+    What remains of a cylinder's side is round. Raises InputError without parts; its
+    border raises ValueError where the union has a hole or several pieces.
     """
 
     parts: tuple[Part, ...]
+
+    def __post_init__(self) -> None:
+        if not self.parts:
+            raise InputError("parts of a compound: none; must be one or more")
 
     @property
     def height(self) -> float:
@@ -309,6 +341,12 @@ class MeshSolid(Outlined):
     polygon: tuple[Point, ...]  # [m] corners in G, counter-clockwise
     height: float  # [m]
     center: Point  # [m] in G, centroid of the solid, from above
+
+    def __post_init__(self) -> None:
+        check_positive(self.scale, "scale")
+        check_places(self.polygon, "polygon", 3)
+        check_positive(self.height, "height")
+        check_places((self.center,), "center")
 
     @cached_property
     def border(self) -> Border:

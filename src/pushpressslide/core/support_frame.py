@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
 
 Matrix3 = tuple[Vector3, Vector3, Vector3]
@@ -26,6 +27,9 @@ class SupportFrame:
     origin: Vector3 = (0.0, 0.0, 0.0)  # [m]
     # rows; its columns are the world directions of x, y and height
     axes: Matrix3 = WORLD_AXES
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @classmethod
     def of_wall(cls, origin: Vector3, yaw: float) -> SupportFrame:

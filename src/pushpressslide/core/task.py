@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import Literal
 
 from pushpressslide.core import margins
+from pushpressslide.core.checks import check_fields
 from pushpressslide.core.control import Vector3
 from pushpressslide.core.entry import FRICTIONS, entry, setting
 from pushpressslide.core.pose import Point, Pose2
@@ -65,6 +66,9 @@ class Tolerance:
         "(0, 1]",
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 ON_THE_WAY = Tolerance(margins.ARM.via, margins.ARM.turned_via)
 """Of poses that a search leads the object by: nobody asked for them."""
@@ -87,6 +91,9 @@ class ToolUse:
     )
     straight: float  # [m] of way from the touch to the goal
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -106,6 +113,9 @@ class Limits:
         "the goal; 1: no other than one",
         within="[1, 20]",
     )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def planned_force(self) -> float:
@@ -158,6 +168,9 @@ class Sensing:
         "probability that a control period brings no pose of the object",
         within="[0, 0.95]",
     )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def felt_force(self) -> float:
@@ -309,6 +322,9 @@ class Motion:
         "in the paper, instead of one that moves along the path",
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @property
     def freed(self) -> Motion:
         """The motion with the choice of face, contacts and vehicle left to the mode."""
@@ -331,6 +347,9 @@ class Leg:
     )
     motion: Motion = field(metadata=entry("fields of `motion` that differ in this leg"))
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
 
 @dataclass(frozen=True, slots=True)
 class BodyGoal:
@@ -338,6 +357,9 @@ class BodyGoal:
 
     body: str  # "object", or the name of a movable obstacle
     pose: Pose2  # X_WG of that body
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -438,6 +460,9 @@ class Task:
     searched: bool = field(default=False, compare=False)
     # whether it is planned to push what may move
     pushes: bool = field(default=False, compare=False)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def __repr__(self) -> str:
         """Return one line; ``dump_task`` returns all of it."""

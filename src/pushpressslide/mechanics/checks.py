@@ -1,5 +1,5 @@
 """What the figures of friction, limit surface and forces must be: one check each, for
-all constructors. Each raises ValueError, in one line, with the name and the value.
+all constructors. Each raises InputError, in one line, with the name and the value.
 """
 
 from __future__ import annotations
@@ -7,51 +7,52 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pushpressslide.core.errors import InputError
 from pushpressslide.core.pose import Point
 
 UNIT = 1e-3  # how far from 1 the length of a unit vector may be: typed to three digits
 
 
 def check_friction(friction: float, name: str = "friction") -> None:
-    """Raise ValueError unless a coefficient of friction is finite and >= 0."""
+    """Raise InputError unless a coefficient of friction is finite and >= 0."""
     if not (friction >= 0.0 and math.isfinite(friction)):
-        raise ValueError(f"{name} {friction}; must be finite and >= 0")
+        raise InputError(f"{name} {friction}; must be finite and >= 0")
 
 
 def check_rho(rho: float) -> None:
-    """Raise ValueError unless ``rho`` [m] is finite and > 0."""
+    """Raise InputError unless ``rho`` [m] is finite and > 0."""
     if not (rho > 0.0 and math.isfinite(rho)):
-        raise ValueError(f"rho {rho} m; must be finite and > 0")
+        raise InputError(f"rho {rho} m; must be finite and > 0")
 
 
 def check_force(force: float, name: str) -> None:
-    """Raise ValueError unless a ``force`` [N] is finite and > 0."""
+    """Raise InputError unless a ``force`` [N] is finite and > 0."""
     if not (force > 0.0 and math.isfinite(force)):
-        raise ValueError(f"{name} {force} N; must be finite and > 0")
+        raise InputError(f"{name} {force} N; must be finite and > 0")
 
 
 def check_press(load: float, friction: float) -> None:
-    """Raise ValueError unless a press has a ``load`` [N] > 0 and friction >= 0."""
+    """Raise InputError unless a press has a ``load`` [N] > 0 and friction >= 0."""
     check_force(load, "load")
     check_friction(friction)
 
 
 def check_caps(caps: Sequence[float]) -> None:
-    """Raise ValueError unless there are two ``caps`` [N], each > 0; inf is none."""
+    """Raise InputError unless there are two ``caps`` [N], each > 0; inf is none."""
     if len(caps) != 2:
-        raise ValueError(f"caps {tuple(caps)} N; must be two, one for each contact")
+        raise InputError(f"caps {tuple(caps)} N; must be two, one for each contact")
     for cap in caps:
         if not cap > 0.0:
-            raise ValueError(f"cap {cap} N; must be > 0")
+            raise InputError(f"cap {cap} N; must be > 0")
 
 
 def check_point(point: Point, name: str) -> None:
-    """Raise ValueError unless both coordinates of a ``point`` [m] are finite."""
+    """Raise InputError unless both coordinates of a ``point`` [m] are finite."""
     if not all(map(math.isfinite, point)):
-        raise ValueError(f"{name} {point} m; must be finite")
+        raise InputError(f"{name} {point} m; must be finite")
 
 
 def check_normal(normal: Point) -> None:
-    """Raise ValueError unless ``normal`` has unit length, to 1e-3."""
+    """Raise InputError unless ``normal`` has unit length, to 1e-3."""
     if not abs(math.hypot(*normal) - 1.0) <= UNIT:
-        raise ValueError(f"normal {normal}; must have unit length")
+        raise InputError(f"normal {normal}; must have unit length")

@@ -61,8 +61,14 @@ class FacePressure:
         """Root mean square distance [m] of the load to its centre."""
         return math.sqrt(self._moment(1, 1).real)
 
+    def variance(self, direction: Point) -> float:
+        """Return the load's variance [m^2] along a unit vector."""
+        x, y = direction
+        along = self._moment(2, 0) * complex(x, -y) ** 2
+        return 0.5 * (self._moment(1, 1).real + along.real)
+
     def edges(self) -> Array:
-        """Return ``batch.edge_friction.Edges`` (8, n)."""
+        """Return ``mechanics.edge_friction.Edges`` (8, n)."""
         steps = np.roll(self.corners, -1, axis=0) - self.corners
         lengths = np.hypot(*steps.T)
         real = lengths > 0.0
@@ -85,7 +91,7 @@ class FacePressure:
         )
 
     def plane(self) -> tuple[float, ...]:
-        """Return ``batch.edge_friction.Plane``."""
+        """Return ``mechanics.edge_friction.Plane``."""
         square = self._moment(1, 1).real
         return (self.level, *self.slope, FAR / self.reach, square)
 
@@ -116,21 +122,15 @@ class FacePressure:
         return complex((turns * WEIGHTS * pressure * z**i * z.conj() ** j).sum())
 
 
-def face_pressure(
-    shape: Shape, center_of_mass: Point, cop: Point
-) -> FacePressure | None:
-    """Return the pressure under a shape, its centre ``cop`` [m] in the body frame B;
-    None for a round base.
+def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressure:
+    """Return the pressure under a shape, its centre ``cop`` [m] in the body frame B.
 
     ``center_of_mass`` [m] in the shape's frame G; as
-    ``mechanics.pressure.support_pressure``, which samples it. Raises ValueError for a
-    CoP outside the base's hull.
+    ``mechanics.pressure.support_pressure``, which samples it. A round base is a polygon
+    of 64 corners. Raises ValueError for a CoP outside the base's hull.
     """
-    corners = shape.corners
-    if not corners:
-        return None
     place = (cop[0] + center_of_mass[0], cop[1] + center_of_mass[1])
-    polygon, a, b = quadrature.loaded_polygon(corners, place)
+    polygon, a, b = quadrature.loaded_polygon(shape.base_corners, place)
     return of_polygon(polygon - np.array(place), a + float(b @ place), b.tolist())
 
 

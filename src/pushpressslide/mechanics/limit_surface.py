@@ -19,7 +19,6 @@ from pushpressslide.mechanics.checks import check_force, check_rho
 from pushpressslide.mechanics.pressure import PressureSamples
 
 # roundings of the surface's edges, from coarse to fine, for pressures with pins
-SLOWEST = 1e-3  # of a guessed twist: what counts of it along the wrench
 PIN_SOFTENINGS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 
 
@@ -94,7 +93,7 @@ def exact_wrenches(samples: PressureSamples, mu: float, twists: Array) -> Array:
         py = vy + w * r[:, 0]
         speed = np.sqrt(px**2 + py**2 + (samples.radii * w) ** 2)
         k = np.divide(
-            mu * samples.loads, speed, out=np.zeros_like(speed), where=speed > 0.0
+            mu * samples.loads, speed, out=np.zeros_like(speed), where=speed != 0.0
         )
         fx = k * px
         fy = k * py
@@ -136,18 +135,16 @@ def exact_level(samples: PressureSamples, mu: float, wrench: Wrench) -> float:
 
 
 def exact_slide(
-    samples: PressureSamples, mu: float, wrench: Wrench, guess: Twist | None = None
+    samples: PressureSamples, mu: float, wrench: Wrench
 ) -> tuple[Twist, float]:
     """Return ``exact_twist_direction`` and ``exact_level`` at once, for the cost of
-    one; for less with a ``guess`` of the twist.
+    one.
     """
-    twist, factor = _slide(samples, wrench, guess)
+    twist, factor = _slide(samples, wrench)
     return twist, factor / mu
 
 
-def _slide(
-    samples: PressureSamples, wrench: Wrench, guess: Twist | None = None
-) -> tuple[Twist, float]:
+def _slide(samples: PressureSamples, wrench: Wrench) -> tuple[Twist, float]:
     """Return the direction of sliding, and the wrench over mu times the surface's."""
     cop = samples.cop
     r = samples.points - np.array(cop)
@@ -171,10 +168,6 @@ def _slide(
     power = _FrictionPower(share, x, y, (samples.radii / rho) ** 2, target, basis)
     extended = bool((samples.radii[samples.loads > 0.0] > 0.0).all())
     z = np.zeros(2)
-    if extended and guess is not None:
-        near = guess.moved_to(cop)
-        nu = np.array([near.vx, near.vy, rho * near.w])
-        z = basis.T @ nu / max(float(target @ nu), SLOWEST)
     for softening in (0.0,) if extended else PIN_SOFTENINGS:
         z = power.least(z, softening)
     value = power.value(z, 0.0)

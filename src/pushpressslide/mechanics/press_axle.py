@@ -18,20 +18,17 @@ from pushpressslide.core.task import ObjectModel
 from pushpressslide.core.wrench import Twist
 from pushpressslide.mechanics.checks import check_point, check_press
 from pushpressslide.mechanics.dragging import DraggedEllipsoid
+from pushpressslide.mechanics.face_pressure import FacePressure, face_pressure
 from pushpressslide.mechanics.pressing import pressed_cop
-from pushpressslide.mechanics.pressure import PressureSamples, support_pressure
-from pushpressslide.mechanics.rho import rho_straight
 from pushpressslide.mechanics.top import room_inside
 from pushpressslide.mechanics.virtual_axle import (
+    STRAIGHT_FACE,
     axle_with_height,
     dragged_twist,
     turned,
 )
 
 PAPER_C = 0.6  # c of a uniform contact, as the paper takes it
-# resolution of the pressure for planning: enough for twists within a percent
-PLANNED = 4
-STRAIGHT = 1e-3  # [rad] force angle below which the limit of straight sliding is used
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,13 +87,9 @@ class Press:
         """Return the unit vector in B at ``angle`` [rad] from the heading axis."""
         return turned(self.axis, angle)
 
-    def pressure(self, cop: Point, resolution: int = 8) -> PressureSamples:
-        """Return the pressure under the object, unit load, whose centre is ``cop`` [m]
-        in B.
-        """
-        return support_pressure(
-            self.body.shape, 1.0, self.body.center_of_mass, cop, resolution
-        )
+    def pressure(self, cop: Point) -> FacePressure:
+        """Return the pressure under the object, whose centre is ``cop`` [m] in B."""
+        return face_pressure(self.body.shape, self.body.center_of_mass, cop)
 
     def room(self, angle: float) -> float:
         """Return the tipping margin [half widths] under drag at ``angle`` [rad]; < 0:
@@ -119,7 +112,7 @@ class Press:
             return self._ellipsoid_twist(self.rho, angle)
         height = self.body.shape.height
         return dragged_twist(
-            self._coarse,
+            self.pressure,
             self.friction,
             self.cop,
             self.contact,
@@ -133,9 +126,6 @@ class Press:
         one = (np.array([p]) for p in (self.cop, self.contact, self.along(angle)))
         vx, vy, w = DraggedEllipsoid(rho, self.shift).slide(*one).twists[0]
         return Twist(float(vx), float(vy), float(w))
-
-    def _coarse(self, cop: Point) -> PressureSamples:
-        return self.pressure(cop, PLANNED)
 
     def axle(self, angle: float, height: float | None = None) -> float:
         """Return the virtual axle under a force at ``angle`` [rad]: its coordinate [m]
@@ -162,14 +152,15 @@ class Press:
         / d. Raises ValueError where the object tips.
         """
         sign = -1.0 if backward else 1.0
-        if angle < STRAIGHT:
+        if angle < STRAIGHT_FACE:
             e = self.axis
             shift = sign * self.shift
             at = (self.cop[0] + shift * e[0], self.cop[1] + shift * e[1])
-            rho = self.rho
-            if rho is None:
-                rho = rho_straight(self._coarse(at), e)
-            effective_wheelbase = rho**2 / self.lever
+            if self.rho is None:
+                variance = self.pressure(at).variance(e)
+            else:
+                variance = self.rho**2
+            effective_wheelbase = variance / self.lever
             return shift - effective_wheelbase, effective_wheelbase
         ex, ey = self.axis
         ahead = 0.0

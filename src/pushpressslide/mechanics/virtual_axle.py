@@ -14,16 +14,19 @@ from typing import NamedTuple
 
 from pushpressslide.core.pose import Point, cross
 from pushpressslide.core.wrench import Twist, Wrench
-from pushpressslide.mechanics.limit_surface import exact_slide, exact_twist_direction
+from pushpressslide.mechanics.face_pressure import FacePressure
+from pushpressslide.mechanics.face_slide import FaceSurface
+from pushpressslide.mechanics.limit_surface import exact_twist_direction
 from pushpressslide.mechanics.pressure import PressureSamples
 from pushpressslide.mechanics.rho import rho_straight
 
 # Below this force angle [rad] the limit of straight motion is used, which differs from
 # the exact one in second order.
 STRAIGHT_ANGLE = 1e-4
+STRAIGHT_FACE = 1e-6  # [rad] the same in closed form, which has no noise to divide
 # of the force over the load: by how much the force that slides may differ from the one
 # that has moved the centre of pressure
-SETTLED = 1e-7
+SETTLED = 1e-9
 NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
 SECANTS = 8  # steps, after which the interval is halved
 EDGE = 1e-4  # of mu: how near to tipping the force is followed
@@ -70,7 +73,7 @@ def exact_axle_distance(
 class Slide(NamedTuple):
     """How an object slides under one force."""
 
-    samples: PressureSamples  # the pressure that the force has moved
+    face: FacePressure  # that the force has moved
     wrench: Wrench  # of a force of 1 N, about that pressure's centre
     twist: Twist  # only the direction counts
     # force that slides it less the force that has moved the pressure, over the load
@@ -78,7 +81,7 @@ class Slide(NamedTuple):
 
 
 def sliding(
-    pressure_at: Callable[[Point], PressureSamples],
+    face_at: Callable[[Point], FacePressure],
     mu: float,
     cop: Point,
     contact: Point,
@@ -88,23 +91,22 @@ def sliding(
     """Return how a force along the unit vector ``direction`` slides the object.
 
     The force acts at ``contact`` [m] in B, ``height`` [m] above the support, and moves
-    the CoP from ``cop`` by h F / N. ``pressure_at(p)`` gives the distribution (any total
-    load) whose CoP is p; ``mu`` is the friction of the pair object/support. The force
-    that slides is found by the secant method in an interval: it grows from zero until
-    what slides the object is no more than itself. Raises ValueError where the CoP leaves the base
-    before: the object tips.
+    the CoP from ``cop`` by h F / N. ``face_at(p)`` gives the pressure whose CoP is p;
+    ``mu`` is the friction of the pair object/support. The force that slides is found by
+    the secant method in an interval: it grows from zero until what slides the object is
+    no more than itself. Raises ValueError where the CoP leaves the base before: the
+    object tips.
     """
 
     def slide(ratio: float, guess: Twist | None = None) -> Slide:
         """Return the slide under the pressure that a force over the load moves."""
         shift = height * ratio
         moved = (cop[0] + shift * direction[0], cop[1] + shift * direction[1])
-        samples = pressure_at(moved)
+        face = face_at(moved)
         arm = (contact[0] - moved[0], contact[1] - moved[1])
         wrench = Wrench(*direction, cross(arm, direction), moved)
-        twist, level = exact_slide(samples, mu, wrench, guess)
-        surplus = 1.0 / (level * samples.total_load) - ratio
-        return Slide(samples, wrench, twist, surplus)
+        twist, level = FaceSurface(face).slide(wrench, guess)
+        return Slide(face, wrench, twist, mu / level - ratio)
 
     if height == 0.0:
         return slide(0.0)
@@ -176,7 +178,7 @@ class _Interval:
 
 
 def dragged_twist(
-    pressure_at: Callable[[Point], PressureSamples],
+    face_at: Callable[[Point], FacePressure],
     mu: float,
     cop: Point,
     contact: Point,
@@ -186,12 +188,12 @@ def dragged_twist(
     """Return the twist of B's origin under the force of ``sliding``, on the exact
     surface; only its direction counts.
     """
-    slide = sliding(pressure_at, mu, cop, contact, height, direction)
+    slide = sliding(face_at, mu, cop, contact, height, direction)
     return slide.twist.moved_to((0.0, 0.0))
 
 
 def axle_with_height(
-    pressure_at: Callable[[Point], PressureSamples],
+    face_at: Callable[[Point], FacePressure],
     mu: float,
     cop: Point,
     contact: Point,
@@ -210,9 +212,9 @@ def axle_with_height(
     d = math.hypot(lever[0], lever[1])
     axle_distance(1.0, d)
     e = (lever[0] / d, lever[1] / d)
-    slide = sliding(pressure_at, mu, cop, contact, height, turned(e, force_angle))
-    if abs(math.sin(force_angle)) < STRAIGHT_ANGLE:
-        distance = rho_straight(slide.samples, e) ** 2 / d
+    slide = sliding(face_at, mu, cop, contact, height, turned(e, force_angle))
+    if abs(math.sin(force_angle)) < STRAIGHT_FACE:
+        distance = slide.face.variance(e) / d
         x, y = slide.wrench.about
         return (x - distance * e[0], y - distance * e[1])
     twist = slide.twist.moved_to(cop)

@@ -43,9 +43,10 @@ class Support:
         def friction(i: int, j: int) -> Friction:
             """Return the friction for a CoP on the grid."""
             cop = (i * step, j * step)
-            face = face_pressure(shape, center_of_mass, cop)
-            if face is not None and len(face.corners) <= MOST_CORNERS:
-                return PolygonFriction(face)
+            if shape.corners:
+                face = face_pressure(shape, center_of_mass, cop)
+                if len(face.corners) <= MOST_CORNERS:
+                    return PolygonFriction(face)
             return SupportFriction(
                 support_pressure(shape, 1.0, center_of_mass, cop, RESOLUTION)
             )

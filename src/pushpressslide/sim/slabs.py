@@ -9,11 +9,11 @@ from typing import NamedTuple
 from pydrake.math import RigidTransform
 
 from pushpressslide.core.pose import Pose2
-from pushpressslide.core.scene import Opening, Support
+from pushpressslide.core.scene import Support
 from pushpressslide.core.support_frame import SupportFrame
 from pushpressslide.sim.convert import rigid_transform
 
-NO_OPENING = Opening((0.0, 0.0), (0.0, 0.0), 0.0)
+NOWHERE = (0.0, 0.0, 0.0, 0.0)  # edges of an opening that there is not
 
 
 class Slab(NamedTuple):
@@ -45,9 +45,9 @@ def slabs(
     They go ``reach`` [m] to the sides and up, down to ``low`` [m] along y, from
     ``level`` [m] in height to ``thickness`` [m] behind the opening's back.
     """
-    opening = support.opening or NO_OPENING
-    left, right, bottom, top = opening.edges
-    depth = opening.depth
+    opening = support.opening
+    left, right, bottom, top = NOWHERE if opening is None else opening.edges
+    depth = 0.0 if opening is None else opening.depth
     solid = (-depth - thickness, level)
     every = [
         Slab((-reach, left), (low, reach), solid),

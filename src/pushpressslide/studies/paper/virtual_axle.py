@@ -22,6 +22,7 @@ from pushpressslide.core.whole_file import write_whole
 from pushpressslide.jobs.parallel import Progress, in_parallel
 from pushpressslide.mechanics.press_axle import PAPER_C, Press
 from pushpressslide.mechanics.pressing import friction_use
+from pushpressslide.mechanics.pressure import support_pressure
 from pushpressslide.mechanics.rho import rho_pole, rho_straight
 from pushpressslide.report.metrics import installed_versions
 from pushpressslide.taskfile.load import load_task
@@ -262,7 +263,8 @@ def paper_figures(task: Task) -> list[dict[str, Any]]:
     ours are the task's.
     """
     press = pressed(task, 8.0, task.object.shape.height)
-    pressure = press.pressure(press.cop, 20)
+    body = press.body
+    pressure = support_pressure(body.shape, 1.0, body.center_of_mass, press.cop, 20)
     straight = rho_straight(pressure)
     figures = (
         *_figures_of_constant(press, straight),

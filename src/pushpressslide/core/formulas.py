@@ -64,7 +64,11 @@ def greater(a: Column | float, b: Column | float) -> Column:
 
 _FLOATS = ModuleType("floats")  # Python finds a module's names quickest
 vars(_FLOATS).update(
-    sqrt=math.sqrt, arctanh=math.atanh, abs=abs, copysign=math.copysign
+    sqrt=math.sqrt,
+    arctanh=math.atanh,
+    abs=abs,
+    copysign=math.copysign,
+    nan=math.nan,
 )
 
 

@@ -12,10 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from pushpressslide.batch.formulas import Column, Columns
+from pushpressslide.core.formulas import Column, Columns, where
 from pushpressslide.mechanics.balance import CREEP
 
-ON_EDGE = 1e-15  # of an edge's length: as near as a centre of rotation comes to it
+# length of an edge over the way from end to end by the centre of rotation: no more, as
+# the centre is on the edge there
+ON_EDGE = 1.0 - 2.0**-53
+SHORT = 0.1  # of that way: an edge as short is a series of seven terms
+# distance of the centres of rotation and pressure below which its square is lost
+TOGETHER = 1e-100
+LEAST = 1e-300  # added to what may be zero, and is divided by
+FASTEST = 1e200  # of the square of a twist, beyond which it is no number
 
 Edges = Any
 """Eight rows, one number for each edge, in their order round the polygon: x, y of its
@@ -44,7 +51,10 @@ def friction_of_row(
     Without ``sloped`` the slope may be left out.
     """
     square = vx * vx + vy * vy
-    if w * w > plane[3] * plane[3] * square:
+    turn = w * w
+    if not square + turn <= FASTEST:
+        return unknown()
+    if turn > plane[3] * plane[3] * square:
         return near(edges, plane, vx, vy, w, sloped)
     if square > 0.0:
         return far(series, vx, vy, w)
@@ -57,36 +67,50 @@ def at_rest(plane: Plane) -> Columns:
     return 0.0, 0.0, 0.0, stiff, 0.0, 0.0, stiff, 0.0, stiff * plane[4]
 
 
+def unknown() -> Columns:
+    """Return what a twist that is no number has."""
+    nan = np.nan
+    return nan, nan, nan, nan, nan, nan, nan, nan, nan
+
+
 def near(
     edges: Edges, plane: Plane, vx: Column, vy: Column, w: Column, sloped: bool
 ) -> Columns:
     """Return wrench and slope of a twist by integrals over the edges, ``w`` not zero;
     the slope is wrong without ``sloped``.
 
-    Places R are from the centre of rotation c; u is J R / |R| for w > 0. With the
-    outward normal n of an edge, its distance k and p = p_0 + q . r, the divergence
-    theorem gives the integrals over the area
+    Places R are from the centre of rotation c; u is J R / |R| for w > 0. The unit vector
+    e leads from the centre of pressure to c, and f = |R| + e . R, whose gradient is
+    R / |R| + e, is small where c is far away. With the outward normal n of an edge, its
+    distance k and p = p_0 + q . r, the divergence theorem gives the integrals over the
+    area
 
-    - of |R|: a third of the sum of k int |R| ds,
-    - of p |R|: a fourth of the sum of k int p |R| ds and of p(c) times the first,
-    - of p R / |R|: the sum of n int p |R| ds, less q times the first,
+    - of f: a third of the sum of k int f ds,
+    - of p f: a fourth of the sum of k int p f ds and of p(c) times the first,
+    - of p grad f: the sum of n int p f ds, less q times the first,
     - of p R R^T / |R|^3: the sum of p(c) k int ds / |R| along t t^T and the like.
     """
     cx = -vy / w
     cy = vx / w
+    distance = np.sqrt(cx * cx + cy * cy)
+    apart = distance > TOGETHER
+    unit = where(apart, 1.0 / where(apart, distance, 1.0), 0.0)
+    ex = cx * unit
+    ey = cy * unit
     level = plane[0] + plane[1] * cx + plane[2] * cy  # p(c)
-    reach = 0.0  # sums over the edges: of k int |R| ds
-    work = 0.0  # of k int p |R| ds
-    gx = 0.0  # of n int p |R| ds
+    reach = 0.0  # sums over the edges: of k int f ds
+    work = 0.0  # of k int p f ds
+    gx = 0.0  # of n int p f ds
     gy = 0.0
     hx = 0.0  # of n int |R| ds
     hy = 0.0
     xx = 0.0  # of what p R R^T / |R|^3 has
     xy = 0.0
     yy = 0.0
-    x = edges[0][0] - cx
-    y = edges[1][0] - cy
-    ra = np.sqrt(x * x + y * y)
+    x = edges[0][0]
+    y = edges[1][0]
+    ra = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
+    fa = beyond(ex * (x - cx) + ey * (y - cy), ex * y - ey * x, ra)
     for x0, y0, tx, ty, length, middle, across, along in zip(  # noqa: B905
         edges[0],
         edges[1],
@@ -102,17 +126,34 @@ def near(
         k = ty * x - tx * y
         s = tx * x + ty * y + length
         rb = np.sqrt(k * k + s * s)
+        # e . R and e x r at the second end
+        ahead = ex * tx + ey * ty
+        aside = ex * y0 - ey * x0 + length * (ex * ty - ey * tx)
+        fb = beyond(ex * x + ey * y + length * ahead, aside, rb)
         ends = ra + rb
-        rise = rb - ra
         ra = rb
-        z = length / (ends + ON_EDGE * length)
+        z = length / ends
+        z = where(z < ON_EDGE, z, ON_EDGE)
         half_log = np.arctanh(z)  # of int ds / |R|
-        # |R| is (ends + rise (s - s_m) / length) / 2 and a little, by which it sags
-        slant = rise / length
-        sag = (1.0 - slant * slant) * (1.0 - (1.0 / z - z) * half_log)
-        line = 0.25 * length * ends * (2.0 - sag)
-        # int (s - s_m) |R| ds
-        first = rise * (rise * rise + 1.5 * sag * ends * ends)
+        u = z * z
+        # 1 - (1 / z - z) artanh z is 2 z^2 (1 / 3 + tail)
+        tail = where(
+            z < SHORT,
+            u
+            * (
+                1 / 15
+                + u * (1 / 35 + u * (1 / 63 + u * (1 / 99 + u * (1 / 143 + u / 195))))
+            ),
+            (1.0 - (1.0 / z - z) * half_log) / (2.0 * u) - 1 / 3,
+        )
+        climb = fb - fa
+        slant = climb / length - ahead  # of |R|, from end to end
+        steep = 1.0 - slant * slant
+        sag = length * z * steep * (1 / 3 + tail)
+        line = 0.5 * length * (fa + fb - sag)
+        fa = fb
+        # int (s - s_m) f ds
+        first = length * length * (climb + 3.0 * tail * steep * slant * length)
         load = middle * line + along * first / 12.0
         reach = reach + k * line
         work = work + k * load
@@ -120,12 +161,14 @@ def near(
         gy = gy - tx * load
         if not sloped:
             continue
-        hx = hx + ty * line
-        hy = hy - tx * line
+        radial = 0.5 * length * (ends - sag)  # int |R| ds
+        rise = slant * length
+        hx = hx + ty * radial
+        hy = hy - tx * radial
         turn = 2.0 * k * half_log
         nn = -across * k * turn
         nt = -(0.5 * level + across * k) * rise
-        tt = level * turn - across * line - nn
+        tt = level * turn - across * radial - nn
         more = (tt - nn) * tx * tx + 2.0 * nt * tx * ty
         xx = xx + nn + more
         yy = yy + tt - more
@@ -135,12 +178,12 @@ def near(
     reach = reach / 3.0
     gx = gx - reach * qx
     gy = gy - reach * qy
+    over = 0.25 * (work + level * reach)  # int p f
     sign = np.copysign(1.0, w)
-    fx = -sign * gy
-    fy = sign * gx
-    spin = 0.25 * sign * (work + level * reach)  # moment about the centre
-    tau = spin + cx * fy - cy * fx
-    power = w * spin
+    fx = -sign * (gy - ey)
+    fy = sign * (gx - ex)
+    tau = sign * (over + cx * gx + cy * gy)
+    power = np.abs(w) * (over + ex * cx + ey * cy)
     if not sloped:
         return softened(power, fx, fy, tau, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     xx = (xx + 2.0 * qx * hx) / np.abs(w)
@@ -151,6 +194,14 @@ def near(
     yw = yy * cx - xy * cy
     ww = yw * cx - xw * cy
     return softened(power, fx, fy, tau, xx, xy, xw, yy, yw, ww)
+
+
+def beyond(ahead: Column, aside: Column, distance: Column) -> Column:
+    """Return |R| + e . R of a place R from its |R|, e . R and e x R, without cancellation
+    where the two are opposite.
+    """
+    small = aside * aside / (distance + np.abs(ahead) + LEAST)
+    return where(ahead < 0.0, small, distance + ahead)
 
 
 def far(series: Series, vx: Column, vy: Column, w: Column) -> Columns:

@@ -1,0 +1,92 @@
+"""What the numbers of a scene must be: one check each, for all constructors of public
+data. Each raises InputError, in one line, with the field, the value and what is allowed.
+
+What a file may hold is narrower: ``core.entry`` has the ranges, the reader checks them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+from pushpressslide.core.errors import InputError
+from pushpressslide.core.pose import Point, Pose2
+
+FINITE = "finite"
+POSITIVE = "finite and > 0"
+NOT_NEGATIVE = "finite and >= 0"
+
+
+def check_positive(value: float, name: str, unit: str = "m") -> None:
+    """Raise InputError unless a number is finite and > 0."""
+    if not 0.0 < value < math.inf:
+        _refuse(name, value, unit, POSITIVE)
+
+
+def check_places(points: Sequence[Point], name: str, least: int = 1) -> None:
+    """Raise InputError unless there are ``least`` points [m] or more, all finite."""
+    if len(points) < least:
+        raise InputError(f"{name} of {len(points)} points; must be {least} or more")
+    for point in points:
+        if not all(map(math.isfinite, point)):
+            _refuse(name, point, "m", FINITE)
+
+
+def check_pose(pose: Pose2, name: str) -> None:
+    """Raise InputError unless all numbers of a pose are finite."""
+    if not math.isfinite(pose.x + pose.y + pose.yaw):
+        _refuse(name, (pose.x, pose.y, pose.yaw), "", FINITE)
+
+
+def check_fields(data: Any) -> None:
+    """Raise InputError unless the numbers among a dataclass's fields are finite, and have
+    the sign that the task file asks of them.
+    """
+    kind: Any = type(data)
+    for name, unit, allowed in field_rules(kind):
+        value = getattr(data, name)
+        if value is not None and not _holds(value, allowed):
+            _refuse(f"{kind.__name__}.{name}", value, unit, allowed)
+
+
+@cache
+def field_rules(kind: Any) -> tuple[tuple[str, str, str], ...]:
+    """Return name, unit and allowed numbers of each field."""
+    rules = []
+    for one in fields(kind):
+        entry = one.metadata.get("entry")
+        within = entry.within if entry else ""
+        unit = entry.unit if entry else ""
+        allowed = FINITE
+        if within:
+            least = float(within[1:].split(",")[0])
+            if least > 0.0 or (least == 0.0 and within[0] == "("):
+                allowed = POSITIVE
+            elif least == 0.0:
+                allowed = NOT_NEGATIVE
+        rules.append((one.name, "rad" if unit == "deg" else unit, allowed))
+    return tuple(rules)
+
+
+def _holds(value: Any, allowed: str) -> bool:
+    """Return whether all numbers in a value are as allowed."""
+    if isinstance(value, float | int):
+        if not math.isfinite(value):
+            return False
+        if allowed is FINITE:
+            return True
+        return value > 0.0 if allowed is POSITIVE else value >= 0.0
+    if isinstance(value, tuple):
+        return all(_holds(part, allowed) for part in value)
+    if isinstance(value, Pose2):
+        return math.isfinite(value.x + value.y + value.yaw)
+    return True
+
+
+def _refuse(name: str, value: object, unit: str, allowed: str) -> None:
+    raise InputError(
+        f"{' '.join([name, str(value), unit]).rstrip()}; must be {allowed}"
+    )

@@ -1,0 +1,168 @@
+"""How an object on a base with straight edges slides under a wrench: the exact limit
+surface in closed form, turned round by Newton's method.
+
+Source: docs/mechanics.md, sections 1 and 1.3. Plain floats; ``mechanics.limit_surface``
+does the same for samples of a pressure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+
+from pushpressslide.core.formulas import Columns, plain
+from pushpressslide.core.wrench import Twist, Wrench
+from pushpressslide.mechanics.edge_friction import far, near
+from pushpressslide.mechanics.face_pressure import FacePressure
+
+STEPS = 60  # of Newton's method, at most
+FLAT = 1e-14  # gradient of the power at its least
+SURE = 1e-8  # a whole step that long squares to less than rounding
+DOWN = 1e-4  # share of the fall that the slope promises which a step must give
+SHORTEST = 1e-6  # share of a step, below which rounding is all that is left
+SLOWEST = 1e-3  # of a guessed twist: what counts of it along the wrench
+
+Triple = tuple[float, float, float]
+_near: Callable[..., Columns] = plain(near)
+_far: Callable[..., Columns] = plain(far)
+
+
+class FaceSurface:
+    """The limit surface of a pressure over its load; about its centre of pressure."""
+
+    def __init__(self, face: FacePressure) -> None:
+        """Prepare the edges, with rho as the unit of length."""
+        self.rho = face.rho  # [m] root mean square distance of the load
+        self._face = face.scaled(self.rho)
+        self._edges = tuple(map(tuple, self._face.edges().tolist()))
+        self._plane = self._face.plane()
+
+    @cached_property
+    def _series(self) -> tuple[complex, ...]:
+        return self._face.series()
+
+    def _friction(self, twist: Triple) -> Columns:
+        """Return ``friction_of_row`` of a twist (vx, vy, rho w), not zero."""
+        vx, vy, w = twist
+        if abs(w) > self._plane[3] * math.hypot(vx, vy):
+            return _near(self._edges, self._plane, vx, vy, w, True)
+        return _far(self._series, vx, vy, w)
+
+    def slide(self, wrench: Wrench, guess: Twist | None = None) -> tuple[Twist, float]:
+        """Return the direction of sliding under ``wrench``, as a twist of its point,
+        the centre of pressure, and by what factor it exceeds the surface of mu N = 1.
+
+        The twist of least friction power among those with unit power of the wrench
+        (maximum dissipation); in less time with a ``guess`` of it, any body point.
+        Raises ValueError for a wrench that is zero or not finite.
+        """
+        rho = self.rho
+        size = math.hypot(wrench.fx, wrench.fy, wrench.tau / rho)
+        if not (size > 0.0 and math.isfinite(size)):
+            raise ValueError("a zero wrench has no direction of sliding")
+        target = (wrench.fx / size, wrench.fy / size, wrench.tau / (rho * size))
+        twist = target  # the ellipsoid's
+        if guess is not None:
+            vx, vy, w, _ = guess.moved_to(wrench.about)
+            nu = (vx, vy, rho * w)
+            unit = max(_dot(target, nu), SLOWEST * math.hypot(*nu))
+            twist = (nu[0] / unit, nu[1] / unit, nu[2] / unit)
+        (vx, vy, w), power = self._least(twist, target)
+        norm = math.hypot(vx, vy, w)
+        found = Twist(vx / norm, vy / norm, w / (norm * rho), wrench.about)
+        return found, size / power
+
+    def _least(self, twist: Triple, target: Triple) -> tuple[Triple, float]:
+        """Return the twist of least friction power of unit power of the unit wrench
+        ``target``, and that power: by Newton steps that are halved until the power, or
+        at the end its gradient, falls.
+        """
+        a, b = across(target)
+        off = 1.0 - _dot(target, twist)
+        twist = _moved(twist, off, target)
+        at = _Power(self._friction(twist), twist, a, b)
+        for _ in range(STEPS):
+            if at.steepest < FLAT:
+                break
+            p, q = at.step()
+            slope = at.ga * p + at.gb * q
+            share = 1.0
+            while True:
+                ahead = _moved(_moved(twist, share * p, a), share * q, b)
+                trial = _Power(self._friction(ahead), ahead, a, b)
+                falls = trial.value <= at.value + DOWN * share * slope
+                if falls or trial.steepest < 0.5 * at.steepest:
+                    break
+                share *= 0.5
+                if share < SHORTEST:
+                    return twist, at.value
+            twist = ahead
+            at = trial
+            if share == 1.0 and max(abs(p), abs(q)) < SURE:
+                break
+        return twist, at.value
+
+
+class _Power:
+    """Friction power at a twist, its gradient and its slope along two unit vectors."""
+
+    __slots__ = ("aa", "ab", "bb", "ga", "gb", "value")
+
+    def __init__(self, friction: Columns, twist: Triple, a: Triple, b: Triple) -> None:
+        fx, fy, tau, xx, xy, xw, yy, yw, ww = friction
+        wrench = (fx, fy, tau)
+        self.value = _dot(wrench, twist)
+        self.ga = _dot(wrench, a)
+        self.gb = _dot(wrench, b)
+        row_a = (
+            xx * a[0] + xy * a[1] + xw * a[2],
+            xy * a[0] + yy * a[1] + yw * a[2],
+            xw * a[0] + yw * a[1] + ww * a[2],
+        )
+        row_b = (
+            xx * b[0] + xy * b[1] + xw * b[2],
+            xy * b[0] + yy * b[1] + yw * b[2],
+            xw * b[0] + yw * b[1] + ww * b[2],
+        )
+        self.aa = _dot(row_a, a)
+        self.ab = _dot(row_a, b)
+        self.bb = _dot(row_b, b)
+
+    @property
+    def steepest(self) -> float:
+        """The greater part of the gradient."""
+        return max(abs(self.ga), abs(self.gb))
+
+    def step(self) -> tuple[float, float]:
+        """Return Newton's step along the two vectors, a little damped."""
+        damping = FLAT * (1.0 + self.aa + self.bb)
+        aa = self.aa + damping
+        bb = self.bb + damping
+        determinant = aa * bb - self.ab * self.ab
+        if not determinant > 0.0:
+            return -self.ga, -self.gb
+        p = (self.ab * self.gb - bb * self.ga) / determinant
+        q = (self.ab * self.ga - aa * self.gb) / determinant
+        return p, q
+
+
+def across(unit: Triple) -> tuple[Triple, Triple]:
+    """Return two unit vectors at right angles to a ``unit`` vector and to each other."""
+    x, y, z = unit
+    sign = math.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return (1.0 + sign * x * x * a, sign * b, -sign * x), (b, sign + y * y * a, -y)
+
+
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _moved(place: Triple, way: float, direction: Triple) -> Triple:
+    return (
+        place[0] + way * direction[0],
+        place[1] + way * direction[1],
+        place[2] + way * direction[2],
+    )
