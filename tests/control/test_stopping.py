@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from pushpressslide.control.limits import TORQUE_TIME, ArmLimits, ArmReading
 from pushpressslide.control.stopping import (
     BEYOND,
+    CALM,
     FLIP_SPEED,
     FLIPS,
     GRACE,
-    GROWTH,
     GROWTH_TICKS,
     LONGEST,
     REST_TIME,
@@ -74,7 +74,7 @@ def test_a_joint_that_turns_about_ever_faster_runs_away(
 
 
 def test_a_joint_that_becomes_faster_from_tick_to_tick_runs_away() -> None:
-    step = 1.2 * GROWTH * LIMIT / GROWTH_TICKS
+    step = 1.2 * CALM * LIMIT
     assert first_complaint([step * n for n in range(30)]) == GROWTH_TICKS
     assert first_complaint([0.5 * step * n for n in range(20)]) is None
 

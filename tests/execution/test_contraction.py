@@ -1,6 +1,7 @@
 """In free space an arm comes to rest at its reference, however little its joints weigh."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pytest
@@ -106,7 +107,7 @@ class Loop:
         after = v + self.period * np.linalg.solve(state.M, tau)
         return q + self.period * after, after
 
-    @property
+    @cached_property
     def _executor(self) -> ArmExecutor:
         n = self.arm.size
         upper = np.full(n, FAR)

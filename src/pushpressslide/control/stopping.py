@@ -23,10 +23,10 @@ from pushpressslide.core.control import ArmCommand, BrakeCommand, Commands, Join
 # this share of its speed limit or more: a motion that is led takes tens of ticks to turn
 FLIPS = 3
 FLIP_SPEED = 0.05
-# ticks in each of which a joint grows faster, by this share of its speed limit in five:
+# ticks in each of which a joint becomes faster, by this share of its speed limit or more:
 # four times as much as where the arms are led, or meet an object
 GROWTH_TICKS = 5
-GROWTH = 0.3
+CALM = 0.06
 BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything
 GRACE = 0.1  # [s] in which an arm that draws back may still be too fast
 REST_SPEED = 0.01  # of a joint's speed limit: slower it counts as at rest
@@ -49,38 +49,40 @@ class JointWatch:
     """
 
     limits: Sequence[float]  # (n,) [rad/s]
+    _calm: list[float] = field(init=False)  # (n,) [rad/s] of a change that counts
     _before: list[float] = field(init=False)  # (n,) [rad/s] at the last tick
     _grown: list[int] = field(init=False)  # (n,) ticks of growth so far
-    _from: list[float] = field(init=False)  # (n,) [rad/s] speed at which it began
-    _flips: list[int] = field(init=False)  # (n,)
+    _flips: list[int] = field(init=False)  # (n,) changes of direction so far
 
     def __post_init__(self) -> None:
         n = len(self.limits)
+        self._calm = [CALM * limit for limit in self.limits]
         self._before = [0.0] * n
         self._grown = [0] * n
-        self._from = [0.0] * n
         self._flips = [0] * n
 
-    def step(self, rates: Sequence[float]) -> str | None:
+    def step(self, rates: list[float]) -> str | None:
         """What the first joint that runs away does, from its ``rates`` (n,) [rad/s] at
         this tick; None while all are led.
         """
+        before = self._before
+        self._before = rates
         found = None
-        for j, (rate, before) in enumerate(zip(rates, self._before, strict=True)):
-            speed = abs(rate)
-            was = abs(before)
-            if speed > was:
-                if self._grown[j] == 0:
-                    self._from[j] = was
-                self._grown[j] += 1
-            else:
+        for j, (rate, was, calm) in enumerate(
+            zip(rates, before, self._calm, strict=True)
+        ):
+            change = rate - was
+            if -calm < change < calm:  # or else no number
                 self._grown[j] = 0
-            slowest = min(speed, was)
-            flips = rate * before < 0.0 and slowest > FLIP_SPEED * self.limits[j]
+                self._flips[j] = 0
+                continue
+            grows = abs(rate) > abs(was)
+            self._grown[j] = self._grown[j] + 1 if grows else 0
+            slowest = min(abs(rate), abs(was))
+            flips = rate * was < 0.0 and slowest > FLIP_SPEED * self.limits[j]
             self._flips[j] = self._flips[j] + 1 if flips else 0
-            if found is None and not speed < FLIP_SPEED * self.limits[j]:
-                found = self._complaint(j, speed)
-        self._before = list(rates)
+            if found is None:
+                found = self._complaint(j, abs(rate))
         return found
 
     def _complaint(self, j: int, speed: float) -> str | None:
@@ -91,10 +93,12 @@ class JointWatch:
             return f"{name} at {speed:.2f} rad/s, allowed {limit:g} rad/s"
         if self._flips[j] >= FLIPS:
             return f"{name} turns about at each of {FLIPS} ticks, at {speed:.2f} rad/s"
-        ticks = self._grown[j]
-        grown = speed - self._from[j]
-        if ticks >= GROWTH_TICKS and grown > GROWTH * limit * ticks / GROWTH_TICKS:
-            return f"{name} became faster by {grown:.2f} rad/s in {ticks} ticks"
+        if self._grown[j] >= GROWTH_TICKS:
+            grown = GROWTH_TICKS * self._calm[j]
+            return (
+                f"{name} became faster by over {grown:.2f} rad/s in {GROWTH_TICKS} "
+                f"ticks, to {speed:.2f} rad/s"
+            )
         return None
 
 

@@ -27,8 +27,8 @@ from pushpressslide.execution.torque import (
     limited,
     near_limit,
     null_space,
-    plus,
     task_inertia,
+    unfelt,
     yielding,
 )
 
@@ -49,6 +49,7 @@ BRAKE_SHARE = 0.4  # of a joint's speed, that an arm which brakes loses in a tic
 # of a momentum times the rate of a torque, the square of the braking torque that can be
 # taken back until the joint rests: 2, less what a tick's delay costs
 TAKEN_BACK = 1.5
+NULL_SPACE_TICKS = 8  # in which a null space hardly turns
 TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
 
 
@@ -91,17 +92,21 @@ class ArmExecutor:
     )  # (3, 2) directions in the world along the support
     _spin_axis: Vector3 = field(init=False)  # in the world, of the tool's yaw
     _axes: Array = field(init=False)  # (3, 3) x, y and height as columns in the world
+    _upright: bool = field(init=False)  # whether height is the world's
     _lower: tuple[float, ...] = field(init=False)
     _upper: tuple[float, ...] = field(init=False)
     _rotation: Gains = field(init=False)  # of the tool's attitude
     _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
+    _last_null_space: Array = field(init=False)  # (n, n)
+    _null_space_age: int = 0  # ticks in which it was used
 
     def __post_init__(self) -> None:
         self._most = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
         self._axes = np.array(self.frame.axes)
+        self._upright = bool(self._axes[2, 2] == 1.0)
         self._plane = self._axes[:, :2]
         self._lower = tuple(self.lower.tolist())
         self._upper = tuple(self.upper.tolist())
@@ -157,17 +162,19 @@ class ArmExecutor:
         moment = self._moment(arm, command)
         if near:
             J = yielding(J, moment, arm.q, self.lower, self.upper)
-        push = np.array(self.frame.direction(command.force))
-        inertial = self._inertial(arm, command, velocity)
-        impedance = self._of_tip(arm, J, command, moment, velocity)
+        torque, added = self._of_tip(arm, J, command, moment, velocity)
         posture = self._of_posture(arm, J, q_ref - arm.q, v_ref - arm.v)
-        impedance = plus(impedance, posture)
+        torque += posture.torque
+        added += posture.added
         if near:
             lower = self.lower
             kept = kept_inside(arm.J, arm.q, arm.v, lower, self.upper, self.dt)
-            impedance = plus(impedance, kept)
-        tau = arm.bias + arm.J[3:].T @ push + arm.J.T @ inertial
-        tau += held_for_a_tick(impedance, arm.M)
+            torque += kept.torque
+            added += kept.added
+        wrench = self._inertial(arm, command, velocity)
+        wrench[3:] += self.frame.direction(command.force)
+        tau = arm.bias + arm.J.T @ wrench
+        tau += held_for_a_tick(Impedance(torque, added), arm.M)
         return limited(tau, previous, self._most, self._most_change)
 
     def _of_tip(
@@ -183,11 +190,13 @@ class ArmExecutor:
         that gives way.
         """
         place = self.frame.coordinates(arm.position)
-        force, added = servo(command, place, velocity, self.dt)
-        axes = self._contact_axes(command.normal_yaw)
-        along = np.vstack((J[:3], axes @ J[3:]))
-        weights = np.array((*self._turning, *added))
-        return Impedance(along.T @ (moment + force), (along.T * weights) @ along)
+        own = servo(command, place, velocity, self.dt)
+        force = self.frame.direction(own.force)
+        along = J
+        if not (own.alike and self._upright):
+            along = np.vstack((J[:3], self._contact_axes(command.normal_yaw) @ J[3:]))
+        weights = np.array((*self._turning, *own.added))
+        return Impedance(J.T @ (moment + force), (along.T * weights) @ along)
 
     def _contact_axes(self, yaw: float) -> Array:
         """Axes n, t and height of a contact frame at a ``yaw`` [rad], as rows (3, 3) in
@@ -205,22 +214,33 @@ class ArmExecutor:
         ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
         hardly moves the tip; ``J`` (6, n) may be one of a tool that gives way.
         """
+        n = len(error)
         spring, damper, added = self._posture
-        torque = np.zeros(len(error))
-        growth = np.zeros((len(error), len(error)))
-        if len(error) > TIP_FREEDOMS:
-            unfelt = null_space(J)
-            torque = unfelt.projector @ (spring * error + damper * speed)
-            growth = added * unfelt.damping
-        brake = braked(arm.J)
+        JJt = J @ J.T
+        if n > TIP_FREEDOMS:
+            torque = unfelt(J, JJt, spring * error + damper * speed)
+            growth = added * self._null_space(J, JJt)
+        else:
+            torque = np.zeros(n)
+            growth = np.zeros((n, n))
+        brake = braked(arm.J, JJt if J is arm.J else arm.J @ arm.J.T)
         if brake is not None:
             torque = torque + brake @ (damper * speed)
             growth = growth + added * brake
         if self.joint_stiffness > 0.0:
             spring, damper, added = self._tracking
             torque = torque + spring * error - damper * arm.v
-            growth = growth + added * np.eye(len(error))
+            growth = growth + added * np.eye(n)
         return Impedance(torque, growth)
+
+    def _null_space(self, J: Array, JJt: Array) -> Array:
+        """``null_space`` of this tick or one shortly before: of a damper that acts
+        through it only the share in a tick's inertia is computed by it.
+        """
+        if self._null_space_age % NULL_SPACE_TICKS == 0:
+            self._last_null_space = null_space(J, JJt)
+        self._null_space_age += 1
+        return self._last_null_space
 
     def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""
@@ -249,28 +269,35 @@ class ArmExecutor:
         damping = min(command.damping[:2])
         led = any(command.stiffness[:2])
         if damping > 0.0 and command.catches_up and not led:
-            wrench += self._caught_up(inertia, damping, command, velocity)
+            self._catch_up(wrench, inertia, damping, command, velocity)
         return wrench
 
-    def _caught_up(
-        self, inertia: Array, damping: float, command: TipCommand, velocity: Vector3
-    ) -> Array:
-        """Return the wrench (6,), world axes, by which a tip of ``inertia`` (6, 6) comes
-        to its reference's velocity within ``SERVO_TIME``, beside its damper's force and
-        with it inside the servo's cap; ``velocity`` [m/s] is its own, ``damping``
-        [N s/m] the damper's.
+    def _catch_up(
+        self,
+        total: Array,
+        inertia: Array,
+        damping: float,
+        command: TipCommand,
+        velocity: Vector3,
+    ) -> None:
+        """Add to a ``total`` wrench (6,), world axes, the one by which a tip of
+        ``inertia`` (6, 6) comes to its reference's velocity within ``SERVO_TIME``,
+        beside its damper's force and with it inside the servo's cap; ``velocity`` [m/s]
+        is its own, ``damping`` [N s/m] the damper's.
 
         Nothing along an axis on which the damper alone is as quick. For a tip that no
         spring leads.
         """
         wrenches = inertia[:, 3:] @ self._plane  # (6, 2) of accelerations along x and y
         (xx, xy), (_, yy) = (self._plane.T @ wrenches[3:]).tolist()
-        ex = command.velocity[0] - velocity[0]
-        ey = command.velocity[1] - velocity[1]
         # the share that is left to do of an error along each principal axis
         light, heavy, toward = _principal(xx, xy, yy)
-        across = _left(light, damping)
         along = _left(heavy, damping)
+        if along == 0.0:
+            return
+        across = _left(light, damping)
+        ex = command.velocity[0] - velocity[0]
+        ey = command.velocity[1] - velocity[1]
         c, s = toward
         part = (along - across) * (c * ex + s * ey)
         ax = (across * ex + part * c) / SERVO_TIME
@@ -280,7 +307,7 @@ class ArmExecutor:
         room = max(0.0, command.servo_cap - damping * math.hypot(ex, ey))
         if size > room:
             wrench *= room / size
-        return wrench
+        total += wrench
 
 
 def _times(factor: float, v: Vector3) -> Vector3:

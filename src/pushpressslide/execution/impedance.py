@@ -13,14 +13,19 @@ from pushpressslide.core.control import TipCommand, Vector3
 class Servo(NamedTuple):
     """Springs and dampers of a tip along n, t and height of its contact frame."""
 
-    force: Vector3  # [N] on what the tip touches
-    added: Vector3  # [kg] as of ``execution.torque.Impedance``, along each axis
+    force: Vector3  # [N] on what the tip touches, in the command's axes
+    added: Vector3  # [kg] as of ``execution.torque.Impedance``, along n, t and height
+
+    @property
+    def alike(self) -> bool:
+        """Whether all directions along the support are the same."""
+        return self.added[0] == self.added[1]
 
 
 def servo(
     command: TipCommand, position: Vector3, velocity: Vector3, period: float = 0.0
 ) -> Servo:
-    """Springs and dampers about the command's moving reference, at the end of a tick of
+    """Springs and dampers about the command's moving reference, over a tick of
     ``period`` [s].
 
     Their force may leave the friction cone, since it also accelerates the arm's own
@@ -45,7 +50,7 @@ def servo(
     along = _share_within(math.hypot(fn, ft), command.servo_cap)
     up = _share_within(abs(fz), command.servo_cap)
     return Servo(
-        (along * fn, along * ft, up * fz),
+        (along * (c * fn - s * ft), along * (s * fn + c * ft), up * fz),
         (period * along * bn, period * along * bt, period * up * bz),
     )
 
@@ -54,14 +59,9 @@ def tip_force(command: TipCommand, position: Vector3, velocity: Vector3) -> Vect
     """Force [N] that the tip is to exert on what it touches, in the command's axes: its
     feed-forward, which is inside the friction cone, and its servo's.
     """
-    c = math.cos(command.normal_yaw)
-    s = math.sin(command.normal_yaw)
-    fn, ft, fz = servo(command, position, velocity).force
-    return (
-        command.force[0] + c * fn - s * ft,
-        command.force[1] + s * fn + c * ft,
-        command.force[2] + fz,
-    )
+    x, y, z = command.force
+    fx, fy, fz = servo(command, position, velocity).force
+    return (x + fx, y + fy, z + fz)
 
 
 def _share_within(size: float, most: float) -> float:

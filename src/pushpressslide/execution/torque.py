@@ -71,48 +71,45 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
 
 
 def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
-    """Torque (n,) [N m] of springs and dampers that is held constant for a tick, on an
-    arm of mass matrix ``M`` (n, n).
+    """Torque (n,) [N m] of springs and dampers that is held constant for a tick of h, on
+    an arm of mass matrix ``M`` (n, n): M (M + h D + h^2 K)^-1 times their torque now.
 
-    Along each of its motions a damper D on an inertia m would take x = h D / m of the
-    speed in a tick of h: more than all of it from a light joint, which it feeds. Here it
-    takes x (1 + x) / (1 + x + x^2): the same to the second order in x, and never more
-    than all. Springs count with their h^2 K / m. Whatever gains, inertia and period, the
-    arm loses energy.
+    That is their torque with the velocity that it leads to at the end of the tick, a
+    step of the implicit Euler method. Whatever gains, inertia and period, the arm loses
+    energy: a damper D on an inertia m takes x / (1 + x) of its speed, with x = h D / m.
+    Held at its value now it would take x: more than all of it from a light joint, which
+    it feeds.
     """
-    torque, added = impedance
-    shares = _solved(M, added)  # (n, n) X = M^-1 (h D + h^2 K)
-    asked = torque + shares.T @ torque
-    out: Array = M @ _solved(M + added + added @ shares, asked)
+    out: Array = M @ _solved(M + impedance.added, impedance.torque)
     return out
 
 
-class NullSpace(NamedTuple):
-    """Torques that neither a force at the tip nor much of a moment on the tool has to
-    hold.
+def unfelt(J: Array, JJt: Array, torque: Array) -> Array:
+    """Share (n,) of a joint ``torque`` (n,) that neither a force at the tip nor much of a
+    moment on the tool has to hold.
+
+    ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is its
+    square. Where the arm can hardly turn the tool its joints are left to such a torque:
+    nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
+    its force has to be zero: J_v torque = 0 is not enough, since a tip that is held
+    while a moment keeps the tool's attitude feels the force of this wrench.
     """
+    left = torque - J.T @ _solved(JJt + SOFTENING, J @ torque)
+    held = _solved(JJt + FULL_RANK, J)[3:]
+    out: Array = left - held.T @ _solved(held @ held.T, held @ left)
+    return out
 
-    projector: Array  # (n, n) on them
-    # (n, n) the same within the little that turns the tool: symmetric, so that a damper
-    # that acts through it takes energy
-    damping: Array
 
-
-def null_space(J: Array) -> NullSpace:
-    """Null space of an arm's tip, ``J`` (6, n), rows [angular; linear], world axes.
-
-    Where the arm can hardly turn the tool its joints are left to the posture: nothing
-    else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and its force
-    has to be zero: J_v torque = 0 is not enough, since a tip that is held while a moment
-    keeps the tool's attitude feels the force of this wrench.
+def null_space(J: Array, JJt: Array) -> Array:
+    """Projector (n, n) on the torques that ``unfelt`` leaves: symmetric, so that a
+    damper that acts through it takes energy. ``J`` and ``JJt`` as there.
     """
     identity = np.eye(J.shape[1])
-    JJt = J @ J.T
-    unfelt = identity - J.T @ _solved(JJt + SOFTENING, J)
+    turning = identity - J.T @ _solved(JJt + SOFTENING, J)
     held = _solved(JJt + FULL_RANK, J)[3:]
     forceless = identity - held.T @ _solved(held @ held.T, held)
-    projector: Array = forceless @ unfelt
-    return NullSpace(projector, projector @ forceless)
+    out: Array = forceless @ turning @ forceless
+    return out
 
 
 def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool:
@@ -124,18 +121,13 @@ def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool
     return any(at - least < buffer or most - at < buffer for at, least, most in ranges)
 
 
-def plus(one: Impedance, other: Impedance) -> Impedance:
-    """Two impedances at once."""
-    return Impedance(one.torque + other.torque, one.added + other.added)
-
-
 def kept_inside(
     J: Array, q: Array, v: Array, lower: Array, upper: Array, period: float
 ) -> Impedance:
     """Impedance that keeps joints inside their limits, without a force at the tip: the
     tool's attitude gives way.
 
-    ``J`` (6, n) as in ``null_space``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s]
+    ``J`` (6, n) as in ``unfelt``; ``lower``, ``upper`` (n,) [rad]; ``period`` [s]
     of a tick. Zero where all joints are farther inside than
     ``margins.ARM.joint_buffer``.
     """
@@ -154,16 +146,16 @@ def kept_inside(
     return Impedance(torque, held.added * dampers)
 
 
-def braked(J: Array) -> Array | None:
+def braked(J: Array, JJt: Array) -> Array | None:
     """Projector (n, n) on the joints' motion that moves the tip least, times a share
     that grows from 0 to 1 as that motion ceases to; None where it moves the tip by
     ``SINGULAR`` or more.
 
-    ``J`` (6, n) as in ``null_space``. An arm that is stretched out
+    ``J`` (6, n) and ``JJt`` (6, 6) as in ``unfelt``. An arm that is stretched out
     coasts through that posture, and bends to the other side, while its tip rests.
     """
     # definite without SINGULAR^2 along its diagonal: no eigenvalue is below that
-    _, indefinite = dpotrf(J @ J.T - BRAKED)
+    _, indefinite = dpotrf(JJt - BRAKED)
     if not indefinite:
         return None
     _, sizes, motions = np.linalg.svd(J, full_matrices=False)
@@ -207,7 +199,7 @@ def _solved(matrix: Array, right: Array) -> Array:
 def task_inertia(J: Array, M: Array) -> Array:
     """Return Lambda = (J M^-1 J^T)^-1 (6, 6), the inertia that the arm has at its tip.
 
-    ``J`` (6, n) as in ``null_space``; ``M`` (n, n) mass matrix. Near a singularity,
+    ``J`` (6, n) as in ``unfelt``; ``M`` (n, n) mass matrix. Near a singularity,
     where it grows without bound, the arm is not to be driven along what it can hardly
     move: damped least squares, by ``LEAST_MOBILITY``.
     """
@@ -238,15 +230,22 @@ def limited(
     for asked, before, most, step in zip(
         tau.tolist(), previous.tolist(), effort, most_change, strict=True
     ):
-        change = clamped(asked, most) - before
-        torques.append(before + clamped(change, step))
-        share = max(share, abs(asked) / most)
-        rate_share = max(rate_share, abs(change) / step)
+        inside = asked
+        if asked > most:
+            inside = most
+        elif asked < -most:
+            inside = -most
+        change = inside - before
+        applied = inside
+        if change > step:
+            applied = before + step
+        elif change < -step:
+            applied = before - step
+        torques.append(applied)
+        one = abs(asked) / most
+        if one > share:
+            share = one
+        one = abs(change) / step
+        if one > rate_share:
+            rate_share = one
     return LimitedTorque(np.array(torques), share, rate_share)
-
-
-def clamped(value: float, most: float) -> float:
-    """Return ``value``, no farther from zero than ``most``."""
-    if value > most:
-        return most
-    return max(value, -most)
