@@ -288,7 +288,7 @@ def assert_axles_agree(cases: int, seed: int) -> None:
             with pytest.raises(ValueError, match="outline"):
                 press.axle(angle)
         else:
-            assert press.axle(angle) == pytest.approx(wanted, abs=1e-5), (press, angle)
+            assert press.axle(angle) == pytest.approx(wanted, abs=1e-6), (press, angle)
 
 
 def test_the_axle_is_that_of_an_independent_search() -> None:

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushpressslide.core import quadrature
 from pushpressslide.core.arrays import Array
@@ -59,17 +61,17 @@ class FacePressure:
     @property
     def rho(self) -> float:
         """Root mean square distance [m] of the load to its centre."""
-        return math.sqrt(self._moment(1, 1).real)
+        return math.sqrt(self._square)
 
     def variance(self, direction: Point) -> float:
         """Return the load's variance [m^2] along a unit vector."""
         x, y = direction
         along = self._moment(2, 0) * complex(x, -y) ** 2
-        return 0.5 * (self._moment(1, 1).real + along.real)
+        return 0.5 * (self._square + along.real)
 
     def edges(self) -> Array:
         """Return ``mechanics.edge_friction.Edges`` (8, n)."""
-        steps = np.roll(self.corners, -1, axis=0) - self.corners
+        steps = np.concatenate((self.corners[1:], self.corners[:1])) - self.corners
         lengths = np.hypot(*steps.T)
         real = lengths > 0.0
         x, y = self.corners[real].T
@@ -92,8 +94,7 @@ class FacePressure:
 
     def plane(self) -> tuple[float, ...]:
         """Return ``mechanics.edge_friction.Plane``."""
-        square = self._moment(1, 1).real
-        return (self.level, *self.slope, FAR / self.reach, square)
+        return (self.level, *self.slope, FAR / self.reach, self._square)
 
     def scaled(self, length: float) -> FacePressure:
         """Return the same pressure with ``length`` [m] as the unit of length."""
@@ -103,23 +104,32 @@ class FacePressure:
             self.corners / length, self.level * length**2, (qx * cube, qy * cube)
         )
 
+    @cached_property
+    def _square(self) -> float:
+        """Mean square distance [m^2] of the load to its centre."""
+        return self._moment(1, 1).real
+
     def _moment(self, i: int, j: int) -> complex:
         """Return the mean of z^i times its conjugate^j over the load.
 
         A homogeneous function of degree n has its integral over a triangle with a
         corner at the origin from that along the opposite side.
         """
-        ends = np.roll(self.corners, -1, axis=0)
-        x, y = self.corners[:, None].transpose(2, 0, 1)
-        to_x, to_y = ends[:, None].transpose(2, 0, 1)
+        z, areas, slopes = self._nodes
+        degree = i + j + 2
+        loads = areas * (self.level / degree + slopes / (degree + 1))
+        return complex((loads * z**i * z.conj() ** j).sum())
+
+    @cached_property
+    def _nodes(self) -> tuple[NDArray[np.complex128], Array, Array]:
+        """Gauss points along the edges, twice the areas to them, and q . r there."""
+        x, y = self.corners.T[:, :, None]
+        to_x, to_y = np.concatenate((self.corners[1:], self.corners[:1])).T[:, :, None]
         turns = x * to_y - y * to_x
         x = x + NODES * (to_x - x)
         y = y + NODES * (to_y - y)
-        z = x + 1j * y
         qx, qy = self.slope
-        degree = i + j + 2
-        pressure = self.level / degree + (qx * x + qy * y) / (degree + 1)
-        return complex((turns * WEIGHTS * pressure * z**i * z.conj() ** j).sum())
+        return x + 1j * y, turns * WEIGHTS, qx * x + qy * y
 
 
 def face_pressure(shape: Shape, center_of_mass: Point, cop: Point) -> FacePressure:

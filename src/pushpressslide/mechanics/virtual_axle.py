@@ -26,7 +26,7 @@ STRAIGHT_ANGLE = 1e-4
 STRAIGHT_FACE = 1e-6  # [rad] the same in closed form, which has no noise to divide
 # of the force over the load: by how much the force that slides may differ from the one
 # that has moved the centre of pressure
-SETTLED = 1e-9
+SETTLED = 1e-7
 NARROW = 1e-12  # the same, of an interval in which the two differ by a jump
 SECANTS = 8  # steps, after which the interval is halved
 EDGE = 1e-4  # of mu: how near to tipping the force is followed
