@@ -4,6 +4,7 @@ one that runs away all the same.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -64,9 +65,13 @@ def test_an_arm_that_runs_away_is_stopped_before_it_touches_anything(
         execution, "held_for_a_tick", lambda impedance, M: factor * impedance.torque
     )
     record = run("rear-push-rear", robot, *NEAR)
-    assert record.reason == "runaway"
-    assert record.reason_text.startswith("arm 0 runs away: joint ")
-    assert record.reason_text.endswith(" s, touch)")
+    # one that passes its speed limit on the way breaks that first
+    assert record.reason in ("runaway", "joint_limit")
+    assert re.fullmatch(
+        r"arm 0 runs away: joint .* s, touch\)|"
+        r"arm 0: joint .* rad/s \(.* s, touch\); then an arm ran away",
+        record.reason_text,
+    )
     assert stopped_in(record) < STOPPED
     assert record.meta["events"] == []  # nothing was planned from there
     pose = record.arrays["object_pose"]

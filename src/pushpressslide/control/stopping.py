@@ -24,8 +24,8 @@ from pushpressslide.core.control import ArmCommand, BrakeCommand, Commands, Join
 FLIPS = 3
 FLIP_SPEED = 0.05
 # ticks in each of which a joint becomes faster, by this share of its speed limit or more:
-# four times as much as where the arms are led, or meet an object
-GROWTH_TICKS = 5
+# three times as much as in any tick where the arms are led, or meet an object
+GROWTH_TICKS = 3
 CALM = 0.06
 BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything
 GRACE = 0.1  # [s] in which an arm that draws back may still be too fast
