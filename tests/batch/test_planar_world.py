@@ -52,7 +52,7 @@ def drawn(rng, chosen, count):
     velocities = rng.uniform(0.0, 0.08, (count, len(chosen), 1)) * inwards
     velocities += rng.normal(size=velocities.shape) * 0.03
     friction = rng.uniform(0.05, 0.9, count)
-    friction[-2:] = 0.0
+    friction[-2:] = 1e-9  # next to none
     return places, velocities, friction
 
 

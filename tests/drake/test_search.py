@@ -233,5 +233,5 @@ def test_an_approach_that_was_not_judged_names_no_figure_that_is_allowed() -> No
     descent = Descent(
         np.zeros((2, 3)), followed, 1, 1, 0.05, np.zeros((0, 7)), np.zeros(0)
     )
-    miss = _approach_miss(POSTURE, descent, -np.inf, "")
+    miss = _approach_miss(POSTURE, descent, None)
     assert "allowed" not in miss.why

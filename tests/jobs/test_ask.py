@@ -22,8 +22,8 @@ def run_of(task: Any) -> pps.Record:
     ("changes", "field"),
     [
         ({"modes": ("push",)}, "modes"),
-        ({"contact_friction": -1.0}, "contact.friction"),
-        ({"object": replace(TASK.object, shape=pps.Box((-0.1, 0.1, 0.1)))}, "box"),
+        ({"contact_friction": 3.0}, "contact.friction"),
+        ({"object": replace(TASK.object, shape=pps.Box((20.0, 0.1, 0.1)))}, "box"),
     ],
 )
 def test_a_task_that_a_file_could_not_say_is_refused(

@@ -67,6 +67,13 @@ def write_lerobot(shown: Demonstrations, folder: Path, text: str) -> Path:
     return folder
 
 
+def _is_empty(folder: Path) -> bool:
+    """Whether nothing but hidden files, as the lock of who writes, is in a folder."""
+    if not folder.is_dir():
+        return False
+    return all(entry.name.startswith(".") for entry in folder.iterdir())
+
+
 def check_folder(folder: Path) -> None:
     """Raise PushPressSlideError where pyarrow is not installed, and for a folder that
     holds something.
@@ -77,7 +84,7 @@ def check_folder(folder: Path) -> None:
         raise PushPressSlideError(
             "pyarrow is not installed: pip install 'pushpressslide[lerobot]'"
         ) from error
-    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+    if folder.exists() and not _is_empty(folder):
         raise PushPressSlideError(
             f"--lerobot: {str(folder)!r} is not allowed; allowed: a new or empty folder"
         )

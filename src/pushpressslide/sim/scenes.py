@@ -268,7 +268,7 @@ def _add_grid(plant: MultibodyPlant, plan: Plan, frictions: SurfaceFrictions) ->
 
 def object_modulus(task: model.Task) -> float:
     """Return the modulus [Pa] of a task's object, stiff enough for its tips."""
-    smallest = min(robot.tip_radius for robot in task.robots)
+    smallest = min((robot.tip_radius for robot in task.robots), default=math.inf)
     return tip_modulus(task.object.shape, smallest, task.limits.normal_force)
 
 
