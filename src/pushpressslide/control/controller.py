@@ -131,6 +131,10 @@ class Controller:
         self.replanner = Replanner(told)
         threshold = task.sensing.felt_force
         regulator = NormalForceRegulator(f_max=task.limits.normal_force)
+        last = self.parts[self.segments[-1].leg]
+        self.entry = entry(last, first.contacts)  # into an opening of the support
+        # an object that goes down into an opening takes its tips along
+        sunk = math.inf if self.entry is not None else margins.ARM.sunk
         self.touches = tuple(
             TipTouch(
                 self.robots[contact.arm].tip_radius,
@@ -139,6 +143,7 @@ class Controller:
                 threshold,
                 task.sensing.seen_motion,
                 regulator,
+                sunk,
             )
             for contact in first.contacts
         )
@@ -150,14 +155,14 @@ class Controller:
         noise = task.sensing.force_noise
         self.pose_gain = pose_gain(task.sensing)
         radii = tuple(robot.tip_radius for robot in task.robots)
-        self.mover = TipMover(damping, friction, threshold, noise, regulator, radii)
+        self.mover = TipMover(
+            damping, friction, threshold, noise, regulator, radii, sunk
+        )
         self.patience = min(
             margins.ARM.loss_time(contact.kind)
             + motion.control_period * self.mover.samples(contact)
             for contact in first.contacts
         )
-        last = self.parts[self.segments[-1].leg]
-        self.entry = entry(last, first.contacts)  # into an opening of the support
         final = number == len(placements) - 1
         # to the end of the run, since nothing else carries the object at its goal
         self.scene = told.scene

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 from pushpressslide.control.correction import sides_of, touched_points
 from pushpressslide.control.timeline import Timeline
-from pushpressslide.core import margins
 from pushpressslide.core.allocation import Allocation
 from pushpressslide.core.control import (
     ControlLog,
@@ -189,16 +188,16 @@ def tip_position(
     return (x, y, height)
 
 
-def sunk(contact: Contact, tip: TipState, radius: float) -> bool:
+def sunk(contact: Contact, tip: TipState, radius: float, most: float) -> bool:
     """Whether a ``tip`` of ``radius`` [m] that presses on top of an object is beside it:
-    lower than it can be there.
+    by more than ``most`` [m] lower than it rests there.
 
     Nothing holds it then: pressed on, it falls beside the object on the support.
     """
     if contact.kind != "top":
         return False
     _, height = contact.tip_place(radius)
-    return tip.position[2] < height - margins.ARM.sunk
+    return tip.position[2] < height - most
 
 
 def contact_yaw(contact: Contact, X_WB: Pose2) -> float:

@@ -92,6 +92,8 @@ class TipMover:
     noise: float  # [N] standard deviation of a measured force, as stated
     regulator: NormalForceRegulator
     radii: tuple[float, ...]  # [m] of the robots' tips
+    # [m] lower than it rests on top, at which a pressing tip has slid off
+    sunk: float = margins.ARM.sunk
 
     def samples(self, contact: Contact) -> int:
         """Return over how many measurements the normal force is averaged before a loss
@@ -118,7 +120,7 @@ class TipMover:
         mean += (normal_force - mean) / self.samples(contact)
         radius = self.radii[contact.arm]
         felt = Felt(
-            mean < self._least(contact) or sunk(contact, tip, radius),
+            mean < self._least(contact) or sunk(contact, tip, radius, self.sunk),
             self._utilisation(tip.force, direction, normal_force),
         )
         force = X_WB.rotate(task.force)

@@ -60,6 +60,8 @@ class TipTouch:
     threshold: float  # [N] that counts as contact
     seen: float  # [m] that an object has moved by if it is seen to
     regulator: NormalForceRegulator
+    # [m] lower than it rests on top, at which a pressing tip has slid off
+    sunk: float = margins.ARM.sunk
 
     def align_time(self, memory: TipMemory, contact: Contact, X_WB: Pose2) -> float:
         """Return how long the tip takes to line up before its contact [s]."""
@@ -85,7 +87,7 @@ class TipTouch:
             place = between(memory.start, before, smooth(elapsed / aligned))
             return TouchStep(held_at(context, place), memory, False)
         on_its_way = aligned > 0.0 and memory.felt is None
-        if not on_its_way and sunk(contact, context.tip, self.radius):
+        if not on_its_way and sunk(contact, context.tip, self.radius, self.sunk):
             below = margins.ARM.sunk * 1e3
             slid = f"the tip slid off the top: it is over {below:.0f} mm below it"
             command = held_at(context, context.tip.position)

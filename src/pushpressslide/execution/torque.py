@@ -71,16 +71,20 @@ def gains(stiffness: float, damping: float, period: float) -> Gains:
 
 
 def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
-    """Torque (n,) [N m] of springs and dampers that is held constant for a tick of h, on
-    an arm of mass matrix ``M`` (n, n): M (M + h D + h^2 K)^-1 times their torque now.
+    """Torque (n,) [N m] of springs and dampers that is held constant for a tick, on an
+    arm of mass matrix ``M`` (n, n).
 
-    That is their torque with the velocity that it leads to at the end of the tick, a
-    step of the implicit Euler method. Whatever gains, inertia and period, the arm loses
-    energy: a damper D on an inertia m takes x / (1 + x) of its speed, with x = h D / m.
-    Held at its value now it would take x: more than all of it from a light joint, which
-    it feeds.
+    Along each of its motions a damper D on an inertia m would take x = h D / m of the
+    speed in a tick of h: more than all of it from a light joint, which it feeds. Here
+    its torque is (1 + x) / (1 + x + x^2) of that: it takes less than all, whatever gains,
+    inertia and period, and a heavy arm that an object holds back is pushed on by nearly
+    the damper that was asked for. (The implicit Euler method, 1 / (1 + x), lets it lag by
+    a quarter more.) Springs count with their h^2 K / m.
     """
-    out: Array = M @ _solved(M + impedance.added, impedance.torque)
+    torque, added = impedance
+    shares = _solved(M, added)  # (n, n) X = M^-1 (h D + h^2 K)
+    asked = torque + torque @ shares
+    out: Array = M @ _solved(M + added + added @ shares, asked)
     return out
 
 
