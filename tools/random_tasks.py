@@ -86,6 +86,9 @@ class Sources:
     commit: str
     date: str  # of the commit
     contact: str  # how Drake solves contacts in them
+    # samples of a table whose rows were not kept; 0 where they are
+    attempted: int = 0
+    reached: int = 0
 
 
 MODES = (
@@ -394,8 +397,13 @@ def lines_of_all(tables: Iterable[Table]) -> list[str]:
 
 
 def not_drawn(table: Table, columns: int) -> str:
-    """The line of a table that was not begun."""
-    return f"| {table.what} | {table.seed} | not drawn yet |" + (columns - 3) * " |"
+    """The line of a table that was not begun, or whose rows were not kept."""
+    begin = f"| {table.what} | {table.seed} |"
+    made = all_sources().get(table.name)
+    if made is None or not made.attempted:
+        return f"{begin} not drawn yet |" + (columns - 3) * " |"
+    found = f" {made.reached} of {made.attempted} attempted; rows not kept |"
+    return begin + found + (columns - 4) * " |" + f" {named(made)} |"
 
 
 def spread_of(times: Sequence[float]) -> str:
@@ -555,7 +563,7 @@ def short_line(what: str, tables: Sequence[Table]) -> str:
     """A line of the README's table: what became of some tables together."""
     begun = [table for table in tables if read(table)[0]]
     if not begun:
-        return f"| {what} | not drawn yet | | | | |"
+        return short_line_without_rows(what, tables)
     summary = summarise([row for table in begun for row in read(table)[0]], ())
     attempted = summary["attempted"]
     part = 100 * summary["attempted_share"]
@@ -575,6 +583,19 @@ def short_line(what: str, tables: Sequence[Table]) -> str:
         "; ".join(dict.fromkeys(named(sources_of(table)) for table in begun)),
     )
     return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def short_line_without_rows(what: str, tables: Sequence[Table]) -> str:
+    """The same of tables without rows: what was counted when they were there."""
+    known = all_sources()
+    counted = [known[table.name] for table in tables if table.name in known]
+    attempted = sum(made.attempted for made in counted)
+    if not attempted:
+        return f"| {what} | not drawn yet | | | | |"
+    reached = sum(made.reached for made in counted)
+    share_reached = f"{reached}: {100 * reached / attempted:.0f} % of the attempted"
+    by = "; ".join(dict.fromkeys(named(made) for made in counted))
+    return f"| {what} | not kept | not kept | {attempted} | {share_reached} | {by} |"
 
 
 def ran(rows: Sequence[dict[str, Any]]) -> int:
