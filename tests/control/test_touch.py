@@ -69,11 +69,16 @@ def test_a_press_is_as_hard_as_its_contact_asks_for() -> None:
 ABOVE = Contact(0, "top", (0.0, 0.0), (0.0, 0.0), 0.06, 40.0)
 
 
-def pressed_at(height: float, aligned: float, felt: float | None) -> str | None:
+def pressed_at(
+    height: float,
+    aligned: float,
+    felt: float | None,
+    sunk: float = margins.ARM.sunk,
+) -> str | None:
     """Return the problem of a press whose tip is ``height`` [m] off its place on top,
-    and feels the side of the object beside it.
+    and feels the side of the object beside it; ``sunk`` [m] as of ``TipTouch``.
     """
-    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator())
+    touch = TipTouch(RADIUS, GAP, 0.1, 0.25, SEEN, NormalForceRegulator(), sunk)
     x, y, z = tip_position(ABOVE, START, RADIUS, 0.0)
     tip = TipState((x, y, z + height), (0.0, 0.0, 0.0), (0.6, 0.0, -0.5))
     context = TipContext(ABOVE, tip, START, 1.0, DT, 0.0, 0.4)
@@ -90,6 +95,10 @@ def test_a_tip_that_slid_off_the_top_is_pressed_no_further(
     assert problem is not None
     assert "slid off the top" in problem
     assert pressed_at(-0.9 * margins.ARM.sunk, aligned, felt) is None
+
+
+def test_a_tip_goes_down_with_an_object_that_drops_into_an_opening() -> None:
+    assert pressed_at(-0.1, 0.0, None, math.inf) is None
 
 
 def test_a_tip_on_its_way_down_looks_for_an_object_that_is_lower() -> None:
