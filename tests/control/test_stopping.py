@@ -154,6 +154,15 @@ def test_a_stop_is_over_at_last_where_joints_never_rest() -> None:
     assert one.at_rest(1.1 * LONGEST)
 
 
+def test_an_arm_that_gives_up_late_is_given_as_long_to_come_to_rest() -> None:
+    one = stop()
+    late = 2.0 * LONGEST
+    one.step(0.0, [reading(0.5)], [None], (LED,))
+    one.step(late, [reading(9.0)], ["joint 1 ..."], (LED,))
+    assert not one.at_rest(late)
+    assert one.at_rest(late + 1.1 * LONGEST)
+
+
 @pytest.mark.parametrize("command", [LED, None])
 def test_tips_without_arms_draw_back_whatever_happens(
     command: TipCommand | None,

@@ -31,7 +31,7 @@ BEYOND = 1.5  # times its speed limit, at which a joint no longer obeys anything
 GRACE = 0.1  # [s] in which an arm that draws back may still be too fast
 REST_SPEED = 0.01  # of a joint's speed limit: slower it counts as at rest
 REST_TIME = 0.05  # [s] that all joints have to be
-LONGEST = 1.5  # [s] that is waited for it
+LONGEST = 1.5  # [s] that is waited for it, from when an arm ceases to draw back
 
 
 class StopLevel(IntEnum):
@@ -113,6 +113,7 @@ class Stop:
     _held: list[JointCommand | None] = field(init=False)  # where an arm holds
     _overload: list[int] = field(init=False)  # ticks of too much torque, of each arm
     _resting: int = 0  # ticks that all joints have been at rest
+    _taken_over: float | None = None  # [s] since when an arm no longer draws back
 
     def __post_init__(self) -> None:
         self.levels = [StopLevel.DRAW_BACK] * len(self.arms)
@@ -142,6 +143,8 @@ class Stop:
             self.levels[i] = max(self.levels[i], self._level(i, time, reading, runaway))
         if StopLevel.BRAKE in self.levels:
             self.levels = [max(level, StopLevel.HOLD) for level in self.levels]
+        if self.took_over and self._taken_over is None:
+            self._taken_over = time
         self._watch_rest(readings)
         return tuple(
             self._command(i, reading, command)
@@ -153,7 +156,7 @@ class Stop:
         have been given long enough.
         """
         rested = self._resting * self.period >= REST_TIME
-        return rested or time - self.began > LONGEST
+        return rested or time - (self._taken_over or self.began) > LONGEST
 
     def _level(
         self, arm: int, time: float, reading: ArmReading, runaway: str | None
