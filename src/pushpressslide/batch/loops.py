@@ -308,7 +308,7 @@ def loop_of_text(
     formula: Formula, name: str, text: str, scope: Mapping[str, Any]
 ) -> Callable[..., None]:
     """Return a loop over ``formula`` from its text, as if it stood in the formula's
-    file: that is where numba looks for what it has compiled before.
+    place: numba keeps what it compiles beside that file, and reads the lines there.
     """
     names = {
         **scope,
@@ -316,7 +316,8 @@ def loop_of_text(
         "np": np,
         "__name__": formula.__module__,
     }
-    exec(compile(text, inspect.getfile(formula), "exec"), names)
+    lines_before = "\n" * (formula.__code__.co_firstlineno - 1)
+    exec(compile(lines_before + text, inspect.getfile(formula), "exec"), names)
     loop: Callable[..., None] = names[name]
     return loop
 
