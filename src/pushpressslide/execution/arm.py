@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,7 +27,6 @@ from pushpressslide.execution.torque import (
     kept_inside,
     limited,
     near_limit,
-    null_space,
     task_inertia,
     unfelt,
     yielding,
@@ -49,7 +49,9 @@ BRAKE_SHARE = 0.4  # of a joint's speed, that an arm which brakes loses in a tic
 # of a momentum times the rate of a torque, the square of the braking torque that can be
 # taken back until the joint rests: 2, less what a tick's delay costs
 TAKEN_BACK = 1.5
-NULL_SPACE_TICKS = 8  # in which a null space hardly turns
+# [rad^2], squared and summed over the joints, in which the posture's share of them hardly
+# changes: of a posture's 2 N m the tip feels some 0.05 N
+TURNED = 0.005**2
 TINY = 1e-9  # [N m s] of a joint's momentum that counts as none
 
 
@@ -69,6 +71,15 @@ class ArmState:
     bias: Array
     # (6,) [rad/s^2; m/s^2] of a tip whose joints turn at constant rates
     drift: Array
+
+
+class PostureShare(NamedTuple):
+    """What is left of an arm's joints to their posture, at ``q``."""
+
+    q: Array  # (n,) [rad]
+    unfelt: Array  # (n, n) projector on torques that the tip does not feel
+    braked: Array | None  # (n, n) as of ``execution.torque.braked``
+    added: Array  # (n, n) [kg m^2] of the posture's gains, see ``Impedance``
 
 
 @dataclass(slots=True)
@@ -93,20 +104,21 @@ class ArmExecutor:
     _spin_axis: Vector3 = field(init=False)  # in the world, of the tool's yaw
     _axes: Array = field(init=False)  # (3, 3) x, y and height as columns in the world
     _upright: bool = field(init=False)  # whether height is the world's
+    _flat: bool = field(init=False)  # whether all three axes are
     _lower: tuple[float, ...] = field(init=False)
     _upper: tuple[float, ...] = field(init=False)
     _rotation: Gains = field(init=False)  # of the tool's attitude
     _turning: Vector3 = field(init=False)  # [kg m^2] that these add, about each axis
     _posture: Gains = field(init=False)
     _tracking: Gains = field(init=False)
-    _last_null_space: Array = field(init=False)  # (n, n)
-    _null_space_age: int = 0  # ticks in which it was used
+    _share: PostureShare | None = None  # of the joints, where they were last looked at
 
     def __post_init__(self) -> None:
         self._most = tuple(self.effort.tolist())
         self._most_change = tuple((self.rate * self.dt).tolist())
         self._axes = np.array(self.frame.axes)
         self._upright = bool(self._axes[2, 2] == 1.0)
+        self._flat = bool((self._axes == np.eye(3)).all())
         self._plane = self._axes[:, :2]
         self._lower = tuple(self.lower.tolist())
         self._upper = tuple(self.upper.tolist())
@@ -214,33 +226,34 @@ class ArmExecutor:
         ``speed`` (n,) [rad/s] away: felt where the tip does not feel it, and where it
         hardly moves the tip; ``J`` (6, n) may be one of a tool that gives way.
         """
-        n = len(error)
-        spring, damper, added = self._posture
-        JJt = J @ J.T
-        if n > TIP_FREEDOMS:
-            torque = unfelt(J, JJt, spring * error + damper * speed)
-            growth = added * self._null_space(J, JJt)
+        share = self._share
+        if share is None or share.braked is not None or J is not arm.J:
+            share = self._posture_share(arm, J)
         else:
-            torque = np.zeros(n)
-            growth = np.zeros((n, n))
-        brake = braked(arm.J, JJt if J is arm.J else arm.J @ arm.J.T)
+            turned = arm.q - share.q
+            if turned @ turned > TURNED:
+                share = self._posture_share(arm, J)
+        self._share = share if J is arm.J else None
+        _, left, brake, growth = share
+        spring, damper, _ = self._posture
+        slowing = damper * speed
+        torque = left @ (spring * error + slowing)
         if brake is not None:
-            torque = torque + brake @ (damper * speed)
-            growth = growth + added * brake
+            torque = torque + brake @ slowing
         if self.joint_stiffness > 0.0:
             spring, damper, added = self._tracking
             torque = torque + spring * error - damper * arm.v
-            growth = growth + added * np.eye(n)
+            growth = growth + added * np.eye(len(error))
         return Impedance(torque, growth)
 
-    def _null_space(self, J: Array, JJt: Array) -> Array:
-        """``null_space`` of this tick or one shortly before: of a damper that acts
-        through it only the share in a tick's inertia is computed by it.
-        """
-        if self._null_space_age % NULL_SPACE_TICKS == 0:
-            self._last_null_space = null_space(J, JJt)
-        self._null_space_age += 1
-        return self._last_null_space
+    def _posture_share(self, arm: ArmState, J: Array) -> PostureShare:
+        """Share of the joints where they are; ``J`` (6, n) as in ``_of_posture``."""
+        n = len(arm.q)
+        JJt = J @ J.T
+        left = unfelt(J, JJt) if n > TIP_FREEDOMS else np.zeros((n, n))
+        brake = braked(arm.J, JJt if J is arm.J else arm.J @ arm.J.T)
+        felt = left if brake is None else left + brake
+        return PostureShare(arm.q, left, brake, self._posture.added * felt)
 
     def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""
@@ -288,8 +301,14 @@ class ArmExecutor:
         Nothing along an axis on which the damper alone is as quick. For a tip that no
         spring leads.
         """
-        wrenches = inertia[:, 3:] @ self._plane  # (6, 2) of accelerations along x and y
-        (xx, xy), (_, yy) = (self._plane.T @ wrenches[3:]).tolist()
+        # (6, 2) of accelerations along x and y, and (2, 2) of that their forces there
+        if self._flat:
+            wrenches = inertia[:, 3:5]
+            forces = wrenches[3:5]
+        else:
+            wrenches = inertia[:, 3:] @ self._plane
+            forces = self._plane.T @ wrenches[3:]
+        (xx, xy), (_, yy) = forces.tolist()
         # the share that is left to do of an error along each principal axis
         light, heavy, toward = _principal(xx, xy, yy)
         along = self._left(heavy, damping)

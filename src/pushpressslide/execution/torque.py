@@ -84,29 +84,23 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     torque, added = impedance
     shares = _solved(M, added)  # (n, n) X = M^-1 (h D + h^2 K)
     asked = torque + torque @ shares
-    out: Array = M @ _solved(M + added + added @ shares, asked)
+    held = added @ shares
+    held += added
+    held += M
+    out: Array = M @ _solved(held, asked)
     return out
 
 
-def unfelt(J: Array, JJt: Array, torque: Array) -> Array:
-    """Share (n,) of a joint ``torque`` (n,) that neither a force at the tip nor much of a
-    moment on the tool has to hold.
+def unfelt(J: Array, JJt: Array) -> Array:
+    """Projector (n, n) on the joint torques that neither a force at the tip nor much of
+    a moment on the tool has to hold: symmetric, so that a damper that acts through it
+    takes energy.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is its
     square. Where the arm can hardly turn the tool its joints are left to such a torque:
     nothing else damps them. The wrench that holds a torque is (J J^T)^-1 J torque, and
     its force has to be zero: J_v torque = 0 is not enough, since a tip that is held
     while a moment keeps the tool's attitude feels the force of this wrench.
-    """
-    left = torque - J.T @ _solved(JJt + SOFTENING, J @ torque)
-    held = _solved(JJt + FULL_RANK, J)[3:]
-    out: Array = left - held.T @ _solved(held @ held.T, held @ left)
-    return out
-
-
-def null_space(J: Array, JJt: Array) -> Array:
-    """Projector (n, n) on the torques that ``unfelt`` leaves: symmetric, so that a
-    damper that acts through it takes energy. ``J`` and ``JJt`` as there.
     """
     identity = np.eye(J.shape[1])
     turning = identity - J.T @ _solved(JJt + SOFTENING, J)
@@ -142,10 +136,10 @@ def kept_inside(
     held = gains(LIMIT_STIFFNESS, LIMIT_DAMPING, period)
     moved = J[3:]
     softened = moved @ moved.T + SOFTENING[3:, 3:]
-    unfelt = np.eye(len(q)) - moved.T @ _solved(softened, moved)
-    near = unfelt * (inside < buffer)  # of the joints that are
-    dampers = near @ unfelt
-    spring: Array = unfelt @ (below - above)
+    forceless = np.eye(len(q)) - moved.T @ _solved(softened, moved)
+    near = forceless * (inside < buffer)  # of the joints that are
+    dampers = near @ forceless
+    spring: Array = forceless @ (below - above)
     torque = held.stiffness * spring - held.damping * (dampers @ v)
     return Impedance(torque, held.added * dampers)
 
