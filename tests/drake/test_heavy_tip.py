@@ -113,9 +113,6 @@ def test_beside_the_damper_a_heavy_tip_is_moved_as_one_body_in_the_servos_time(
     damper = damped(state, np.array([*(DAMPING * error * axis), 0.0]))
     beside = torque(arm, state, error * axis) - damper
     moved = state.J @ np.linalg.solve(state.M, beside)
-    # less what the damper takes of it, as it is held for a tick
-    taken = PERIOD * DAMPING / mass
-    quick *= (1.0 + taken) / (1.0 + taken + taken**2)
     wanted = (1.0 - quick / mass) * error / SERVO_TIME
     # what the damped inverse leaves out along the axis of least mobility
     mobility = np.linalg.eigvalsh(state.J @ np.linalg.solve(state.M, state.J.T))[0]

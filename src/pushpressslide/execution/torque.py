@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dposv, dpotrf
+from scipy.linalg.lapack import dposv, dpotrf, dsygv
 
 from pushpressslide.core import margins
 from pushpressslide.core.arrays import Array
@@ -74,20 +74,20 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     """Torque (n,) [N m] of springs and dampers that is held constant for a tick, on an
     arm of mass matrix ``M`` (n, n).
 
-    Along each of its motions a damper D on an inertia m would take x = h D / m of the
-    speed in a tick of h: more than all of it from a light joint, which it feeds. Here
-    its torque is (1 + x) / (1 + x + x^2) of that: it takes less than all, whatever gains,
-    inertia and period, and a heavy arm that an object holds back is pushed on by nearly
-    the damper that was asked for. (The implicit Euler method, 1 / (1 + x), lets it lag by
-    a quarter more.) Springs count with their h^2 K / m.
+    Along each of the arm's motions that the dampers leave apart a damper D on an inertia
+    m would take x = h D / m of the speed in a tick of h: more than all of it from a light
+    joint, which it feeds. Here it takes all of it at most, 1 / x of its torque where x is
+    above 1; elsewhere, as on a heavy arm that an object holds back, it is the damper that
+    was asked for. (The implicit Euler method, 1 / (1 + x), lets that arm lag by a quarter
+    more.) Springs count with their h^2 K / m.
     """
     torque, added = impedance
-    shares = _solved(M, added)  # (n, n) X = M^-1 (h D + h^2 K)
-    asked = torque + torque @ shares
-    held = added @ shares
-    held += added
-    held += M
-    out: Array = M @ _solved(held, asked)
+    # x, and the motions, in columns V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
+    taken, motions, failed = dsygv(added, M)
+    if failed:  # of no arm's inertia
+        return M @ np.linalg.solve(M + added, torque)
+    along = (torque @ motions) / np.maximum(taken, 1.0)
+    out: Array = M @ (motions @ along)
     return out
 
 
