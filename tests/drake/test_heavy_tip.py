@@ -174,7 +174,8 @@ def test_a_tip_that_a_spring_leads_feels_spring_and_damper_alone(arm: ArmModel) 
     from a contact."""
     state = arm.state(STRETCHED, np.zeros(7))
     error = np.array([1e-3, 2e-3])
-    share = (DAMPING + PERIOD * 1500.0) / DAMPING  # by which the spring adds to it
-    force = share * np.array([*(DAMPING * error), 0.0])
+    # by which the spring adds to the damper's part in a tick
+    share = (DAMPING + PERIOD * 1500.0) / DAMPING
+    force = np.array([*(DAMPING * error), 0.0])
     led = torque(arm, state, error, stiffness=1500.0)
     assert led == pytest.approx(damped(state, force, share), abs=1e-9)

@@ -41,9 +41,6 @@ def servo(
     uz = command.velocity[2] - velocity[2]
     kn, kt, kz = command.stiffness
     bn, bt, bz = command.damping
-    bn += period * kn
-    bt += period * kt
-    bz += period * kz
     fn = kn * (c * dx + s * dy) + bn * (c * ux + s * uy)
     ft = kt * (-s * dx + c * dy) + bt * (-s * ux + c * uy)
     fz = kz * (command.position[2] - position[2]) + bz * uz
@@ -51,7 +48,11 @@ def servo(
     up = _share_within(abs(fz), command.servo_cap)
     return Servo(
         (along * (c * fn - s * ft), along * (s * fn + c * ft), up * fz),
-        (period * along * bn, period * along * bt, period * up * bz),
+        (
+            period * along * (bn + period * kn),
+            period * along * (bt + period * kt),
+            period * up * (bz + period * kz),
+        ),
     )
 
 

@@ -51,23 +51,18 @@ class Impedance(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """A spring K and a damper D over a tick of h.
-
-    By its end the error has changed by h times that of the velocity, so that the spring
-    adds h K to the damper: K e + (D + h K) u.
-    """
+    """A spring K and a damper D over a tick of h."""
 
     stiffness: float  # K [N m/rad] or [N/m]
-    damping: float  # D + h K [N m s/rad] or [N s/m]
+    damping: float  # D [N m s/rad] or [N s/m]
     added: float  # h (D + h K) [kg m^2] or [kg]
 
 
 def gains(stiffness: float, damping: float, period: float) -> Gains:
-    """Gains at the end of a tick of ``period`` [s] of a spring [N m/rad] and a damper
+    """Gains over a tick of ``period`` [s] of a spring [N m/rad] and a damper
     [N m s/rad], or [N/m] and [N s/m].
     """
-    effective = damping + period * stiffness
-    return Gains(stiffness, effective, period * effective)
+    return Gains(stiffness, damping, period * (damping + period * stiffness))
 
 
 def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
