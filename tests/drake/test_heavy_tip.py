@@ -89,7 +89,7 @@ def damped(state: ArmState, force: np.ndarray, share: float = 1.0) -> np.ndarray
     added = PERIOD * np.diag([turning] * 3 + [along, along, DAMPING])
     posture = gains(POSTURE_STIFFNESS, POSTURE_DAMPING, PERIOD).added
     J = state.J
-    growth = J.T @ added @ J + posture * unfelt(J, J @ J.T)
+    growth = J.T @ added @ J + posture * unfelt(J, J @ J.T).damper
     return held_for_a_tick(Impedance(J[3:].T @ force, growth), state.M)
 
 

@@ -148,7 +148,7 @@ def test_an_arm_with_all_its_motions_is_not_braked() -> None:
 def test_the_posture_makes_no_force_at_the_tip_and_little_moment(seed: int) -> None:
     J = jacobian(seed)
     posture = np.random.default_rng(seed + 10).normal(size=N)
-    tau = unfelt(J, J @ J.T) @ posture
+    tau = unfelt(J, J @ J.T).share @ posture
     # tau = J^T w + what moves neither tip nor tool: w is what holds the posture
     held, *_ = np.linalg.lstsq(J.T, tau, rcond=None)
     assert held[3:] == pytest.approx(np.zeros(3), abs=1e-4)
@@ -163,7 +163,7 @@ def test_where_the_arm_can_hardly_turn_the_tool_the_posture_holds_the_joints() -
     J[:, 6] = J[:, 0]
     J[1, 6] = 0.03  # the axes differ by 2 degrees
     against = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0])
-    tau = unfelt(J, J @ J.T) @ against
+    tau = unfelt(J, J @ J.T).share @ against
     assert tau @ against > 0.9 * (against @ against)
 
 
@@ -190,9 +190,10 @@ def test_the_posture_is_felt_by_a_symmetric_share_of_itself(seed: int) -> None:
     """So that its damper takes energy from the joints, never gives any."""
     J = jacobian(seed)
     free = np.linalg.svd(J)[2][-1]
-    projector = unfelt(J, J @ J.T)
+    share, projector = unfelt(J, J @ J.T)
     assert projector == pytest.approx(projector.T, abs=1e-9)
     # a posture that nothing holds is left whole
+    assert share @ free == pytest.approx(free, abs=1e-6)
     assert projector @ free == pytest.approx(free, abs=1e-6)
     shares = np.linalg.eigvalsh(projector)
     assert shares.min() > -1e-9

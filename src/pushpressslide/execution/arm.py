@@ -20,6 +20,7 @@ from pushpressslide.execution.torque import (
     Gains,
     Impedance,
     LimitedTorque,
+    Unfelt,
     braked,
     gains,
     held_for_a_tick,
@@ -77,7 +78,7 @@ class PostureShare(NamedTuple):
     """What is left of an arm's joints to their posture, at ``q``."""
 
     q: Array  # (n,) [rad]
-    unfelt: Array  # (n, n) projector on torques that the tip does not feel
+    unfelt: Array  # (n, n) of a torque, see ``execution.torque.Unfelt``
     braked: Array | None  # (n, n) as of ``execution.torque.braked``
     added: Array  # (n, n) [kg m^2] of the posture's gains, see ``Impedance``
 
@@ -250,10 +251,11 @@ class ArmExecutor:
         """Share of the joints where they are; ``J`` (6, n) as in ``_of_posture``."""
         n = len(arm.q)
         JJt = J @ J.T
-        left = unfelt(J, JJt) if n > TIP_FREEDOMS else np.zeros((n, n))
+        none = np.zeros((n, n))
+        left = unfelt(J, JJt) if n > TIP_FREEDOMS else Unfelt(none, none)
         brake = braked(arm.J, JJt if J is arm.J else arm.J @ arm.J.T)
-        felt = left if brake is None else left + brake
-        return PostureShare(arm.q, left, brake, self._posture.added * felt)
+        felt = left.damper if brake is None else left.damper + brake
+        return PostureShare(arm.q, left.share, brake, self._posture.added * felt)
 
     def _moment(self, arm: ArmState, command: TipCommand) -> Vector3:
         """Return the moment [N m], world axes, that holds the tool's attitude."""

@@ -50,6 +50,13 @@ class Impedance(NamedTuple):
     added: Array
 
 
+class Unfelt(NamedTuple):
+    """What the tip does not feel of torques and dampers on an arm's joints."""
+
+    share: Array  # (n, n) of a torque
+    damper: Array  # (n, n) of a damper of one: symmetric, and positive semidefinite
+
+
 class Gains(NamedTuple):
     """A spring K and a damper D over a tick of h."""
 
@@ -86,10 +93,9 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     return out
 
 
-def unfelt(J: Array, JJt: Array) -> Array:
-    """Projector (n, n) on the joint torques that neither a force at the tip nor much of
-    a moment on the tool has to hold: symmetric, so that a damper that acts through it
-    takes energy.
+def unfelt(J: Array, JJt: Array) -> Unfelt:
+    """Share of a joint torque that neither a force at the tip nor much of a moment on
+    the tool has to hold.
 
     ``J`` (6, n) at the tip, rows [angular; linear], world axes; ``JJt`` (6, 6) is its
     square. Where the arm can hardly turn the tool its joints are left to such a torque:
@@ -101,8 +107,8 @@ def unfelt(J: Array, JJt: Array) -> Array:
     turning = identity - J.T @ _solved(JJt + SOFTENING, J)
     held = _solved(JJt + FULL_RANK, J)[3:]
     forceless = identity - held.T @ _solved(held @ held.T, held)
-    out: Array = forceless @ turning @ forceless
-    return out
+    share = forceless @ turning
+    return Unfelt(share, share @ forceless)
 
 
 def near_limit(q: Array, lower: Sequence[float], upper: Sequence[float]) -> bool:
