@@ -56,6 +56,8 @@ def test_at_the_least_lever_drag_and_tip_hold_each_other(
     if refusal is not None:
         assert refusal.figure == pytest.approx(own)
         assert refusal.allowed == pytest.approx(lever)
+    turned = lever_refusal(scene, press, margins.HELD_TURN)
+    assert (turned is None) == (margins.HELD_TURN * own >= lever)
 
 
 def test_what_the_object_pushes_is_dragged_along_too() -> None:

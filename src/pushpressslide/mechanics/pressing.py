@@ -133,14 +133,17 @@ def least_lever(scene: Scene, load: float) -> float:
     return holding / scene.max_friction(load)
 
 
-def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
-    """Return that a press has too short a lever to turn the object; None if it has
-    not.
+def lever_refusal(
+    scene: Scene, press: Contact, most_held: float = 1.0
+) -> Refusal | None:
+    """Why a press has too short a lever to turn the object; None where it has not.
+
+    ``most_held``: moment of the friction under the tip, over the drag's.
     """
     cop = pressed_cop(press.point, press.load, scene.weight_on)
     lever = math.dist(press.point, cop)
     least = least_lever(scene, press.load)
-    if lever >= least:
+    if lever >= least / most_held:
         return None
     text = (
         f"pressed with {press.load:.1f} N an object of {scene.weight_on:.2f} N turns "

@@ -40,7 +40,11 @@ class PressPlacements:
             [replace(place, load=load) for place in places] for load in self.loads
         ]
         groups = [
-            [press for press in group if lever_refusal(scene, press) is None]
+            [
+                press
+                for press in group
+                if lever_refusal(scene, press, margins.HELD_TURN) is None
+            ]
             for group in groups
         ]
         firm = [[press for press in group if _firm(scene, press)] for group in groups]
