@@ -49,7 +49,7 @@ mutants: $(READY)
 # The paper's experiments, and the documents that show their figures.
 results: $(READY)
 	$(BIN)/pps reproduce --out runs/results --force
-	$(BIN)/python -m pushpressslide.studies.paper.documents \
+	$(BIN)/python -m pushpressslide_studies.paper.documents \
 	  runs/results/table.md docs/results.md README.md
 
 # The random tasks of docs/random-tasks.md: hours; goes on where it ended.

@@ -9,9 +9,9 @@ import pytest
 
 from pushpressslide.cli import complete
 from pushpressslide.modes import MODES
-from pushpressslide.studies.bench.bench import BENCHMARKS
-from pushpressslide.studies.paper.experiments import AXLE, EXPERIMENTS
 from pushpressslide.taskfile.load import shipped_tasks
+from pushpressslide_studies.bench.bench import BENCHMARKS
+from pushpressslide_studies.paper.experiments import AXLE, EXPERIMENTS
 
 
 def pps(*args: str, folder: Path, **env: str) -> str:

@@ -10,8 +10,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from pushpressslide.cli import app, shell
-from pushpressslide.cli.bench_table import print_benchmarks
 from pushpressslide.cli.text import print_text
+from pushpressslide_studies.cli.bench_table import print_benchmarks
 
 Refusal = Callable[..., str]
 SLIPPERY = ("any-mode", "--set", "contact.friction=0.05", "--set", "limits.legs=1")

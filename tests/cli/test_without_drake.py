@@ -99,7 +99,7 @@ except pps.PushPressSlideError as error:
 
 def test_a_benchmark_names_what_is_missing_and_goes_on(tmp_path: Path) -> None:
     code = """
-from pushpressslide.studies.bench.contestants import press_contestants, push_contestants
+from pushpressslide_studies.bench.contestants import press_contestants, push_contestants
 for contestants in (push_contestants(0), press_contestants(0)):
     print(contestants["Drake"], len(contestants["closed form"]) > 100)
 """

@@ -7,8 +7,8 @@ from pushpressslide.core.errors import PushPressSlideError
 from pushpressslide.jobs.engines import DEFAULT, ENGINES, EngineName, engine_named
 from pushpressslide.jobs.run import run, run_choice, run_task, simulate
 from pushpressslide.jobs.sweep import SweepOptions, sweep
-from pushpressslide.studies.paper.reproduce import reproduce
 from pushpressslide.taskfile.load import load_task
+from pushpressslide_studies.paper.reproduce import reproduce
 
 
 def test_every_name_of_the_command_line_has_its_engine() -> None:

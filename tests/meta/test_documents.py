@@ -18,8 +18,8 @@ from pushpressslide.cli import app
 from pushpressslide.core.pose import Pose2
 from pushpressslide.core.task import Motion
 from pushpressslide.modes import MODES
-from pushpressslide.studies.paper.documents import renewed, summary_of
 from pushpressslide.taskfile.load import task_from_data
+from pushpressslide_studies.paper.documents import renewed, summary_of
 
 ROOT = Path(__file__).parents[2]
 DOCS = sorted((ROOT / "docs").glob("*.md"))

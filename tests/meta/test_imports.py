@@ -86,7 +86,7 @@ def test_no_library_room_imports_studies() -> None:
     importers = {
         module.split(".")[1]
         for module, targets in package_graph().items()
-        if any(name.startswith("pushpressslide.studies") for name in targets)
+        if any(name.startswith("pushpressslide_studies") for name in targets)
     }
     assert importers <= set(ABOVE_THE_LIBRARY)
 

@@ -12,7 +12,7 @@ from pushpressslide.core.task import Task
 from pushpressslide.modes.base import ENOUGH
 from pushpressslide.selection.select import select
 from pushpressslide.selection.stages import plan_stages
-from pushpressslide.studies.bench.selection import CASES
+from pushpressslide_studies.bench.selection import CASES
 
 TASKS = sorted(
     p.name.removesuffix(".yaml")

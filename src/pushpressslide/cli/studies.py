@@ -178,7 +178,7 @@ def reproduce(
     force: Force = False,
 ) -> None:
     """Run the paper's experiments, figure beside figure."""
-    from pushpressslide.studies.paper.reproduce import reproduce as run_experiments
+    from pushpressslide_studies.paper.reproduce import reproduce as run_experiments
 
     folder = results_folder(out, "reproduce", force)
     with progress_bar("experiments of the paper", not quiet) as progress:
@@ -266,7 +266,7 @@ def bench(
     force: Force = False,
 ) -> None:
     """Run the benchmarks beside the alternatives, as ratios."""
-    from pushpressslide.studies.bench.bench import bench as run_benchmarks
+    from pushpressslide_studies.bench.bench import bench as run_benchmarks
 
     folder = results_folder(out, "bench", force)
     with progress_bar("benchmarks", not quiet) as progress:
@@ -274,7 +274,7 @@ def bench(
     if as_json:
         print_json(result)
     elif not quiet:
-        from pushpressslide.cli.bench_table import print_benchmarks
+        from pushpressslide_studies.cli.bench_table import print_benchmarks
 
         print_benchmarks(result["benchmarks"])
         typer.echo(folder)

@@ -1,0 +1,3 @@
+"""The paper's experiments, the benchmarks, and push-T: built on ``pushpressslide``, which
+never imports them.
+"""
