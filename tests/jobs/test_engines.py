@@ -8,7 +8,6 @@ from pushpressslide.jobs.engines import DEFAULT, ENGINES, EngineName, engine_nam
 from pushpressslide.jobs.run import run, run_choice, run_task, simulate
 from pushpressslide.jobs.sweep import SweepOptions, sweep
 from pushpressslide.taskfile.load import load_task
-from pushpressslide_studies.paper.reproduce import reproduce
 
 
 def test_every_name_of_the_command_line_has_its_engine() -> None:
@@ -32,9 +31,6 @@ ENTRIES = {
     "run_choice": lambda task, folder: run_choice(task, None, engine="plana"),
     "sweep": lambda task, folder: sweep(
         task, SweepOptions(samples=1, engine="plana"), folder
-    ),
-    "reproduce": lambda task, folder: reproduce(
-        ["rear-push"], out=folder, engine="plana"
     ),
 }
 

@@ -32,6 +32,6 @@ def test_the_box_comes_to_about_the_same_place():
     assert drake["yaw_deg"] == pytest.approx(alone["yaw_deg"], abs=0.5)
     assert drake["ratio"] > rows["one by one, closed form"]["ratio"]
     if importlib.util.find_spec("mujoco") is None:
-        assert "pushpressslide[bench]" in rows["MuJoCo"]["note"]
+        assert "pushpressslide-studies[bench]" in rows["MuJoCo"]["note"]
     else:
         assert rows["MuJoCo"]["x_mm"] == pytest.approx(alone["x_mm"], abs=3.0)

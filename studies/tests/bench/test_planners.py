@@ -38,7 +38,7 @@ def test_rows_say_what_was_planned(monkeypatch: pytest.MonkeyPatch) -> None:
     assert ours["planned"] == 2
     assert ours["takes_s"] >= ours["way_m"] / 0.05
     if importlib.util.find_spec("ompl") is None:
-        assert "pushpressslide[bench]" in theirs["note"]
+        assert "pushpressslide-studies[bench]" in theirs["note"]
         return
     assert theirs["of"] == 2
     assert theirs["checks"] > 0

@@ -20,7 +20,7 @@ def test_a_missing_package_is_one_clear_line(monkeypatch, capsys, tmp_path) -> N
     folder = str(tmp_path / "out")
     assert status_of("gym-pusht", "--episodes", "1", "--out", folder) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "pip install 'pushpressslide[pusht]'" in line
+    assert "pip install 'pushpressslide-studies[pusht]'" in line
     assert not Path(folder).exists()
 
 

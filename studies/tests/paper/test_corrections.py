@@ -15,7 +15,7 @@ from pushpressslide_studies.paper.corrections import (
     with_corrections,
 )
 
-PAGE = Path(__file__).parents[3] / "docs" / "corrections.md"
+PAGE = Path(__file__).parents[2] / "docs" / "corrections.md"
 MECHANICS = (Path(__file__).parents[3] / "docs" / "mechanics.md").read_text("utf-8")
 CORRECTIONS = dict(zip((row.__name__ for row in ROWS), corrections(), strict=True))
 
@@ -118,7 +118,8 @@ def test_every_correction_shows_a_difference_in_the_digits_that_it_prints(
 def test_the_page_is_current() -> None:
     text = PAGE.read_text("utf-8")
     assert with_corrections(text) == text, (
-        "renew: python -m pushpressslide_studies.paper.corrections docs/corrections.md"
+        "renew: python -m pushpressslide_studies.paper.corrections "
+        "studies/docs/corrections.md"
     )
 
 

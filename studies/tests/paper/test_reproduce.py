@@ -182,3 +182,11 @@ def test_joint_term_and_servo_make_up_for_too_little_force(tmp_path: Path) -> No
     assert servo["motion_duration"] < 0.3 * less["motion_duration"]
     for key in ("rms_position_error", "rms_end_effector_error", "rms_yaw_error"):
         assert servo[key] < 0.2 * less[key]
+
+
+def test_an_unknown_engine_is_refused_before_anything_runs(tmp_path: Path) -> None:
+    with pytest.raises(
+        PushPressSlideError, match="engine: 'plana' is not allowed; allowed: drake"
+    ):
+        reproduce.reproduce(["rear-push"], out=tmp_path / "out", engine="plana")
+    assert not (tmp_path / "out").exists()

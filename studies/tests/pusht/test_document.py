@@ -7,7 +7,7 @@ from pushpressslide_studies.pusht.benchmark import figures_of
 from pushpressslide_studies.pusht.game import Episode
 from pushpressslide_studies.pusht.published import PUBLISHED
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "gym-pusht.md").read_text(encoding="utf-8")
 
 

@@ -74,8 +74,8 @@ def measured(what: str, median: float, first: float, **figures: float) -> Row:
 
 
 def not_installed(extra: str) -> str:
-    """Return the note on a contestant whose package an extra of ours brings."""
-    return f"not installed: pip install 'pushpressslide[{extra}]'"
+    """Return the note on a contestant that an extra brings, as ``pushpressslide[drake]``."""
+    return f"not installed: pip install '{extra}'"
 
 
 def missing(what: str, note: str) -> Row:

@@ -37,8 +37,8 @@ PUSHES: tuple[tuple[Pair, Pair], ...] = (
 )
 # points [m]
 PRESSES: tuple[Pair, ...] = (((0.0, 0.3), (0.0, -0.3)), ((-0.1, 0.2), (0.15, -0.2)))
-ABSENT = not_installed("bench")
-NO_DRAKE = not_installed("drake")
+ABSENT = not_installed("pushpressslide-studies[bench]")
+NO_DRAKE = not_installed("pushpressslide[drake]")
 
 
 def push_contestants(seed: int) -> Contestants:

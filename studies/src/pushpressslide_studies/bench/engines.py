@@ -40,9 +40,9 @@ EXACT_BODIES = 300  # on the exact surface
 ROUNDS = 5
 PHYSICS_STEP = 0.002  # [s] of MuJoCo and Drake
 STIFF = 2_000.0  # [N s/m] of the ball's velocity servo, and of the compliant tip
-NO_DRAKE = not_installed("drake")
-NO_MUJOCO = not_installed("bench")
-NO_NUMBA = not_installed("fast")
+NO_DRAKE = not_installed("pushpressslide[drake]")
+NO_MUJOCO = not_installed("pushpressslide-studies[bench]")
+NO_NUMBA = not_installed("pushpressslide[fast]")
 
 
 State = TypeVar("State")  # of many bodies

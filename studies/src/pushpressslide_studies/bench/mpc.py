@@ -44,7 +44,7 @@ FORCE = 0.02  # [m/s] of the force's size, which is a velocity here
 FINE = 0.0005  # [m] between the poses of a path that are looked at
 LONGEST = 1.5  # times the path that a push may take
 OFF = 0.25  # of rho and friction, that the plant differs from what is believed
-ABSENT = not_installed("bench")
+ABSENT = not_installed("pushpressslide-studies[bench]")
 
 Controller = Callable[[Pose2, float], Point | None]
 """From X_WB and the way [m] that the reference has done to the pusher's velocity [m/s] in

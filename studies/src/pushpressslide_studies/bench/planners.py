@@ -30,7 +30,7 @@ from pushpressslide.selection.preparation import PlansAlone
 from pushpressslide.selection.solve import solve
 from pushpressslide.selection.waypoints import free_space
 from pushpressslide.taskfile.load import load_task
-from pushpressslide_studies.bench.compared import Row, missing
+from pushpressslide_studies.bench.compared import Row, missing, not_installed
 
 PROBLEMS = 20
 MODE = "rear_push"
@@ -44,7 +44,7 @@ ROOM = 0.5  # [m] round the box of start and goal, in which OMPL's planners look
 PATIENCE = 10.0  # [s] that one of OMPL's planners may take
 PLANNERS = ("RRTConnect", "RRT", "KPIECE1", "BITstar")
 OURS = "search over pushes"
-NO_OMPL = "not installed: pip install 'pushpressslide[bench]'"
+NO_OMPL = not_installed("pushpressslide-studies[bench]")
 
 
 class Found(NamedTuple):

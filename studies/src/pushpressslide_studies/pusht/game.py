@@ -51,7 +51,7 @@ def open_game(picture_size: int = 96) -> Game:
     except ImportError as error:
         raise PushPressSlideError(
             f"gym-pusht is not installed ({error.name} is missing); "
-            "pip install 'pushpressslide[pusht]' installs it"
+            "pip install 'pushpressslide-studies[pusht]' installs it"
         ) from error
     return gymnasium.make(
         NAME,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pushpressslide.cli.app import answer, command
+from pushpressslide.cli.app import answer, unpacked
 from pushpressslide.cli.folders import results_folder
 from pushpressslide.cli.options import Force, Json, Out, Quiet
 from pushpressslide.cli.shell import progress_bar
@@ -49,7 +49,7 @@ class PushTOptions:
     force: Force = False
 
 
-@command
+@unpacked
 def gym_pusht(options: PushTOptions) -> None:
     """Play the benchmark push-T in the package gym-pusht.
 

@@ -1,4 +1,4 @@
-"""The commands on many runs: sweep, reproduce, identify, bench."""
+"""The commands on many runs: sweep and identify."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pushpressslide.cli import complete
-from pushpressslide.cli.app import answer, app, command, print_json, task_of
+from pushpressslide.cli.app import answer, command, task_of
 from pushpressslide.cli.folders import results_folder
 from pushpressslide.cli.options import (
     Drawing,
@@ -160,34 +159,6 @@ def sweep(options: SweepOptions) -> None:
     answer(result, options, show)
 
 
-@app.command()
-def reproduce(
-    only: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--only",
-            metavar="NAME",
-            help=f"This experiment; repeatable: {', '.join(complete.EXPERIMENTS)}.",
-            autocompletion=complete.experiments,
-        ),
-    ] = None,
-    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Runs at a time.")] = 2,
-    seed: Seed = 0,
-    out: Out = None,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
-    """Run the paper's experiments, figure beside figure."""
-    from pushpressslide_studies.paper.reproduce import reproduce as run_experiments
-
-    folder = results_folder(out, "reproduce", force)
-    with progress_bar("experiments of the paper", not quiet) as progress:
-        page = run_experiments(
-            only or None, seed=seed, out=folder, jobs=jobs, progress=progress
-        )
-    typer.echo(page)
-
-
 @dataclass(frozen=True)
 class IdentifyOptions:
     """Argument and options of ``pps identify``, in the order of its help."""
@@ -247,34 +218,3 @@ def identify(options: IdentifyOptions) -> None:
         typer.echo(folder / "report.html")
 
     answer(result, options, show)
-
-
-@app.command()
-def bench(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="NAME",
-            help=f"Of {', '.join(complete.BENCHMARKS)}; default: all.",
-            autocompletion=complete.benchmarks,
-        ),
-    ] = None,
-    seed: Seed = 0,
-    out: Out = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-    force: Force = False,
-) -> None:
-    """Run the benchmarks beside the alternatives, as ratios."""
-    from pushpressslide_studies.bench.bench import bench as run_benchmarks
-
-    folder = results_folder(out, "bench", force)
-    with progress_bar("benchmarks", not quiet) as progress:
-        result = run_benchmarks(names or None, seed=seed, out=folder, progress=progress)
-    if as_json:
-        print_json(result)
-    elif not quiet:
-        from pushpressslide_studies.cli.bench_table import print_benchmarks
-
-        print_benchmarks(result["benchmarks"])
-        typer.echo(folder)
