@@ -50,12 +50,12 @@ mutants: $(READY)
 results: $(READY)
 	$(BIN)/pps reproduce --out runs/results --force
 	$(BIN)/python -m pushpressslide_studies.paper.documents \
-	  runs/results/table.md docs/results.md README.md
+	  runs/results/table.md studies/docs/results.md README.md
 
-# The random tasks of docs/random-tasks.md: hours; goes on where it ended.
+# The random tasks of studies/docs/random-tasks.md: hours; goes on where it ended.
 random-tasks: $(READY)
-	$(BIN)/python tools/random_tasks.py run
-	$(BIN)/python tools/random_tasks.py write
+	$(BIN)/python studies/tools/random_tasks.py run
+	$(BIN)/python studies/tools/random_tasks.py write
 
 picture: $(READY)
 	$(BIN)/pps reproduce --only rear-push --out runs/picture --force

@@ -1,10 +1,10 @@
-"""Run the benchmarks of docs/benchmarks.md, and write the page from their figures.
+"""Run the benchmarks of studies/docs/benchmarks.md, and write page and README.
 
-    python tools/benchmarks.py [run | write] [--only NAME ...]
+    python studies/tools/benchmarks.py [run | write] [--only NAME ...]
 
-``run`` writes docs/data/bench.json and the plots, ``write`` the pages alone; both by
-default. ``--only`` runs some again and keeps the figures of the others. Nothing else
-should run meanwhile: all take some ten minutes.
+``run`` writes studies/docs/data/bench.json and the plots, ``write`` the pages alone;
+both by default. ``--only`` runs some again and keeps the figures of the others. Nothing
+else should run meanwhile: all take some ten minutes.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ NAMES = (
     "start",
     "scaling",
 )
-DATA = Path("docs/data/bench.json")
-PAGE = Path("docs/benchmarks.md")
+DATA = Path("studies/docs/data/bench.json")
+PAGE = Path("studies/docs/benchmarks.md")
 README = Path("README.md")
-FIGURES = Path("docs/figures")
+FIGURES = Path("studies/docs/figures")
 
 
 def run(names: Sequence[str]) -> None:
@@ -73,7 +73,7 @@ def write() -> None:
         "",
         "![Times over sizes](figures/bench-scaling.png)",
         "",
-        f"Made by `python tools/benchmarks.py` on {result['machine']}; {versions}.",
+        f"Made by `python studies/tools/benchmarks.py` on {result['machine']}; {versions}.",
     ]
     _renew(PAGE, "bench", "\n".join(parts))
     _renew(README, "speed", "\n".join(_speed(result["benchmarks"])))
@@ -98,7 +98,7 @@ def _fact(benchmarks: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
         f"quickest solver takes {quickest:.1f} times as long. Tracking and allocation "
         f"together take {ours['median_us']:.2g} µs; one step of a model-predictive "
         f"controller takes {hpipm['ratio']:.0f} times as long "
-        "([benchmarks](docs/benchmarks.md))."
+        "([benchmarks](studies/docs/benchmarks.md))."
     )
 
 

@@ -1,6 +1,6 @@
-"""Run the tasks of docs/other-planners.md, and write what came of them there.
+"""Run the tasks of studies/docs/other-planners.md, and write what came of them there.
 
-python tools/other_planners.py
+python studies/tools/other_planners.py
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import pushpressslide as pps
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide_studies.paper.documents import renewed
 
-ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "other-planners.md"
-DATA = ROOT / "docs" / "data" / "other-planners.json"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "other-planners.md"
+DATA = DOCS / "data" / "other-planners.json"
 TASKS = {
     "sugar-box": (),
     "tee": (),

@@ -1,13 +1,13 @@
-"""Draw the tables of docs/random-tasks.md, and write the page from their rows.
+"""Draw the tables of studies/docs/random-tasks.md, and write the page from their rows.
 
-    python tools/random_tasks.py run [--jobs N] [TABLE ...]
-    python tools/random_tasks.py write
+    python studies/tools/random_tasks.py run [--jobs N] [TABLE ...]
+    python studies/tools/random_tasks.py write
 
-``run`` goes on where it ended: the rows of a table, in docs/data/TABLE.jsonl, count as
-long as the package's sources are those that made them. One table is complete before the
-next begins. docs/data/sources.json says which commit has those sources, and how they
-solve contacts in Drake. ``write`` renews the page and the README between their marks; it
-runs nothing.
+``run`` goes on where it ended: the rows of a table, in studies/docs/data/TABLE.jsonl,
+count as long as the package's sources are those that made them. One table is complete
+before the next begins. sources.json beside them says which commit has those sources,
+and how they solve contacts in Drake. ``write`` renews the page and the README between
+their marks; it runs nothing.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from pushpressslide.jobs import sampling
 from pushpressslide.jobs.summary import interval, share, summarise
 from pushpressslide_studies.paper.documents import renewed
 
-DATA = Path("docs/data")
-PAGE = Path("docs/random-tasks.md")
+DATA = Path("studies/docs/data")
+PAGE = Path("studies/docs/random-tasks.md")
 README = Path("README.md")
 WORK = Path("runs/random-tasks")
 SAMPLE_TIME = 600.0  # [s] that one sample may take
@@ -487,7 +487,7 @@ def page() -> list[str]:
         "",
         *(f"- `{table.command}`" for table in TABLES if read(table)[0]),
         "",
-        f"The rows are in [docs/data](data); keys of the sweeps: {', '.join(keys)}.",
+        f"The rows are in [data](data); keys of the sweeps: {', '.join(keys)}.",
     ]
 
 
@@ -518,7 +518,7 @@ def fact() -> str:
         f"{summary['reached']} of the {tried} ended within 10 mm and 2° in Drake (95 % "
         f"interval {low:.0f} to {high:.0f} %), half of them within {position:.1f} mm and "
         f"{yaw:.1f}°{by_older(tables)}. The objects: {drawn_objects()} "
-        "([random tasks](docs/random-tasks.md))."
+        "([random tasks](studies/docs/random-tasks.md))."
     )
 
 

@@ -1,5 +1,5 @@
 """Does a flat finger stick: the prediction beside pushes on the planar engine
-(docs/stable-push.md).
+(studies/docs/stable-push.md).
 
 The finger's ends are two compliant tips that follow its motion. Each tick the engine
 finds the object's twist on the exact limit surface; the springs stretch by what the

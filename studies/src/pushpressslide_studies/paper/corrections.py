@@ -2,7 +2,7 @@
 
 Both are computed when asked for. One row for each of docs/mechanics.md, section 12.
 Renew the page by ``python -m pushpressslide_studies.paper.corrections
-docs/corrections.md``.
+studies/docs/corrections.md``.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def markdown(rows: Sequence[Correction]) -> str:
             f"| {f.what} | {_rho(f)} | {f.shown(f.paper)} | {f.shown(f.holds)} |"
             for f in row.figures
         ]
-        why = f"{row.why} ([mechanics](mechanics.md), {row.section})"
+        why = f"{row.why} ([mechanics](../../docs/mechanics.md), {row.section})"
         parts.append(f"**{row.claim}.** {why}\n\n" + "\n".join(lines))
     return "\n\n".join(parts)
 

@@ -18,7 +18,7 @@ from pushpressslide_studies.paper.two_arms import (
 )
 
 AXLE = (
-    "virtual-axle"  # the analysis of studies/paper/virtual_axle.py, in its light form
+    "virtual-axle"  # the analysis of virtual_axle.py, in its light form
 )
 EXPERIMENTS: dict[str, Experiment] = {
     experiment.name: experiment

@@ -2,7 +2,7 @@
 
 The box of the task ``press-slide``, pressed with several loads at two heights and
 dragged in many directions, open loop. Source: docs/mechanics.md, sections 4 and 4.1;
-docs/virtual-axle.md.
+studies/docs/virtual-axle.md.
 """
 
 from __future__ import annotations

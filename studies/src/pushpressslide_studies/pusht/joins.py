@@ -1,10 +1,10 @@
 """Three pushes that join two poses, in closed form.
 
-Source: docs/gym-pusht.md. A push with a fixed contact turns the T about a point fixed in
-the body, beside the centre of mass. The first centre of rotation stands still in the
-world from the start on, the last one up to the goal; the middle one is as far from both
-as in the body: it is where two circles meet. Of pushes on one face these are the words of
-three arcs of Dubins. All triples of contacts are solved at once.
+Source: studies/docs/gym-pusht.md. A push with a fixed contact turns the T about a point
+fixed in the body, beside the centre of mass. The first centre of rotation stands still
+in the world from the start on, the last one up to the goal; the middle one is as far
+from both as in the body: it is where two circles meet. Of pushes on one face these are
+the words of three arcs of Dubins. All triples of contacts are solved at once.
 """
 
 from __future__ import annotations

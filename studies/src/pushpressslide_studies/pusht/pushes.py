@@ -1,8 +1,8 @@
 """One push without friction: the T moves on an arc.
 
-Source: docs/gym-pusht.md. The force is along the inward normal n of the face, so the
-centre of mass moves along n, fixed in the body, and the T turns by -left / rho^2 per
-length: a car that is steered by the place of the contact.
+Source: studies/docs/gym-pusht.md. The force is along the inward normal n of the face,
+so the centre of mass moves along n, fixed in the body, and the T turns by -left / rho^2
+per length: a car that is steered by the place of the contact.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the studies simulate in Drake beside runs: the only room here that imports pydrake.
+"""What the studies simulate in Drake beside runs: only this room imports pydrake.
 
 Importing it, or any module of it, raises MissingPackageError where Drake is not
 installed.
