@@ -17,9 +17,7 @@ from pushpressslide_studies.paper.two_arms import (
     TWO_ARMS,
 )
 
-AXLE = (
-    "virtual-axle"  # the analysis of virtual_axle.py, in its light form
-)
+AXLE = "virtual-axle"  # the analysis of virtual_axle.py, in its light form
 EXPERIMENTS: dict[str, Experiment] = {
     experiment.name: experiment
     for experiment in (
