@@ -13,14 +13,14 @@ import pytest
 
 from pushpressslide_studies.paper.documents import renewed
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 pytest.importorskip("pydrake", reason="Drake is not installed")
 
 
 @pytest.fixture
 def tool(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.chdir(ROOT)
-    path = ROOT / "tools" / "random_tasks.py"
+    path = ROOT / "studies" / "tools" / "random_tasks.py"
     spec = importlib.util.spec_from_file_location("random_tasks", path)
     assert spec is not None
     assert spec.loader is not None
