@@ -10,9 +10,9 @@ from typing import Any
 
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
-from pushpressslide.report.axle_figures import directions_figure
 from pushpressslide.report.page import document, image
 from pushpressslide.report.page_tables import group_row, table
+from pushpressslide_studies.paper.axle_figure import directions_figure
 
 COLUMNS = (
     "force",

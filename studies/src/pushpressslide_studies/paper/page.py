@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pushpressslide.core.whole_file import write_whole
 from pushpressslide.report import style
-from pushpressslide.report.axle_figures import axle_over_time, directions_figure
+from pushpressslide.report.axle_figures import axle_over_time
 from pushpressslide.report.files import Run, load_run
 from pushpressslide.report.page import document, image
 from pushpressslide.report.page_tables import (
@@ -22,6 +22,7 @@ from pushpressslide.report.page_tables import (
 from pushpressslide.report.plane import path_figure
 from pushpressslide.report.plots import comparison_plot
 from pushpressslide_studies.paper import corrections
+from pushpressslide_studies.paper.axle_figure import directions_figure
 from pushpressslide_studies.paper.axle_page import page_body, write_virtual_axle
 from pushpressslide_studies.paper.bands import RULES
 from pushpressslide_studies.paper.claim import Claim
