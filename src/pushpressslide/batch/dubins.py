@@ -35,6 +35,7 @@ TURNS = 1.0 / TURN
 # of this share of the radii, count as zero
 ROUND_OFF = 1e-12
 SAME_POSE = 5e-11  # poses this close, in radii and [rad], are one
+BLUR = 1e-15  # of coordinates and radii, that is unknown of where a centre is
 
 
 class DubinsPaths(NamedTuple):
@@ -71,6 +72,7 @@ class Circles(NamedTuple):
     right_x: Column
     right_y: Column
     yaw: Column  # [rad] of the goal
+    blur: Column  # [m] that is unknown of the centres
 
 
 class Path(NamedTuple):
@@ -195,7 +197,9 @@ def circles_of(start: Pose, goal: Pose, limits: Limits) -> Circles:
     yaw = where(same, 0.0, yaw)
     c = cos(yaw)
     s = sin(yaw)
-    return Circles(rl, rr, x - rl * s, y + rl * c, x + rr * s, y - rr * c, yaw)
+    places = np.abs(start.x) + np.abs(start.y) + np.abs(goal.x) + np.abs(goal.y)
+    blur = BLUR * (places + rl + rr)
+    return Circles(rl, rr, x - rl * s, y + rl * c, x + rr * s, y - rr * c, yaw, blur)
 
 
 def turn(angle: Column) -> Column:
@@ -205,10 +209,16 @@ def turn(angle: Column) -> Column:
 
 
 def line_of(dx: Column, dy: Column, c: Circles) -> Line:
-    """Return length and direction of a line; of none the direction is zero."""
+    """Length and direction of a line: zero of none, and a heading's where it is along
+    that but for rounding.
+    """
     length = np.sqrt(dx * dx + dy * dy)
     some = length > ROUND_OFF * (c.rl + c.rr)
-    return Line(length, where(some, arctan2(dy, dx), 0.0))
+    angle = where(some, arctan2(dy, dx), 0.0)
+    past = angle - c.yaw
+    past = past - TURN * np.floor(past * TURNS + 0.5)
+    angle = where(np.abs(past) * length <= c.blur, c.yaw, angle)
+    return Line(length, where(np.abs(angle) * length <= c.blur, 0.0, angle))
 
 
 def path_of(word: float, first: Column, middle: Column, last: Column) -> Path:

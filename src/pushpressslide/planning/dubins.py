@@ -28,6 +28,11 @@ _ROUND_OFF = 1e-12
 # jumps by whole circles.
 _SAME_POSE = 5e-11
 
+# Of the coordinates and radii: what rounding leaves unknown of where a centre is. A
+# tangent along one of the headings but for that is along it: else a straight of 1e-8 m
+# begins or ends with a whole circle.
+_BLUR = 1e-15
+
 # Length [m], word, first arc [rad], middle [rad] or [m], last arc [rad].
 _Solution = tuple[float, Word, float, float, float]
 
@@ -52,6 +57,7 @@ class _Circles:
     left: Point  # [m]
     right: Point
     yaw: float  # [rad] of the goal
+    blur: float  # [m] that is unknown of the centres
 
     @classmethod
     def between(
@@ -74,7 +80,11 @@ class _Circles:
             x = y = yaw = 0.0
         s = math.sin(yaw)
         c = math.cos(yaw)
-        return cls(rl, rr, (x - rl * s, y + rl * c), (x + rr * s, y - rr * c), yaw)
+        places = abs(start.x) + abs(start.y) + abs(goal.x) + abs(goal.y)
+        blur = _BLUR * (places + rl + rr)
+        left = (x - rl * s, y + rl * c)
+        right = (x + rr * s, y - rr * c)
+        return cls(rl, rr, left, right, yaw, blur)
 
     @property
     def both(self) -> float:
@@ -101,10 +111,17 @@ class _Circles:
         return self._line(self.right[0], self.right[1] + self.rr)
 
     def _line(self, dx: float, dy: float) -> Point:
+        """Length [m] and direction [rad] of a line between centres; no direction of
+        none, and a heading's where it is along that but for rounding.
+        """
         length = math.hypot(dx, dy)
-        if length > _ROUND_OFF * self.both:
-            return length, math.atan2(dy, dx)
-        return length, 0.0
+        if length <= _ROUND_OFF * self.both:
+            return length, 0.0
+        angle = math.atan2(dy, dx)
+        for heading in (0.0, self.yaw):
+            if abs(math.remainder(angle - heading, _TURN)) * length <= self.blur:
+                return length, heading
+        return length, angle
 
     def inner(self) -> Iterator[_Solution]:
         """Yield LSR and RSL, along the inner tangents, where there are any."""
