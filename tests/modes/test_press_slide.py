@@ -15,6 +15,7 @@ from pushpressslide.core.task import PLANNED_SHARE, Box, Cylinder, ObjectModel, 
 from pushpressslide.jobs.sampling import random_task
 from pushpressslide.mechanics.pressing import least_load, lever_refusal
 from pushpressslide.modes.press_slide import MODE, dragged
+from pushpressslide.planning.pressed.placements import turned_by_tool
 from pushpressslide.planning.pressed.turns import steering_of
 from pushpressslide.planning.pressed.vehicle import press_of
 from pushpressslide.rom.drives import TurnDrive, UnicycleDrive
@@ -112,8 +113,10 @@ def test_no_light_body_is_steered_where_the_tip_holds_its_turn(index: int) -> No
         if choice.feasible:
             (contact,) = choice.contacts
             turns = isinstance(choice.segments[0].drive, TurnDrive)
-            most = margins.HELD_TURN if turns else 1.0
-            assert lever_refusal(task.scene, contact, most) is None
+            if turns:
+                assert turned_by_tool(task.scene, contact)
+            else:
+                assert lever_refusal(task.scene, contact) is None
 
 
 def test_a_top_too_small_for_a_tip_is_refused_by_name() -> None:

@@ -39,7 +39,7 @@ vehicle is steered so.
 """
 HELD_TURN = 8.0
 """Of the drag's moment: as much of the patch's friction a turn may have, which the tool
-makes along with the object. Of 31 random objects of 50 to 160 g those with less than 9.5
+makes along with the object. Of 31 random objects of 50 to 160 g those with up to 9.5
 came within 1.7 mm and 1 degree of their goals, the two with more missed by 5 and 9.5.
 """
 LEVER_SHARE = 0.5

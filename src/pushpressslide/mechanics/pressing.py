@@ -133,17 +133,16 @@ def least_lever(scene: Scene, load: float) -> float:
     return holding / scene.max_friction(load)
 
 
-def lever_refusal(
-    scene: Scene, press: Contact, most_held: float = 1.0
-) -> Refusal | None:
-    """Why a press has too short a lever to turn the object; None where it has not.
+def press_lever(scene: Scene, press: Contact) -> float:
+    """Distance [m] of a press from the centre of pressure."""
+    return math.dist(press.point, pressed_cop(press.point, press.load, scene.weight_on))
 
-    ``most_held``: moment of the friction under the tip, over the drag's.
-    """
-    cop = pressed_cop(press.point, press.load, scene.weight_on)
-    lever = math.dist(press.point, cop)
+
+def lever_refusal(scene: Scene, press: Contact) -> Refusal | None:
+    """Reason against steering by a press: its lever is too short to turn the object."""
+    lever = press_lever(scene, press)
     least = least_lever(scene, press.load)
-    if lever >= least / most_held:
+    if lever >= least:
         return None
     text = (
         f"pressed with {press.load:.1f} N an object of {scene.weight_on:.2f} N turns "
