@@ -84,6 +84,9 @@ def held_for_a_tick(impedance: Impedance, M: Array) -> Array:
     more.) Springs count with their h^2 K / m.
     """
     torque, added = impedance
+    _, exceeded = dpotrf(M - added)  # definite where every x is below 1
+    if not exceeded:
+        return torque
     # x, and the motions, in columns V: V^T M V = 1, V^T (h D + h^2 K) V = diag(x)
     taken, motions, failed = dsygv(added, M)
     if failed:  # of no arm's inertia
