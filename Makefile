@@ -3,7 +3,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-# An idle worker takes tests from a busy one: some take minutes.
+# A process for each core, so one thread for the linear algebra of each: more of them wait
+# for each other. An idle worker takes tests from a busy one: some take minutes.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
 PYTEST := $(BIN)/pytest -n auto --dist worksteal
 
 # The newest supported Python on this machine that is newer than the oldest; may be empty.

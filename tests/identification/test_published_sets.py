@@ -32,6 +32,9 @@ PUBLISHED = {
     "patch": (54.7, 45.2),
 }
 
+LOSS = math.radians(0.3)
+"""By which a fit may lose to what statics expects."""
+
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, Identification]:
@@ -63,6 +66,7 @@ def test_the_fitted_pressure_beats_the_ellipsoid_on_every_set_and_by_a_quarter_o
         bar = math.degrees(each.scores["ellipsoid"].mean)
         assert 7.8 < bar < 17.3
         gains[name] = 1.0 - each.scores["pressure"].mean / each.scores["ellipsoid"].mean
+        assert each.scores["pressure"].mean - each.scores["no_fit"].mean <= LOSS
     assert min(gains.values()) > 0.15, gains
     assert sum(gains.values()) / len(gains) > 0.3, gains
 
@@ -85,11 +89,8 @@ def test_friction_is_that_of_one_pair_of_materials(
         assert 0.28 < each.pressure.friction < 0.36
 
 
-LOSS = math.radians(0.3)
-
-
 @pytest.mark.long
-@pytest.mark.parametrize("fit_share", [0.16, 0.3, 0.5])
+@pytest.mark.parametrize("fit_share", [0.16, 0.3])
 def test_the_fitted_pressure_never_loses_to_what_statics_expects(
     fit_share: float,
 ) -> None:
